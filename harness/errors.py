@@ -1,0 +1,41 @@
+"""Every error that this project raises on purpose.
+
+HarnessError
+├── UsageError            what the user gave cannot be used: one line, exit status 2, nothing written
+├── PluginError           a plugin is broken: names the plugin, its distribution and the target
+├── SimulationDiverged    a simulation left the finite numbers: the cell fails, the plan goes on
+├── ContractViolation     a plugin breaks its interface's contract: names the check
+└── SchemaError           a results file is not what this version reads
+"""
+
+
+class HarnessError(Exception):
+    """Root of the tree: catching it catches whatever this project raises on purpose."""
+
+
+class UsageError(HarnessError):
+    """What was given, what is allowed, what to do next; in one line."""
+
+
+class PluginError(HarnessError):
+    """A plugin cannot be imported, or registers what it does not have."""
+
+
+class SimulationDiverged(HarnessError):
+    """A simulator returned a number that is not finite."""
+
+
+class ContractViolation(HarnessError):
+    """A simulator, reward or algorithm breaks its interface's contract.
+
+    Attributes:
+        check: Name of the check that failed.
+    """
+
+    def __init__(self, check: str, message: str) -> None:
+        super().__init__(f"{check}: {message}")
+        self.check = check
+
+
+class SchemaError(HarnessError):
+    """A results file is damaged, or written by a newer version than this one."""

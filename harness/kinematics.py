@@ -1,0 +1,179 @@
+"""Where a serial chain's tip is, and how it moves with the joints: exact, batched, numpy only.
+
+Frames: `world` is the root link's frame. `T_a_b` (4, 4) turns coordinates in frame b into coordinates in frame a, so
+that `T_a_b @ T_b_c` is `T_a_c`. A joint has a frame that stands still in its parent link, and turns (revolute,
+continuous) or slides (prismatic) its child link's frame away from it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harness.errors import UsageError
+from harness.urdf import Joint, JointKind
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The joints that move, in order from the root; the fixed ones are folded into the transforms between them.
+
+    All arrays are read-only float64.
+
+    Attributes:
+        T_previous_joint: Each joint's frame in the child frame of the joint before it, the first one's in the world;
+            translation in [m], shape (dof, 4, 4).
+        axes: Unit vector of each joint's motion, in the joint's frame, shape (dof, 3).
+        kinds: How each joint moves, dof entries, none of them fixed.
+        T_last_tip: The tip link's frame in the last joint's child frame, shape (4, 4).
+    """
+
+    T_previous_joint: Array
+    axes: Array
+    kinds: tuple[JointKind, ...]
+    T_last_tip: Array
+
+    @property
+    def dof(self) -> int:
+        """Number of joints that move."""
+        return len(self.kinds)
+
+    @cached_property
+    def slides(self) -> NDArray[np.bool_]:
+        """Which joints are prismatic, shape (dof,)."""
+        return np.equal(self.kinds, "prismatic")
+
+    @cached_property
+    def terms(self) -> tuple[Array, Array]:
+        """A and B, both (dof, 4, 4), such that T_previous_child = T_previous_joint + a A + b B with two numbers a, b.
+
+        With T = T_previous_joint: a turn by q about an axis with the cross-product matrix K is
+        1 + sin(q) K + (1 - cos(q)) K K (Rodrigues), so A = T K, a = sin(q), B = T K K, b = 1 - cos(q). A slide by q is
+        1 + q D, where D is zero but for the axis in its last column, so A = T D, a = q, and B = 0.
+        """
+        generators = np.zeros((self.dof, 4, 4))  # K or D
+        generators[:, :3, :3] = np.where(self.slides[:, None, None], 0.0, _cross_product_matrices(self.axes))
+        generators[:, :3, 3] = np.where(self.slides[:, None], self.axes, 0.0)
+        first = self.T_previous_joint @ generators
+        return _read_only(first), _read_only(first @ generators)  # D D = 0
+
+
+def build_chain(joints: Sequence[Joint]) -> Chain:
+    """The chain of `joints`, given in order from the root link to the tip link, at least one of them moving."""
+    moving = [joint for joint in joints if joint.kind != "fixed"]
+    steps: list[Array] = []
+    T_previous_next: Array = np.eye(4)
+    for joint in joints:
+        T_previous_next = T_previous_next @ _constant_step(joint)
+        if joint.kind != "fixed":
+            steps.append(T_previous_next)
+            T_previous_next = np.eye(4)
+    return Chain(
+        T_previous_joint=_read_only(np.stack(steps)),
+        axes=_read_only(np.array([joint.axis for joint in moving])),
+        kinds=tuple(joint.kind for joint in moving),
+        T_last_tip=_read_only(T_previous_next),
+    )
+
+
+def forward(chain: Chain, qpos: ArrayLike) -> Array:
+    """T_world_tip, the tip link's pose.
+
+    Args:
+        chain: The chain, dof joints.
+        qpos: Joint positions, [rad] or, for a prismatic joint, [m], shape (..., dof).
+
+    Returns:
+        Homogeneous transforms, translation in [m], shape (..., 4, 4).
+
+    Raises:
+        UsageError: The last axis of qpos is not dof long.
+    """
+    return _child_frames(chain, qpos)[-1] @ chain.T_last_tip
+
+
+def end_effector_position(chain: Chain, qpos: ArrayLike) -> Array:
+    """The tip link's origin in the world frame, [m], shape (..., 3); arguments and errors as for `forward`."""
+    return forward(chain, qpos)[..., :3, 3]
+
+
+def position_jacobian(chain: Chain, qpos: ArrayLike) -> Array:
+    """How the tip link's origin moves with each joint: d position / d qpos in the world frame.
+
+    The linear half of the geometric Jacobian: column j is axis_j x (tip - origin_j) where joint j turns, and axis_j
+    where it slides.
+
+    Args:
+        chain: The chain, dof joints.
+        qpos: Joint positions, [rad] or, for a prismatic joint, [m], shape (..., dof).
+
+    Returns:
+        [m/rad], for a prismatic joint [m/m], shape (..., 3, dof).
+
+    Raises:
+        UsageError: The last axis of qpos is not dof long.
+    """
+    frames = _child_frames(chain, qpos)
+    tip = (frames[-1] @ chain.T_last_tip)[..., :3, 3]
+    T_world_child = np.stack(frames, axis=-3)  # (..., dof, 4, 4)
+    # A joint's own motion leaves its axis where it is, and a turning joint's origin: the child frame gives both.
+    axes = (T_world_child[..., :3, :3] @ chain.axes[..., None])[..., 0]  # (..., dof, 3)
+    levers = tip[..., None, :] - T_world_child[..., :3, 3]
+    columns = np.where(chain.slides[:, None], axes, np.cross(axes, levers))
+    return np.swapaxes(columns, -1, -2)
+
+
+def _child_frames(chain: Chain, qpos: ArrayLike) -> list[Array]:
+    """T_world_child of each joint, dof arrays of shape (..., 4, 4)."""
+    steps = _steps(chain, qpos)
+    frames = [steps[..., 0, :, :]]
+    for joint in range(1, chain.dof):
+        frames.append(frames[-1] @ steps[..., joint, :, :])
+    return frames
+
+
+def _steps(chain: Chain, qpos: ArrayLike) -> Array:
+    """T_previous_child of each joint, shape (..., dof, 4, 4): from its child frame to the child frame before it."""
+    positions = np.asarray(qpos, dtype=np.float64)
+    if positions.shape[-1:] != (chain.dof,):
+        raise UsageError(f"qpos has shape {positions.shape}, allowed is (..., {chain.dof}). Give one value per joint.")
+    first, second = chain.terms
+    a = np.where(chain.slides, positions, np.sin(positions))
+    b = 1.0 - np.cos(positions)  # unused where the joint slides: `second` is 0 there
+    return chain.T_previous_joint + a[..., None, None] * first + b[..., None, None] * second
+
+
+def _constant_step(joint: Joint) -> Array:
+    """T_parent_joint, the joint's frame in its parent link's frame, shape (4, 4)."""
+    T_parent_joint = np.eye(4)
+    T_parent_joint[:3, :3] = _rotation_from_rpy(joint.rpy)
+    T_parent_joint[:3, 3] = joint.xyz
+    return T_parent_joint
+
+
+def _rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
+    """R_z(yaw) R_y(pitch) R_x(roll), shape (3, 3)."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def _cross_product_matrices(axes: Array) -> Array:
+    """K with K v = axis x v, shape (n, 3, 3) for axes of shape (n, 3)."""
+    x, y, z = axes.T
+    zero = np.zeros_like(x)
+    return np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
+
+
+def _read_only(array: Array) -> Array:
+    array.flags.writeable = False
+    return array

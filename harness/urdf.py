@@ -1,0 +1,224 @@
+"""The serial chain of joints that a URDF describes, from its root link to a named tip link.
+
+Only what kinematics needs is read: joints, their frames, axes and limits. Shapes and masses are left to the simulators,
+which read the same text with their own parsers. Reference: http://wiki.ros.org/urdf/XML/joint
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, cast, get_args
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from harness.errors import UsageError
+
+JointKind = Literal["fixed", "revolute", "continuous", "prismatic"]
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One joint: a constant step from its parent link's frame to its own, then its motion to its child link's frame.
+
+    Attributes:
+        name: Unique in the URDF.
+        kind: How it moves; a fixed joint does not.
+        parent: Name of the link it hangs on.
+        child: Name of the link it carries.
+        xyz: Origin of the joint's frame in the parent link's frame [m].
+        rpy: Orientation of the joint's frame: turns about the parent's fixed x, then y, then z axis [rad].
+        axis: Unit vector in the joint's frame along which it slides or about which it turns; unused when fixed.
+        lower: Smallest position, [rad] or, for a prismatic joint, [m]; -inf for a continuous or fixed joint.
+        upper: Largest position, as `lower`; inf for a continuous or fixed joint.
+        velocity: Largest speed, [rad/s] or [m/s], positive; None where the URDF names none.
+    """
+
+    name: str
+    kind: JointKind
+    parent: str
+    child: str
+    xyz: Vector
+    rpy: Vector
+    axis: Vector
+    lower: float
+    upper: float
+    velocity: float | None
+
+
+def read_chain(urdf: str, tip: str) -> tuple[Joint, ...]:
+    """The joints from the root link to `tip`, in that order, fixed ones included.
+
+    Args:
+        urdf: Text of the URDF.
+        tip: Name of the link where the chain ends.
+
+    Returns:
+        The joints, at least one of which moves.
+
+    Raises:
+        UsageError: The text is no URDF, its links are no tree, or a joint of the chain cannot be computed with.
+    """
+    robot = _parse(urdf)
+    links = [_name(link) for link in robot.findall("link")]
+    joints = robot.findall("joint")
+    _check_unique("link", links)
+    _check_unique("joint", [_name(joint) for joint in joints])
+    _check_tree(links, joints)
+    if tip not in links:
+        raise UsageError(f"No link '{tip}' in the URDF. Name one of its links as the tip: {_quoted(links)}.")
+
+    chain = tuple(_read_joint(joint) for joint in _path_to(tip, joints))
+    if all(joint.kind == "fixed" for joint in chain):
+        raise UsageError(f"No joint moves between the root link and '{tip}'. Name a tip beyond a joint that moves.")
+    return chain
+
+
+def _parse(urdf: str) -> Element:
+    try:
+        robot = ElementTree.fromstring(urdf)
+    except ElementTree.ParseError as error:
+        raise UsageError(f"The URDF is not well-formed XML: {error}. Correct it there.") from error
+    if robot.tag != "robot":
+        raise UsageError(f"The outermost element is <{robot.tag}>, a URDF's is <robot>. Give a URDF.")
+    return robot
+
+
+def _check_unique(what: str, names: Sequence[str]) -> None:
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise UsageError(f"The URDF has more than one {what} {_quoted(repeated)}. Give each its own name.")
+
+
+def _check_tree(links: Sequence[str], joints: Sequence[Element]) -> None:
+    """Raises unless each joint joins two links of the URDF, no link has two parents, and exactly one has none."""
+    children = [_linked(joint, "child") for joint in joints]
+    parents = [_linked(joint, "parent") for joint in joints]
+    unknown = sorted({*children, *parents} - set(links))
+    if unknown:
+        raise UsageError(f"Joints name links that the URDF does not define: {_quoted(unknown)}. Define or rename them.")
+    shared = sorted({child for child in children if children.count(child) > 1})
+    if shared:
+        raise UsageError(f"More than one joint carries link {_quoted(shared)}. Keep one joint for each link.")
+    roots = [link for link in links if link not in children]
+    if len(roots) != 1:
+        found = _quoted(roots) or "none"
+        raise UsageError(f"A URDF has one root link, carried by no joint; found: {found}. Join all links in one tree.")
+
+
+def _path_to(tip: str, joints: Sequence[Element]) -> list[Element]:
+    """The joints from the root to `tip`; found upwards from the tip, where the way is unique."""
+    carrier = {_linked(joint, "child"): joint for joint in joints}
+    path: list[Element] = []
+    link = tip
+    while link in carrier:
+        if carrier[link] in path:
+            raise UsageError(f"The joints above link '{tip}' form a loop. Remove one: a URDF is a tree.")
+        path.append(carrier[link])
+        link = _linked(carrier[link], "parent")
+    return path[::-1]
+
+
+def _read_joint(joint: Element) -> Joint:
+    kind = _kind(joint)
+    lower, upper = _limits(joint, kind)
+    return Joint(
+        name=_name(joint),
+        kind=kind,
+        parent=_linked(joint, "parent"),
+        child=_linked(joint, "child"),
+        xyz=_vector(joint, "origin", "xyz", default=(0.0, 0.0, 0.0)),
+        rpy=_vector(joint, "origin", "rpy", default=(0.0, 0.0, 0.0)),
+        axis=_axis(joint),
+        lower=lower,
+        upper=upper,
+        velocity=_velocity(joint),
+    )
+
+
+def _kind(joint: Element) -> JointKind:
+    kind, allowed = joint.get("type"), get_args(JointKind)
+    if kind not in allowed:
+        raise _joint_error(joint, f"is of type '{kind}'; allowed on the chain: {', '.join(allowed)}. Change it.")
+    if joint.find("mimic") is not None:
+        raise _joint_error(joint, "mimics another one, but each joint of the chain moves by itself. Remove <mimic>.")
+    return cast(JointKind, kind)
+
+
+def _axis(joint: Element) -> Vector:
+    x, y, z = _vector(joint, "axis", "xyz", default=(1.0, 0.0, 0.0))  # the default of the URDF reference
+    length = math.hypot(x, y, z)
+    if length == 0.0:
+        raise _joint_error(joint, "has an axis of zero length. Give one that has a direction.")
+    return x / length, y / length, z / length
+
+
+def _limits(joint: Element, kind: JointKind) -> tuple[float, float]:
+    if kind in ("fixed", "continuous"):
+        return -math.inf, math.inf
+    lower, upper = _number(joint, "limit", "lower"), _number(joint, "limit", "upper")
+    if lower is None or upper is None:
+        raise _joint_error(joint, f"is {kind} and has no limits. Give it <limit lower=... upper=.../>.")
+    if lower >= upper:
+        raise _joint_error(joint, f"has the limits {lower:g} to {upper:g}. Give a lower one below the upper one.")
+    return lower, upper
+
+
+def _velocity(joint: Element) -> float | None:
+    velocity = _number(joint, "limit", "velocity")
+    if velocity is not None and velocity <= 0.0:
+        raise _joint_error(joint, f"has the velocity limit {velocity:g}. Give a positive one, or leave it out.")
+    return velocity
+
+
+def _vector(joint: Element, tag: str, attribute: str, default: Vector) -> Vector:
+    text = _text(joint, tag, attribute)
+    if text is None:
+        return default
+    numbers = [_finite(joint, word) for word in text.split()]
+    if len(numbers) != 3:
+        raise _joint_error(joint, f"has {len(numbers)} numbers in <{tag} {attribute}=...>. Give three.")
+    return numbers[0], numbers[1], numbers[2]
+
+
+def _number(joint: Element, tag: str, attribute: str) -> float | None:
+    text = _text(joint, tag, attribute)
+    return None if text is None else _finite(joint, text)
+
+
+def _finite(joint: Element, text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise _joint_error(joint, f"has '{text}' where a finite number belongs. Correct it.")
+    return number
+
+
+def _text(joint: Element, tag: str, attribute: str) -> str | None:
+    """The attribute of the joint's element `tag`; None where either is missing."""
+    element = joint.find(tag)
+    return None if element is None else element.get(attribute)
+
+
+def _linked(joint: Element, end: Literal["parent", "child"]) -> str:
+    link = _text(joint, end, "link")
+    if link is None:
+        raise _joint_error(joint, f"names no {end} link. Give it <{end} link=.../>.")
+    return link
+
+
+def _name(element: Element) -> str:
+    name = element.get("name")
+    if name is None:
+        raise UsageError(f"A <{element.tag}> of the URDF has no name. Give it one.")
+    return name
+
+
+def _joint_error(joint: Element, message: str) -> UsageError:
+    return UsageError(f"Joint '{joint.get('name')}' {message}")
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

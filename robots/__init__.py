@@ -1,0 +1,14 @@
+"""Robots that come with the harness: a folder each, with `robot.toml`, a URDF and a README that names the sources."""
+
+from pathlib import Path
+
+import harness
+
+FD100 = Path(__file__).parent / "fd100"
+"""Folder of the FD100, a six-axis articulated arm."""
+
+
+@harness.hookimpl
+def register_robots(register: harness.Register) -> None:
+    """Announce the robots of this folder."""
+    register("fd100", "harness_robots:FD100", summary="FD100, a six-axis arm with nominal link lengths")
