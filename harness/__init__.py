@@ -1,0 +1,40 @@
+"""Tells whether a reward function makes a robot behave better, or only makes the numbers bigger."""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+import wrapt
+
+from harness.hookspecs import Register, hookimpl
+
+if TYPE_CHECKING:
+    from harness.make import load_robot, make_env
+    from harness.results import load_results
+    from harness.experiment import run
+
+__version__ = "0.1.0"
+__all__ = ["Register", "__version__", "hookimpl", "load_results", "load_robot", "make_env", "run"]
+
+# Looked up when first used: `import harness` has to stay light, for `harness --help` and for every plugin.
+_HOMES = {
+    "load_results": "harness.results",
+    "load_robot": "harness.make",
+    "make_env": "harness.make",
+    "run": "harness.experiment",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'harness' has no attribute '{name}'")
+    return getattr(importlib.import_module(_HOMES[name]), name)
+
+
+@wrapt.when_imported("gymnasium")
+def _register_envs(gymnasium: Any) -> None:
+    """Make `gymnasium.make("harness/Reach-v0")` work, whichever of the two is imported first."""
+    gymnasium.register(
+        "harness/Reach-v0",
+        entry_point="harness.single_env:ReachEnv",
+        vector_entry_point="harness.make:make_env",
+    )

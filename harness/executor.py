@@ -1,0 +1,39 @@
+"""The interface that an executor fills: it gets cells done, wherever it likes."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Literal, NamedTuple, Protocol, TypeAlias
+
+from harness.cell import Cell
+
+
+class Job(NamedTuple):
+    """A cell and the folder that `harness.run_cell.run_cell` has to leave."""
+
+    cell: Cell
+    folder: Path
+
+
+class Event(NamedTuple):
+    """Something that happened to a cell."""
+
+    kind: Literal["started", "progress", "ended"]
+    cell: Cell
+    steps: int = 0
+    reason: str = ""
+    """Of an ended cell that left no folder: why."""
+
+
+OnEvent: TypeAlias = Callable[[Event], None]
+
+
+class Executor(Protocol):
+    """A frozen dataclass whose fields are its settings."""
+
+    def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
+        """Run every job, at most `at_once` at a time.
+
+        `on_event` is called in the caller's thread: ``started``, any number of ``progress``, then ``ended``, once for
+        every job. Whatever a cell does, crash and kill included, the others go on. When an exception passes
+        (KeyboardInterrupt above all), no cell is left running.
+        """

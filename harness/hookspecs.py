@@ -1,0 +1,63 @@
+"""The hooks that a plugin may implement.
+
+A plugin is a light module named by an entry point of the group ``harness``. Each hook hands it a function ``register``
+with one signature for all kinds::
+
+    register(name, target, *, summary, requires=(), extra=None)
+
+`name` is what users type; `target` is ``"module:attribute"`` and is imported only when something uses it; `summary` is
+one line for ``harness list``; `requires` names the modules that have to be importable; `extra` is the extra of the
+distribution that brings them.
+"""
+
+from typing import Protocol
+
+import pluggy
+
+PROJECT = "harness"
+hookspec = pluggy.HookspecMarker(PROJECT)
+hookimpl = pluggy.HookimplMarker(PROJECT)
+
+
+class Register(Protocol):
+    """The function that every hook receives."""
+
+    def __call__(
+        self, name: str, target: str, *, summary: str, requires: tuple[str, ...] = (), extra: str | None = None
+    ) -> None:
+        """Announce `target` under `name`; raises ValueError for a malformed name or target."""
+
+
+class Hooks:
+    """One hook per kind of thing that varies. The target of each is described beside it."""
+
+    @hookspec
+    def register_simulators(self, register: Register) -> None:
+        """Targets: a dataclass that is a `harness.simulator.Simulator`."""
+
+    @hookspec
+    def register_algorithms(self, register: Register) -> None:
+        """Targets: a dataclass that is a `harness.algorithm.Algorithm`."""
+
+    @hookspec
+    def register_rewards(self, register: Register) -> None:
+        """Targets: a frozen dataclass that is a `harness.reward.Reward`."""
+
+    @hookspec
+    def register_metrics(self, register: Register) -> None:
+        """Targets: a frozen dataclass that is a `harness.metric.Metric`."""
+
+    @hookspec
+    def register_robots(self, register: Register) -> None:
+        """Targets: a `pathlib.Path`, the folder that holds ``robot.toml`` and the URDF."""
+
+    @hookspec
+    def register_tasks(self, register: Register) -> None:
+        """Targets: a frozen dataclass, `harness.task.ReachTask` or one with its fields."""
+
+    @hookspec
+    def register_executors(self, register: Register) -> None:
+        """Targets: a dataclass that is a `harness.executor.Executor`."""
+
+
+KINDS = tuple(name.removeprefix("register_") for name in vars(Hooks) if name.startswith("register_"))

@@ -1,0 +1,40 @@
+"""Inverse kinematics: joint positions that bring the end effector to a point."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.robot import Robot
+
+Float = NDArray[np.float64]
+
+DAMPING = 0.05
+"""Of the least squares, [m]: small beside an arm's reach, large enough to pass a singular pose."""
+
+
+def reach_position(
+    robot: Robot, position: Float, start: Float, tolerance: float = 1e-3, iterations: int = 60
+) -> tuple[Float, NDArray[np.bool_]]:
+    """Joint positions within the ranges whose end effector is at `position`, by damped least squares.
+
+    Args:
+        robot: The arm.
+        position: World frame, (n, 3), [m].
+        start: Where the search begins, (n, dof).
+        tolerance: How close is there, [m].
+        iterations: How many steps the search may take.
+
+    Returns:
+        Joint positions (n, dof), and whether each one is there, (n,). A False is no proof that none exists.
+    """
+    qpos = np.array(start, dtype=np.float64)
+    for _ in range(iterations):
+        error = position - robot.end_effector(qpos)
+        if (np.sqrt((error * error).sum(axis=-1)) <= tolerance).all():
+            break
+        jacobian = robot.jacobian(qpos)
+        transposed = np.swapaxes(jacobian, -1, -2)
+        damped = jacobian @ transposed + DAMPING**2 * np.eye(3)
+        step = (transposed @ np.linalg.solve(damped, error[..., None]))[..., 0]
+        qpos = np.minimum(np.maximum(qpos + step, robot.lower), robot.upper)
+    error = position - robot.end_effector(qpos)
+    return qpos, np.sqrt((error * error).sum(axis=-1)) <= tolerance

@@ -1,0 +1,172 @@
+"""What to do: an experiment as a user writes it, and the cells it expands to."""
+
+import hashlib
+import itertools
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass as checked_dataclass
+
+from harness.cell import Cell
+from harness.choice import Choice, choose
+from harness.errors import UsageError
+from harness.make import load_robot
+from harness.parameters import build
+from harness.plugins import Registry
+
+Given: TypeAlias = str | dict[str, Any]
+Names: TypeAlias = Annotated[list[Given], Field(min_length=1)]
+Count: TypeAlias = Annotated[int, Field(gt=0)]
+Seed: TypeAlias = Annotated[int, Field(ge=0)]
+
+
+@checked_dataclass(frozen=True)
+class Experiment:
+    """A matrix of combinations; each field is a key of an experiment file and a flag of ``harness run``.
+
+    Names stand as text (``"arp:k2=2"``) or, in a file, as a table (``{name = "arp", k2 = 2}``).
+    """
+
+    sim: Annotated[Names, Field(description="simulators")]
+    algo: Annotated[Names, Field(description="algorithms")]
+    reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=lambda: ["arp"])
+    baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
+    task: Annotated[Given, Field(description="the task")] = "fd100-reach"
+    robot: Annotated[str, Field(description="the robot: a name, or a folder with robot.toml")] = "fd100"
+    seeds: Annotated[
+        Count | Annotated[list[Seed], Field(min_length=1)], Field(description="how many seeds (0, 1, ...), or a list")
+    ] = 3
+    steps: Annotated[Count, Field(description="environment steps of training per cell")] = 10_000
+    evaluation_episodes: Annotated[Count, Field(description="episodes of evaluation after training")] = 100
+
+    @property
+    def seed_list(self) -> list[int]:
+        """The seeds, each once."""
+        return list(range(self.seeds)) if isinstance(self.seeds, int) else list(dict.fromkeys(self.seeds))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """An experiment resolved: what it compares and which cells that takes.
+
+    Attributes:
+        baseline: Label of the reward that the others are compared with.
+        cells: What to run, in this order.
+        skipped: Combinations that cannot work, each with the reason.
+        resolved: The experiment with every default filled in, as an experiment file holds it.
+    """
+
+    baseline: str
+    cells: tuple[Cell, ...]
+    skipped: tuple[tuple[Cell, str], ...]
+    resolved: dict[str, Any]
+
+    @property
+    def id(self) -> str:
+        """A hash of the cells."""
+        return hashlib.sha256("".join(cell.id for cell in self.cells).encode()).hexdigest()[:8]
+
+
+def read_experiment(path: Path, overrides: Mapping[str, Any]) -> Experiment:
+    """The experiment in a TOML file; an override wins over a key.
+
+    Raises:
+        UsageError: The file cannot be read, or holds what no experiment has.
+    """
+    try:
+        data = tomllib.loads(path.read_text())
+    except FileNotFoundError:
+        raise UsageError(f"No experiment file '{path}'") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"Experiment file '{path}' cannot be read: {error}") from None
+    for key in ("sim", "algo", "reward"):
+        if key in data and not isinstance(data[key], list):
+            data[key] = [data[key]]
+    return check_experiment({**data, **overrides}, f"experiment file '{path}'")
+
+
+def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Experiment:
+    """An experiment from its keys.
+
+    Raises:
+        UsageError: A key is unknown or missing, or a value is of the wrong type or out of range.
+    """
+    for key in ("sim", "algo"):
+        if not data.get(key):
+            raise UsageError(f"{noun.capitalize()} names no {key}: give --{key} NAME, or the key '{key}' in a file")
+    experiment: Experiment = build(Experiment, data, noun)
+    return experiment
+
+
+def expand(experiment: Experiment, registry: Registry) -> Plan:
+    """All cells of an experiment: simulator x algorithm x reward x seed.
+
+    Raises:
+        UsageError: A name or parameter is unknown, a library is missing, or there is nothing to compare.
+    """
+    simulators = _choose_each(registry, "simulators", experiment.sim)
+    algorithms = _choose_each(registry, "algorithms", experiment.algo)
+    baseline = choose(registry, "rewards", experiment.baseline)
+    proposed = [reward for reward in _choose_each(registry, "rewards", experiment.reward) if reward != baseline]
+    if not proposed:
+        raise UsageError(f"Only the baseline '{baseline.label}' is named: name a --reward to compare with it")
+    task = choose(registry, "tasks", experiment.task)
+    load_robot(experiment.robot, registry)
+    # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
+    matrix = itertools.product(experiment.seed_list, simulators, algorithms, [baseline, *proposed])
+    cells = [
+        Cell(
+            simulator, experiment.robot, task, algorithm, reward, seed, experiment.steps, experiment.evaluation_episodes
+        )
+        for seed, simulator, algorithm, reward in matrix
+    ]
+    reasons = {algorithm: _why_not(algorithm, registry, experiment.steps) for algorithm in algorithms}
+    return Plan(
+        baseline.label,
+        tuple(cell for cell in cells if not reasons[cell.algorithm]),
+        tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
+        _resolve(experiment, simulators, algorithms, baseline, proposed, task),
+    )
+
+
+def _choose_each(registry: Registry, kind: str, given: list[Given]) -> list[Choice]:
+    return list(dict.fromkeys(choose(registry, kind, item) for item in given))
+
+
+def _why_not(algorithm: Choice, registry: Registry, steps: int) -> str:
+    """Why an algorithm cannot do this plan; empty if it can."""
+    built = algorithm.build(registry, "algorithms")
+    if "continuous" not in built.action_spaces:
+        return f"{algorithm.label} takes {', '.join(sorted(built.action_spaces))} actions, the task's are continuous"
+    if steps % built.num_envs:
+        return f"steps={steps} is not a multiple of the {built.num_envs} envs that {algorithm.label} trains on"
+    return ""
+
+
+def _resolve(
+    experiment: Experiment,
+    simulators: list[Choice],
+    algorithms: list[Choice],
+    baseline: Choice,
+    proposed: list[Choice],
+    task: Choice,
+) -> dict[str, Any]:
+    """The keys of an experiment file, defaults and all."""
+    values = {field.name: getattr(experiment, field.name) for field in fields(experiment)}
+    return {
+        **values,
+        "sim": [_table(choice) for choice in simulators],
+        "algo": [_table(choice) for choice in algorithms],
+        "reward": [_table(choice) for choice in proposed],
+        "baseline": _table(baseline),
+        "task": _table(task),
+        "seeds": experiment.seed_list,
+    }
+
+
+def _table(choice: Choice) -> dict[str, Any]:
+    return {"name": choice.name, **choice.to_json()["params"]}

@@ -1,0 +1,65 @@
+"""The interface that a simulator fills. It knows joints and metres, never tasks or rewards."""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.robot import Robot
+
+Float = NDArray[np.float64]
+
+
+class State(NamedTuple):
+    """What a simulation reads from its engine. Frame: world, right-handed, z up, origin at the robot's base.
+
+    The arrays belong to the simulation and hold until its next call: copy what must last.
+    """
+
+    qpos: Float
+    """Joint positions, (num_envs, dof), [rad] or [m]."""
+    qvel: Float
+    """Joint velocities, (num_envs, dof), [rad/s] or [m/s]."""
+    end_effector: Float
+    """Position of the end effector, (num_envs, 3), [m]."""
+    ground_contact: NDArray[np.bool_]
+    """Whether a moving link touches the ground z = 0, (num_envs,)."""
+
+
+class Simulation(Protocol):
+    """`num_envs` robots in one running engine, each in a world of its own."""
+
+    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+        """Put the robots in `mask` at rest at joint positions `qpos`, (num_envs, dof); leave the others alone."""
+
+    def drive(self, qpos: Float, duration: float) -> State:
+        """Drive each joint at constant speed towards its target `qpos`, (num_envs, dof), for `duration` [s]."""
+
+    def place(self, qpos: Float) -> State:
+        """Put all robots at `qpos`, (num_envs, dof), without dynamics: at rest, engine state overwritten."""
+
+    def read(self) -> State:
+        """The state as it stands."""
+
+    def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        """One frame of env number `env` with a marker at `target`, (3,), [m]; RGB, (height, width, 3).
+
+        Raises:
+            UsageError: This machine cannot render; says what to install.
+        """
+
+    def close(self) -> None:
+        """Release the engine; a second call does nothing."""
+
+
+class Simulator(Protocol):
+    """A frozen dataclass whose fields are the engine's settings."""
+
+    def open(self, robot: Robot, num_envs: int, control_period: float) -> Simulation:
+        """Start `num_envs` robots.
+
+        Args:
+            robot: The arm; its URDF is the single source of truth.
+            num_envs: How many, >= 1.
+            control_period: The duration that `drive` will be called with, [s].
+        """

@@ -1,0 +1,189 @@
+"""What a cell leaves: one row per environment step, and one per episode start, in Parquet.
+
+==================  ===========================================================================================
+env                 number of the env in the batch
+episode             counted from 0 in each env
+step                t, 0 in the row of the episode's start
+begin_distance      Bd = d(0), [m]
+previous_best       Pb before this step; Bd in the start row, [m]
+distance            d(t), end effector to target, [m]
+delta_distance      d(t) - previous_best, [m]
+reward              the shaped reward alone; 0 in the start row
+reward_ground       the event terms, paid on top: ground contact,
+reward_target       target reached,
+reward_step         the price of the step
+target_x .. _z      world frame, [m]
+end_effector_x .._z world frame, [m]
+ground, reached     whether the step ended so; both mean `terminated`
+truncated           whether the step was the last that the horizon allows
+qpos                joint positions after the step, list of dof numbers, [rad]
+action              what the policy asked for, list of numbers; zeros in the start row
+==================  ===========================================================================================
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from harness.errors import SchemaError
+
+FORMAT = 1
+FORMAT_KEY = b"harness.trace"
+
+INTEGERS = ("env", "episode", "step")
+NUMBERS = (
+    "begin_distance",
+    "previous_best",
+    "distance",
+    "delta_distance",
+    "reward",
+    "reward_ground",
+    "reward_target",
+    "reward_step",
+    "target_x",
+    "target_y",
+    "target_z",
+    "end_effector_x",
+    "end_effector_y",
+    "end_effector_z",
+)
+FLAGS = ("ground", "reached", "truncated")
+SCALARS = INTEGERS + NUMBERS + FLAGS
+COLUMN = {name: index for index, name in enumerate(SCALARS)}
+
+Rows = NDArray[np.float64]
+
+
+class TraceWriter:
+    """Writes rows to a Parquet file, a block at a time.
+
+    A row is one vector of `SCALARS`, then qpos, then the action; all are exact in float64.
+    """
+
+    BLOCK = 16_384
+
+    def __init__(self, path: Path, dof: int, action_size: int, episodes: int | None = None) -> None:
+        """Start the file.
+
+        Args:
+            path: The file to write.
+            dof: Length of qpos.
+            action_size: Length of the action.
+            episodes: Keep the first so many episodes of each env only; all if None.
+        """
+        self._dof, self._action_size, self._episodes = dof, action_size, episodes
+        self._block = np.empty((self.BLOCK, len(SCALARS) + dof + action_size))
+        self._filled = 0
+        self.schema = trace_schema(dof, action_size)
+        self._file = pq.ParquetWriter(path, self.schema, compression="zstd")
+
+    def append(self, rows: Rows) -> None:
+        """Copy a batch of rows, (n, width)."""
+        end = self._filled + len(rows)
+        if end > self.BLOCK:
+            self._flush()
+            self._append_large(rows)
+            return
+        self._block[self._filled : end] = rows
+        self._filled = end
+
+    def close(self) -> None:
+        """Write what is left and finish the file."""
+        self._flush()
+        self._file.close()
+
+    def __enter__(self) -> "TraceWriter":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _append_large(self, rows: Rows) -> None:
+        for start in range(0, len(rows), self.BLOCK):
+            part = rows[start : start + self.BLOCK]
+            self._block[: len(part)] = part
+            self._filled = len(part)
+            if self._filled == self.BLOCK:
+                self._flush()
+
+    def _flush(self) -> None:
+        rows = self._block[: self._filled]
+        if self._episodes is not None:
+            rows = rows[rows[:, COLUMN["episode"]] < self._episodes]
+        if len(rows):
+            self._file.write_table(self._table(rows))
+        self._filled = 0
+
+    def _table(self, rows: Rows) -> pa.Table:
+        columns = [pa.array(rows[:, index].astype(_numpy_type(name))) for name, index in COLUMN.items()]
+        joints = rows[:, len(SCALARS) : len(SCALARS) + self._dof]
+        actions = rows[:, len(SCALARS) + self._dof :]
+        lists = [pa.FixedSizeListArray.from_arrays(part.ravel(), part.shape[1]) for part in (joints, actions)]
+        return pa.Table.from_arrays(columns + lists, schema=self.schema)
+
+
+def trace_schema(dof: int, action_size: int) -> pa.Schema:
+    """Columns and types of a trace file."""
+    scalars = [(name, pa.from_numpy_dtype(_numpy_type(name))) for name in SCALARS]
+    lists = [("qpos", pa.list_(pa.float64(), dof)), ("action", pa.list_(pa.float64(), action_size))]
+    return pa.schema(scalars + lists, metadata={FORMAT_KEY: str(FORMAT).encode()})
+
+
+def _numpy_type(name: str) -> type[np.generic]:
+    if name in INTEGERS:
+        return np.int32
+    return np.bool_ if name in FLAGS else np.float64
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A recorded trace in memory: one numpy array per column."""
+
+    columns: dict[str, NDArray[Any]]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """A column, (rows,), or (rows, n) for qpos and action."""
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return len(self.columns["reward"])
+
+    @cached_property
+    def last_rows(self) -> NDArray[np.int64]:
+        """Row numbers of the ends of finished episodes."""
+        ended = self["ground"] | self["reached"] | self["truncated"]
+        rows: NDArray[np.int64] = np.flatnonzero(ended)
+        return rows
+
+
+def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
+    """Read a trace, all columns or some.
+
+    Raises:
+        SchemaError: The file is damaged, is no trace or was written by a newer version.
+    """
+    try:
+        file = pq.ParquetFile(path)
+        version = int((file.schema_arrow.metadata or {}).get(FORMAT_KEY, b"0"))
+        if not 0 < version <= FORMAT:
+            raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
+        table = file.read(columns=columns)
+    except (OSError, pa.ArrowInvalid) as error:
+        raise SchemaError(f"{path} is no readable trace: {error}") from error
+    return Trace({name: _to_numpy(table.column(name)) for name in table.column_names})
+
+
+def _to_numpy(column: pa.ChunkedArray) -> NDArray[Any]:
+    if pa.types.is_fixed_size_list(column.type):
+        flat = column.combine_chunks().flatten().to_numpy()
+        return np.asarray(flat).reshape(len(column), column.type.list_size)
+    return np.asarray(column.to_numpy())

@@ -1,0 +1,1 @@
+"""What varies: simulators, algorithms, rewards, metrics, executors. One file each, registered by entry point."""

@@ -1,0 +1,19 @@
+"""How far from the target an episode ends."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from harness.trace import Trace
+
+
+@dataclass(frozen=True)
+class FinalDistance:
+    """Mean distance from end effector to target at the end of the finished episodes, [m]."""
+
+    unit: ClassVar[str] = "m"
+    better: ClassVar[str] = "lower"
+
+    def __call__(self, trace: Trace) -> float | None:
+        """None without a finished episode."""
+        ends = trace.last_rows
+        return float(trace["distance"][ends].mean()) if len(ends) else None

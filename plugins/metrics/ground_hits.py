@@ -1,0 +1,19 @@
+"""How often the arm runs into the ground."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from harness.trace import Trace
+
+
+@dataclass(frozen=True)
+class GroundHits:
+    """Share of the finished episodes that end with the arm on the ground, in [0, 1]."""
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "lower"
+
+    def __call__(self, trace: Trace) -> float | None:
+        """None without a finished episode."""
+        ends = trace.last_rows
+        return float(trace["ground"][ends].mean()) if len(ends) else None

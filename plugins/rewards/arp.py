@@ -1,0 +1,35 @@
+"""The accelerated reward policy, ARP, called K2: ARP section IV and its code."""
+
+from typing import Annotated
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.reward import Array, Carry, Sample
+
+
+@dataclass(frozen=True)
+class Arp:
+    """The baseline reward with a gain on each of its halves.
+
+        Dd > 0:   r = -k1 Dd
+        Dd <= 0:  r = k2 (Bd - d(t))
+
+    with Dd = d(t) - Pb, Pb the smallest distance before the step and Bd = d(0). k1 = k2 = 1 is the baseline. The two
+    published settings differ: ARP's text says k1 = 1, k2 = 2; the data behind its table and the published controller
+    have k2 = 1.5, the default here. Because k2 multiplies the paid half, a policy that behaves exactly as before
+    already scores a larger I_P.
+    """
+
+    k1: Annotated[float, Field(gt=0, description="gain on what is lost, K1")] = 1.0
+    k2: Annotated[float, Field(gt=0, description="gain on what is paid, K2")] = 1.5
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        """Remembers nothing."""
+        return ()
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        """Shaped reward, (num_envs,), [m]."""
+        xp = sample.distance.__array_namespace__()
+        gained = sample.begin_distance - sample.distance
+        return carry, xp.where(sample.delta_distance > 0.0, -self.k1 * sample.delta_distance, self.k2 * gained)

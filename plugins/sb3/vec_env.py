@@ -1,0 +1,61 @@
+"""A Gymnasium vector env as stable-baselines3 wants it."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from stable_baselines3.common.vec_env import VecEnv
+
+from harness.env import ReachVectorEnv
+
+
+class VecEnvAdapter(VecEnv):
+    """Both start the next episode in the step that ends one; they differ in how they tell."""
+
+    def __init__(self, env: ReachVectorEnv) -> None:
+        self.env = env
+        self._actions: Any = None
+        super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
+
+    def reset(self) -> Any:
+        """First observations, (num_envs, observation_size)."""
+        return self.env.reset()[0]
+
+    def step_async(self, actions: Any) -> None:
+        """Keep the actions for `step_wait`."""
+        self._actions = actions
+
+    def step_wait(self) -> Any:
+        """Observations, rewards, dones and one info per env."""
+        observations, rewards, terminated, truncated, infos = self.env.step(self._actions)
+        dones = terminated | truncated
+        told: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for k in np.flatnonzero(dones):
+            told[k] = {
+                "terminal_observation": infos["final_obs"][k],
+                "TimeLimit.truncated": bool(truncated[k] and not terminated[k]),
+                "is_success": bool(infos["is_success"][k]),
+            }
+        return observations, rewards.astype(np.float32), dones, told
+
+    def close(self) -> None:
+        """The env belongs to whoever made it."""
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """The same for every env."""
+        return [getattr(self.env, attr_name)] * len(self._indices(indices))
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """No attribute differs between the envs of a batch, so none can be set for some."""
+        raise AttributeError(f"'{attr_name}' cannot be set through the adapter")
+
+    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
+        """The method of the whole batch, its result once for each env."""
+        return [getattr(self.env, method_name)(*args, **kwargs)] * len(self._indices(indices))
+
+    def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
+        """No env is."""
+        return [False] * len(self._indices(indices))
+
+    def _indices(self, indices: Any) -> Sequence[int]:
+        return list(self._get_indices(indices))

@@ -1,0 +1,227 @@
+"""MuJoCo: one arm with one C call per control period, many through the threads of `mujoco.rollout`."""
+
+from typing import Annotated, Any
+
+import mujoco
+import mujoco.rollout
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.errors import UsageError
+from harness.robot import Robot
+from harness.simulator import State
+
+Float = NDArray[np.float64]
+Count = Annotated[int, Field(gt=0)]
+
+GROUND, TARGET, TOUCH = "harness_ground", "harness_target", "harness_touch"
+FULL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
+
+
+@dataclass(frozen=True)
+class Mujoco:
+    """MuJoCo with position servos that track a joint ramp.
+
+    Each joint has two actuators that are fed the period's joint speed: an integrated-velocity servo (stiffness
+    I w^2, I the diagonal of the joint-space inertia at the home pose) holds the ramp's position, a velocity servo
+    (2 I w, critically damped) its speed. Gravity is compensated, the integrator implicit.
+    """
+
+    substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
+    bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 100.0
+    threads: Annotated[Count, Field(description="of a batch of several arms")] = 1
+
+    def open(self, robot: Robot, num_envs: int, control_period: float) -> "MujocoSimulation":
+        """See `harness.simulator.Simulator`."""
+        return MujocoSimulation(self, robot, num_envs, control_period)
+
+
+class MujocoSimulation:
+    """See `harness.simulator.Simulation`."""
+
+    def __init__(self, settings: Mujoco, robot: Robot, num_envs: int, control_period: float) -> None:
+        self.model = build_model(robot, control_period / settings.substeps, settings.bandwidth)
+        self._substeps, self._num_envs, self._dof = settings.substeps, num_envs, robot.dof
+        self._tip = self.model.body(robot.end_effector_link).id
+        self._act = slice(1 + 2 * robot.dof, 1 + 3 * robot.dof)  # state: time, qpos, qvel, act
+        self._states = np.zeros((num_envs, mujoco.mj_stateSize(self.model, FULL)))
+        self._controls = np.zeros((num_envs, 1, self.model.nu))
+        self._sensors = np.zeros((num_envs, self.model.nsensordata))
+        self._end_effector = np.zeros((num_envs, 3))
+        self._data = mujoco.MjData(self.model)
+        self._rollout: Any = None
+        if num_envs > 1:
+            self._open_rollout(min(settings.threads, num_envs))
+        self._renderer: Any = None
+
+    def _open_rollout(self, threads: int) -> None:
+        self._rollout = mujoco.rollout.Rollout(nthread=threads)
+        self._thread_data = [mujoco.MjData(self.model) for _ in range(threads)]
+        self._outputs = {
+            "state": np.zeros((self._num_envs, self._substeps, self._states.shape[1])),
+            "sensordata": np.zeros((self._num_envs, self._substeps, self._sensors.shape[1])),
+        }
+
+    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+        """See `harness.simulator.Simulation`."""
+        dof = self._dof
+        for k in np.flatnonzero(mask):
+            self._states[k] = 0.0
+            self._states[k, 1 : 1 + dof] = qpos[k]
+            self._states[k, self._act] = qpos[k]
+            mujoco.mj_setState(self.model, self._data, self._states[k], FULL)
+            mujoco.mj_forward(self.model, self._data)
+            self._sensors[k] = self._data.sensordata
+            self._end_effector[k] = self._data.xpos[self._tip]
+        return self.read()
+
+    def place(self, qpos: Float) -> State:
+        """See `harness.simulator.Simulation`."""
+        return self.reset(qpos, np.ones(self._num_envs, bool))
+
+    def drive(self, qpos: Float, duration: float) -> State:
+        """See `harness.simulator.Simulation`."""
+        # From where the servos hold now to the target: rounding cannot add up over periods.
+        speeds = (qpos - self._states[:, self._act]) / duration
+        self._controls[:, 0, : self._dof] = speeds
+        self._controls[:, 0, self._dof :] = speeds
+        if self._rollout is None:
+            self._step_one()
+        else:
+            self._step_many()
+        return self.read()
+
+    def _step_one(self) -> None:
+        model, data = self.model, self._data
+        data.ctrl[:] = self._controls[0, 0]
+        mujoco.mj_step(model, data, self._substeps)
+        mujoco.mj_getState(model, data, self._states[0], FULL)
+        self._sensors[0] = data.sensordata
+        mujoco.mj_kinematics(model, data)  # mj_step leaves positions of links one substep behind
+        self._end_effector[0] = data.xpos[self._tip]
+
+    def _step_many(self) -> None:
+        self._rollout.rollout(
+            self.model, self._thread_data, self._states, self._controls, nstep=self._substeps, **self._outputs
+        )
+        self._states[:] = self._outputs["state"][:, -1]
+        self._sensors[:] = self._outputs["sensordata"][:, -1]
+        model, data, qpos = self.model, self._data, slice(1, 1 + self._dof)
+        for k in range(self._num_envs):
+            data.qpos[:] = self._states[k, qpos]
+            mujoco.mj_kinematics(model, data)
+            self._end_effector[k] = data.xpos[self._tip]
+
+    def read(self) -> State:
+        """See `harness.simulator.Simulation`."""
+        dof = self._dof
+        return State(
+            self._states[:, 1 : 1 + dof],
+            self._states[:, 1 + dof : 1 + 2 * dof],
+            self._end_effector,
+            self._sensors[:, 0] > 0.0,
+        )
+
+    def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        """See `harness.simulator.Simulation`."""
+        if self._renderer is None:
+            self._renderer = _open_renderer(self.model, width, height)
+        data = mujoco.MjData(self.model)
+        mujoco.mj_setState(self.model, data, self._states[env], FULL)
+        data.mocap_pos[0] = target
+        mujoco.mj_forward(self.model, data)
+        self._renderer.update_scene(data, _camera())
+        frame: NDArray[np.uint8] = self._renderer.render()
+        return frame
+
+    def close(self) -> None:
+        """See `harness.simulator.Simulation`."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+        if self._rollout is not None:
+            self._rollout.close()
+            self._rollout = None
+
+
+def build_model(robot: Robot, timestep: float, bandwidth: float) -> mujoco.MjModel:
+    """The robot's URDF with ground, target marker, servos and a sensor for ground contact."""
+    spec = mujoco.MjSpec.from_string(robot.urdf)
+    spec.compiler.fusestatic = False  # the end effector stays a body
+    spec.compiler.meshdir = str(robot.folder)
+    _set_options(spec, timestep)
+    for body in spec.bodies:
+        body.gravcomp = 1.0
+        for geom in body.geoms:  # touches the ground, not itself
+            geom.contype, geom.conaffinity = 1, 0
+    ground = spec.worldbody.add_geom(name=GROUND, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[3, 3, 0.1], contype=0)
+    ground.conaffinity, ground.rgba = 1, [0.82, 0.84, 0.86, 1]
+    spec.worldbody.add_light(pos=[1.5, -1.5, 3], dir=[-0.4, 0.4, -0.8])
+    _add_target(spec)
+    _add_servos(spec, robot, bandwidth)
+    spec.add_sensor(
+        name=TOUCH, type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=mujoco.mjtObj.mjOBJ_GEOM, objname=GROUND,
+        intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 0, 1],
+    )  # fmt: skip
+    return spec.compile()
+
+
+def _set_options(spec: mujoco.MjSpec, timestep: float) -> None:
+    spec.option.timestep = timestep
+    spec.option.integrator = int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
+    # A step must depend on the state alone, not on the step before; and a state that is no number any more must show.
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_WARMSTART)
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+
+
+def _add_target(spec: mujoco.MjSpec) -> None:
+    marker = spec.worldbody.add_body(name=TARGET, mocap=True)
+    marker.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.03, 0, 0], rgba=[0.85, 0.2, 0.15, 1], contype=0, conaffinity=0
+    )
+
+
+def _add_servos(spec: mujoco.MjSpec, robot: Robot, bandwidth: float) -> None:
+    """Two actuators per joint: all the position servos first, then the velocity servos."""
+    inertia = _inertia_at_home(spec, robot)
+    joint = {"trntype": mujoco.mjtTrn.mjTRN_JOINT, "biastype": mujoco.mjtBias.mjBIAS_AFFINE}
+    for name, own in zip(robot.joint_names, inertia, strict=True):
+        stiffness = own * bandwidth**2
+        spec.add_actuator(
+            name=f"{name}_position", target=name, dyntype=mujoco.mjtDyn.mjDYN_INTEGRATOR,
+            gainprm=[stiffness] + [0] * 9, biasprm=[0, -stiffness] + [0] * 8, **joint,
+        )  # fmt: skip
+    for name, own in zip(robot.joint_names, inertia, strict=True):
+        damping = 2.0 * own * bandwidth
+        spec.add_actuator(
+            name=f"{name}_speed", target=name, gainprm=[damping] + [0] * 9, biasprm=[0, 0, -damping] + [0] * 7, **joint
+        )
+
+
+def _inertia_at_home(spec: mujoco.MjSpec, robot: Robot) -> Float:
+    """Diagonal of the joint-space inertia at the home pose, (dof,), [kg m^2]."""
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = robot.home
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    return np.diag(full).copy()
+
+
+def _open_renderer(model: mujoco.MjModel, width: int, height: int) -> Any:
+    try:
+        return mujoco.Renderer(model, height, width)
+    except Exception as error:  # the three GL backends raise what they like
+        raise UsageError(
+            f"MuJoCo cannot render here ({error}): set MUJOCO_GL=egl or osmesa and install libegl1 or libosmesa6"
+        ) from error
+
+
+def _camera() -> mujoco.MjvCamera:
+    camera = mujoco.MjvCamera()
+    camera.lookat[:] = [0.4, 0.0, 0.6]
+    camera.distance, camera.azimuth, camera.elevation = 3.0, 130.0, -20.0
+    return camera
