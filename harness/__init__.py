@@ -8,9 +8,9 @@ import wrapt
 from harness.hookspecs import Register, hookimpl
 
 if TYPE_CHECKING:
+    from harness.experiment import run
     from harness.make import load_robot, make_env
     from harness.results import load_results
-    from harness.experiment import run
 
 __version__ = "0.1.0"
 __all__ = ["Register", "__version__", "hookimpl", "load_results", "load_robot", "make_env", "run"]

@@ -57,6 +57,7 @@ class Cell:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> "Cell":
         """The cell that `to_json` wrote."""
-        return cls(
-            **{key: Choice.from_json(value) if isinstance(value, dict) else value for key, value in data.items()}
-        )
+        values: dict[str, Any] = {
+            key: Choice.from_json(value) if isinstance(value, dict) else value for key, value in data.items()
+        }
+        return cls(**values)

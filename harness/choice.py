@@ -111,4 +111,6 @@ def _frozen(value: Any) -> Any:
 def _text(value: Any) -> str:
     if isinstance(value, list | tuple):
         return "x".join(_text(item) for item in value)
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float) and float(f"{value:g}") == value:
+        return f"{value:g}"
+    return str(value)

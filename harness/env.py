@@ -33,6 +33,12 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
     SAME_STEP also ``final_obs``, (num_envs, observation_size), whose rows hold where ``_final_obs`` is True.
     """
 
+    _command: Float
+    _command_speed: Float
+    _carry: Any
+    _starting: bool
+    _ended_before: bool
+
     def __init__(
         self,
         simulator: Simulator,
@@ -83,25 +89,37 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
             self._seed_streams(seed)
         mask = np.ones(self.num_envs, bool) if not options else np.asarray(options["reset_mask"], bool)
         self._start_episodes(mask)
-        return self._observations.astype(np.float32), self._infos()
+        infos = {
+            "distance": self._distance.copy(),
+            "reward_shaped": self._shaped.copy(),
+            "is_success": self._flags[:, 1] > 0.0,
+        }
+        return self._observations.astype(np.float32), infos
 
-    def step(self, actions: Float32) -> tuple[Float32, Float, Mask, Mask, Infos]:
+    def step(self, actions: Float32) -> tuple[Float32, Float, Mask, Mask, Infos]:  # type: ignore[override]
         """One control period in every env."""
         if self._starting:
             self._record_starts()
-        self._record[:, self._action_part] = actions
-        self._command, self._command_speed = self._motion.advance(self._command, self._command_speed, actions)
+        elif self._ended_before:  # autoreset is off, and a finished env is stepped on
+            self._forget_events()
+        self._action[...] = actions
+        self._command, self._command_speed = self._motion.advance(self._command, self._command_speed, self._action)
         state = self.simulation.drive(self._command, self.task.control_period)
-        self._measure(state)
-        paid = self._pay(state)
+        distance = self._measure(state)
+        paid = self._pay()
+        ground, reached = state.ground_contact, ~(distance > self.task.epsilon)  # True also where it is no number
+        terminated = ground | reached
+        truncated = (self._step >= self.task.horizon) & ~terminated
+        ended = terminated | truncated
+        self._ended_before = bool(ended.any())
+        if self._ended_before:
+            self._require_finite(distance)
+            paid += self._pay_events(ground, reached, truncated)
         if self.recorder is not None:
             self.recorder.append(self._record)
-        terminated = (self._flags[:, 0] + self._flags[:, 1]) > 0.0
-        truncated = self._flags[:, 2] > 0.0
-        np.minimum(self._best, self._distance, out=self._best)
-        infos = self._infos()
-        ended = terminated | truncated
-        if self._same_step and ended.any():
+        np.minimum(self._best, distance, out=self._best)
+        infos = {"distance": distance, "reward_shaped": self._shaped.copy(), "is_success": reached}
+        if self._ended_before and self._same_step:
             infos["final_obs"], infos["_final_obs"] = self._observations.astype(np.float32), ended
             self._start_episodes(ended)
         return self._observations.astype(np.float32), paid, terminated, truncated, infos
@@ -137,17 +155,15 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
         self._end_effector = record[:, COLUMN["end_effector_x"] : COLUMN["end_effector_x"] + 3]
         self._flags = record[:, COLUMN["ground"] : COLUMN["ground"] + 3]
         self._qpos = record[:, len(SCALARS) : len(SCALARS) + dof]
-        self._action_part = slice(len(SCALARS) + dof, None)
-        step = slice(COLUMN["step"], COLUMN["step"] + 1)
-        rewards = slice(COLUMN["delta_distance"], COLUMN["reward_step"] + 1)
-        flags = slice(COLUMN["ground"], COLUMN["truncated"] + 1)
-        self._zero_at_start = (step, rewards, flags, self._action_part)
-        self._events = np.array([self.task.ground_reward, self.task.target_reward, self.task.step_reward])
+        self._action = record[:, len(SCALARS) + dof :]
         self._previous_distance = np.zeros(n)
-        self._qvel, self._command, self._command_speed = np.zeros((3, n, dof))
-        self._observations = np.zeros((n, self._observation.size))
-        self._carry: Any = None
+        self._qvel: Float = np.zeros((n, dof))
+        self._command = np.zeros((n, dof))
+        self._command_speed = np.zeros((n, dof))
+        self._observations: Float = np.zeros((n, self._observation.size))
+        self._carry = None
         self._starting = False
+        self._ended_before = False
         self._started = np.zeros(n, bool)
 
     def _seed_streams(self, seed: int | list[int] | None) -> None:
@@ -162,24 +178,34 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
 
     def _start_episodes(self, mask: Mask) -> None:
         """Put the arms of `mask` at new starts with new targets."""
-        for k in np.flatnonzero(mask):
+        envs = [int(k) for k in np.flatnonzero(mask)]
+        for k in envs:
             self._command[k] = self.task.draw_start(self.robot, self._start_rngs[k])
         state = self.simulation.reset(self._command, mask)
-        for k in np.flatnonzero(mask):
+        for k in envs:
             self._target[k] = self._next_target(k, state.end_effector[k])
         self._command_speed[mask] = 0.0
-        self._qvel[mask] = state.qvel[mask]
-        for columns in self._zero_at_start:
-            self._record[mask, columns] = 0.0
+        self._qvel[mask], self._qpos[mask] = state.qvel[mask], state.qpos[mask]
+        self._end_effector[mask] = state.end_effector[mask]
         # An episode that was left before its first step left no row: its number is free.
         self._episode[mask & ~self._started] += 1.0
         self._started |= mask
-        self._measure_starts(state, mask)
-        self._observation.write(state, self._qvel, self._target, self._distance, self._observations)
         self._starting = True
+        self._step[mask] = self._delta[mask] = self._shaped[mask] = 0.0
+        self._terms[mask] = self._flags[mask] = 0.0
+        self._begin_distances(mask)
+        self._observe_starts(state, mask)
 
-    def _measure_starts(self, state: State, mask: Mask) -> None:
-        self._end_effector[mask], self._qpos[mask] = state.end_effector[mask], state.qpos[mask]
+    def _observe_starts(self, state: State, mask: Mask) -> None:
+        """Observations of the envs in `mask` alone: those of the others stand, and were seen with their last speeds."""
+        fresh, target = self._observations[mask], self._target[mask]
+        started = State(state.qpos[mask], state.qvel[mask], state.end_effector[mask], state.ground_contact[mask])
+        self._observation.write_targets(target, fresh)
+        offset = target - started.end_effector
+        self._observation.write(started, started.qvel, offset, self._distance[mask], fresh)
+        self._observations[mask] = fresh
+
+    def _begin_distances(self, mask: Mask) -> None:
         distance = _length(self._target - self._end_effector)
         self._require_finite(distance)
         for column in (self._begin, self._best, self._distance, self._previous_distance):
@@ -198,45 +224,53 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
                 return target
         raise UsageError(f"epsilon={self.task.epsilon} m covers the box of targets from the start: choose less")
 
-    def _measure(self, state: State) -> None:
-        """Bring the record up to the state after a step; previous_best is still the value before it."""
+    def _measure(self, state: State) -> Float:
+        """Bring the record up to the state after a step; previous_best is still the value before it.
+
+        Returns:
+            The distances, (num_envs,), a new array.
+        """
         self._step += 1.0
         self._end_effector[...] = state.end_effector
         self._qpos[...] = state.qpos
-        distance = _length(self._target - self._end_effector)
-        self._require_finite(distance)
+        offset = self._target - state.end_effector
+        distance = _length(offset)
         self._previous_distance[...] = self._distance
         self._distance[...] = distance
-        self._delta[...] = distance - self._best
-        self._observation.write(state, self._qvel, self._target, distance, self._observations)
+        np.subtract(distance, self._best, out=self._delta)
+        self._observation.write(state, self._qvel, offset, distance, self._observations)
         self._qvel[...] = state.qvel
+        return distance
 
-    def _pay(self, state: State) -> Float:
-        """Shaped reward and event terms into the record; returns their sum, (num_envs,)."""
+    def _pay(self) -> Float:
+        """Shaped reward and the step's price into the record; returns their sum, (num_envs,), a new array."""
         sample = Sample(self._begin, self._best, self._previous_distance, self._distance, self._delta, self._step)
         self._carry, shaped = self.reward(self._carry, sample)
         self._shaped[...] = shaped
-        flags = self._flags
-        flags[:, 0] = state.ground_contact
-        flags[:, 1] = self._distance <= self.task.epsilon
-        flags[:, 2] = 1.0  # the step's price is paid on every step
-        np.multiply(flags, self._events, out=self._terms)
-        flags[:, 2] = (self._step >= self.task.horizon) & (flags[:, 0] + flags[:, 1] == 0.0)
-        return self._shaped + self._terms.sum(axis=1)
+        self._terms[:, 2] = self.task.step_reward
+        paid: Float = shaped + self.task.step_reward
+        return paid
+
+    def _pay_events(self, ground: Mask, reached: Mask, truncated: Mask) -> Float:
+        """How the episodes end into the record; returns what that pays, (num_envs,)."""
+        self._flags[:, 0], self._flags[:, 1], self._flags[:, 2] = ground, reached, truncated
+        self._terms[:, 0] = ground * self.task.ground_reward
+        self._terms[:, 1] = reached * self.task.target_reward
+        paid: Float = self._terms[:, 0] + self._terms[:, 1]
+        return paid
+
+    def _forget_events(self) -> None:
+        self._flags[...] = 0.0
+        self._terms[...] = 0.0
 
     def _record_starts(self) -> None:
         """Write the start rows when the first step follows: an episode without a step leaves no trace."""
         if self.recorder is not None:
-            self.recorder.append(self._record[self._started])
+            rows = self._record[self._started]
+            rows[:, -self._action.shape[1] :] = 0.0
+            self.recorder.append(rows)
         self._started[:] = False
         self._starting = False
-
-    def _infos(self) -> Infos:
-        return {
-            "distance": self._distance.copy(),
-            "reward_shaped": self._shaped.copy(),
-            "is_success": self._flags[:, 1] > 0.0,
-        }
 
     def _require_finite(self, distance: Float) -> None:
         if not np.isfinite(distance).all():
@@ -246,7 +280,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
 
 def _length(vectors: Float) -> Float:
     """Euclidean length along the last axis."""
-    length: Float = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+    length: Float = np.sqrt(np.vecdot(vectors, vectors))
     return length
 
 

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from harness.errors import UsageError
 from harness.executor import Event, Executor, Job, OnEvent
 from harness.plan import Plan, check_experiment, expand
 from harness.plugins import Registry, load_registry
@@ -26,8 +27,12 @@ def run(*, out: str | Path | None = None, jobs: int | None = None, **experiment:
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"jobs={jobs}: must be at least 1")
     registry = load_registry()
-    listed = {key: [value] if key in LISTS and isinstance(value, str) else value for key, value in experiment.items()}
+    listed = {
+        key: [value] if key in LISTS and isinstance(value, str | dict) else value for key, value in experiment.items()
+    }
     plan = expand(check_experiment(listed), registry)
     store = Store.create(Path(out) if out else default_folder(plan), plan)
     run_plan(plan, store, registry, jobs or core_count())

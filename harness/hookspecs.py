@@ -10,6 +10,7 @@ one line for ``harness list``; `requires` names the modules that have to be impo
 distribution that brings them.
 """
 
+from collections.abc import Iterable
 from typing import Protocol
 
 import pluggy
@@ -23,7 +24,7 @@ class Register(Protocol):
     """The function that every hook receives."""
 
     def __call__(
-        self, name: str, target: str, *, summary: str, requires: tuple[str, ...] = (), extra: str | None = None
+        self, name: str, target: str, *, summary: str, requires: Iterable[str] = (), extra: str | None = None
     ) -> None:
         """Announce `target` under `name`; raises ValueError for a malformed name or target."""
 

@@ -75,8 +75,7 @@ def index_of(curve: Float) -> Index:
     crossover = None
     if first is not None and not negative[first:].all():
         crossover = first + int(np.argmin(negative[first:]))
-    sums = round(float(curve[negative].sum()), DECIMALS), round(float(curve[curve > 0.0].sum()), DECIMALS)
-    return Index(first, crossover, len(curve), *sums)
+    return Index(first, crossover, len(curve), _sum(curve[negative]), _sum(curve[curve > 0.0]))
 
 
 def eta_n(proposed: Index, baseline: Index) -> Ratio:
@@ -90,4 +89,9 @@ def eta_p(proposed: Index, baseline: Index) -> Ratio:
 
 
 def _ratio(numerator: float, denominator: float, reason: str) -> Ratio:
-    return Ratio(numerator / denominator) if denominator else Ratio(None, note=reason)
+    return Ratio(numerator / denominator + 0.0) if denominator else Ratio(None, note=reason)
+
+
+def _sum(values: Float) -> float:
+    """Rounded as published; + 0.0 turns -0.0, which no reader expects, into 0.0."""
+    return round(float(values.sum()), DECIMALS) + 0.0

@@ -51,11 +51,15 @@ def make_env(
     if num_envs < 1:
         raise UsageError(f"num_envs={num_envs}: must be at least 1")
     registry = load_registry()
-    choices = [
-        choose(registry, kind, given)
-        for kind, given in (("simulators", simulator), ("tasks", task), ("rewards", reward))
-    ]
-    return build_env(registry, *choices, robot=robot, num_envs=num_envs, autoreset_mode=autoreset_mode)
+    return build_env(
+        registry,
+        choose(registry, "simulators", simulator),
+        choose(registry, "tasks", task),
+        choose(registry, "rewards", reward),
+        robot,
+        num_envs=num_envs,
+        autoreset_mode=autoreset_mode,
+    )
 
 
 def build_env(

@@ -77,7 +77,7 @@ def read_manifest(folder: Path) -> Manifest:
             raise SchemaError(f"{path} has format {version}, this version reads up to {FORMAT}")
         del data["id"]
         return Manifest(**{**data, "cell": Cell.from_json(data["cell"])})
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise SchemaError(f"{path} is no readable manifest: {error!r}") from error
 
 

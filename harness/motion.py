@@ -32,6 +32,8 @@ class MoveJ:
     period: float
     _middle: Float = field(init=False)
     _free: Float = field(init=False)
+    _ends: Float = field(init=False)
+    _per_unit: Float = field(init=False)
 
     @classmethod
     def within_limits(cls, robot: Robot, speed: float, acceleration: float, period: float) -> "MoveJ":
@@ -53,27 +55,40 @@ class MoveJ:
         wanted = np.minimum(np.maximum(action, -1.0), 1.0) * self.max_speed
         low, high = qvel - self.max_change, qvel + self.max_change
         speed = np.minimum(np.maximum(wanted, low), high)
-        if (np.abs(qpos - self._middle) > self._free).any():
-            # The brake never asks for more than max_change: `high` of one side is at least what the other allows.
-            speed = np.minimum(speed, np.maximum(self._stopping_speed(self.upper - qpos), low))
-            speed = np.maximum(speed, np.minimum(-self._stopping_speed(qpos - self.lower), high))
-        target = np.minimum(np.maximum(qpos + speed * self.period, self.lower), self.upper)
-        return target, speed
+        if np.logical_or.reduce(np.abs(qpos - self._middle) > self._free, axis=None):
+            # Braking never takes more than max_change: where `low` or `high` is stricter, so was the step before.
+            up, down = self._stopping_speeds(qpos)
+            speed = np.minimum(speed, np.maximum(up, low))
+            speed = np.maximum(speed, np.minimum(-down, high))
+            return np.minimum(np.maximum(qpos + speed * self.period, self.lower), self.upper), speed
+        return qpos + speed * self.period, speed
 
     def __post_init__(self) -> None:
-        periods = np.ceil(self.max_speed / self.max_change) + 1.0
-        brake = self.max_change * self.period * periods * (periods + 1.0) / 2.0
-        object.__setattr__(self, "_middle", (self.lower + self.upper) / 2.0)
-        # Within this half-width no speed needs braking: most steps skip the square roots.
-        object.__setattr__(self, "_free", (self.upper - self.lower) / 2.0 - brake)
+        x = self.max_speed / self.max_change
+        k = np.floor(x)
+        brake = ((k + 1.0) * x - k * (k + 1.0) / 2.0) * self.max_change * self.period
+        derived = {
+            "_middle": (self.lower + self.upper) / 2.0,
+            # Within this half-width no speed needs braking: most steps skip the square roots.
+            "_free": (self.upper - self.lower) / 2.0 - brake,
+            "_ends": np.stack([self.upper, -self.lower])[:, None],
+            "_per_unit": 2.0 / (self.max_change * self.period),
+        }
+        for name, value in derived.items():
+            object.__setattr__(self, name, value)
 
-    def _stopping_speed(self, room: Float) -> Float:
-        """The largest speed from which a joint stops within `room` when it brakes by `max_change` every period.
+    def _stopping_speeds(self, qpos: Float) -> Float:
+        """The largest speeds up and down from which a joint stops within its range, (2, num_envs, dof), >= 0.
 
-        In units of max_change a speed x = k + f (k whole, 0 <= f < 1) covers, this period included,
-        x + (x - 1) + ... + f = (k + 1) x - k (k + 1) / 2 units of max_change * period; solved for x.
+        It brakes by max_change every period. In units of max_change a speed x = k + f (k whole, 0 <= f < 1) covers,
+        this period included, x + (x - 1) + ... + f = (k + 1) x - k (k + 1) / 2 units of max_change * period; this,
+        solved for x.
         """
-        units = np.maximum(room, 0.0) / (self.max_change * self.period)
-        k = np.floor((np.sqrt(1.0 + 8.0 * units) - 1.0) / 2.0)
-        speed: Float = self.max_change * (k + (units - k * (k + 1.0) / 2.0) / (k + 1.0))
-        return speed
+        room = self._ends - _SIGNS * qpos
+        twice = np.maximum(room * self._per_unit, 0.0)
+        k = np.floor(np.sqrt(twice + 0.25) - 0.5)
+        speeds: Float = (twice / (k + 1.0) + k) * (0.5 * self.max_change)
+        return speeds
+
+
+_SIGNS = np.array([1.0, -1.0])[:, None, None]

@@ -30,14 +30,12 @@ class ArmObservation:
         dof = robot.dof
         self.size = 3 * dof + 10
         self._dof = dof
+        period_speed = robot.max_acceleration * period
         self._middle = (robot.lower + robot.upper) / 2.0
-        self._per_range = 2.0 / (robot.upper - robot.lower)
-        self._per_speed = 1.0 / robot.max_speed
-        self._per_acceleration = 1.0 / (robot.max_acceleration * period)
-        self._joint_limit = np.ones(3 * dof)
+        self._scale = 1.0 / np.concatenate([(robot.upper - robot.lower) / 2.0, robot.max_speed, period_speed])
         # The end effector cannot leave this, whatever the joints do; targets are checked against the arm's reach.
         extent = 2.0 * (robot.reach + float(np.linalg.norm(robot.chain.T_previous_joint[0, :3, 3])))
-        self._limit = np.concatenate([self._joint_limit, np.full(10, extent)])
+        self._limit = np.concatenate([np.ones(3 * dof), np.full(10, extent)])
 
     @property
     def low(self) -> Float32:
@@ -51,24 +49,27 @@ class ArmObservation:
         """Upper bounds, (size,)."""
         return self._limit.astype(np.float32)
 
-    def write(self, state: State, previous_qvel: Float, target: Float, distance: Float, into: Float) -> None:
-        """Write the observations of a batch.
+    def write_targets(self, target: Float, into: Float) -> None:
+        """Write the targets, (num_envs, 3); they hold for an episode."""
+        into[:, 3 * self._dof : 3 * self._dof + 3] = target
+
+    def write(self, state: State, previous_qvel: Float, offset: Float, distance: Float, into: Float) -> None:
+        """Write what changes at every step.
 
         Args:
             state: As the simulator reads it.
             previous_qvel: Joint speeds one step earlier, (num_envs, dof).
-            target: (num_envs, 3).
-            distance: (num_envs,).
+            offset: Target - end effector, (num_envs, 3).
+            distance: Its length, (num_envs,).
             into: (num_envs, size).
         """
         dof = self._dof
-        end_effector = state.end_effector
-        into[:, :dof] = (state.qpos - self._middle) * self._per_range
-        into[:, dof : 2 * dof] = state.qvel * self._per_speed
-        into[:, 2 * dof : 3 * dof] = (state.qvel - previous_qvel) * self._per_acceleration
         joints = into[:, : 3 * dof]
+        np.subtract(state.qpos, self._middle, out=into[:, :dof])
+        into[:, dof : 2 * dof] = state.qvel
+        np.subtract(state.qvel, previous_qvel, out=into[:, 2 * dof : 3 * dof])
+        np.multiply(joints, self._scale, out=joints)
         np.minimum(np.maximum(joints, -1.0, out=joints), 1.0, out=joints)
-        into[:, 3 * dof : 3 * dof + 3] = target
-        into[:, 3 * dof + 3 : 3 * dof + 6] = end_effector
-        into[:, 3 * dof + 6 : 3 * dof + 9] = target - end_effector
+        into[:, 3 * dof + 3 : 3 * dof + 6] = state.end_effector
+        into[:, 3 * dof + 6 : 3 * dof + 9] = offset
         into[:, -1] = distance

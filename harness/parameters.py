@@ -1,6 +1,7 @@
 """Typed parameters: the fields of the dataclass that a name stands for."""
 
 import dataclasses
+import math
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +9,8 @@ from typing import Any
 
 import pydantic
 
-from harness.errors import UsageError
+from harness.errors import PluginError, UsageError
+from harness.plugins import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -28,22 +30,30 @@ def build(target: Any, given: Mapping[str, Any], noun: str) -> Any:
 
     Raises:
         UsageError: A parameter is unknown, of the wrong type or out of range; names what there is.
+        PluginError: The target is no dataclass, or the types of its fields cannot be checked.
     """
+    adapter = _adapter(target, noun)
     names = [parameter.name for parameter in parameters_of(target)]
     for key in given:
         if key not in names:
-            raise UsageError(f"{noun.capitalize()} has no parameter '{key}'. There is: {', '.join(names) or 'none'}.")
+            there = f"There is: {', '.join(names) or 'none'}.{did_you_mean(key, names)}"
+            raise UsageError(f"{_sentence(noun)} has no parameter '{key}'. {there}")
     hints = typing.get_type_hints(target)
     values = {key: _split_tuple(hints[key], value) for key, value in given.items()}
     try:
-        return pydantic.TypeAdapter(target).validate_python(values)
+        built = adapter.validate_python(values)
     except pydantic.ValidationError as error:
-        raise UsageError(f"{noun.capitalize()}: {_first_problem(error)}") from None
+        raise UsageError(f"{_sentence(noun)}: {_first_problem(error)}") from None
+    for key, value in values_of(built).items():
+        if not _is_finite(value):
+            raise UsageError(f"{_sentence(noun)}: {key}={value!r}: Input should be a finite number")
+    return built
 
 
 def resolved(target: Any, given: Mapping[str, Any], noun: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """All parameters with their values, and of these the ones that differ from their defaults."""
     values = values_of(build(target, given, noun))
+    values = values_of(build(target, values, noun))  # once more: a default of 1 is 1.0 where the field is a float
     missing = object()
     defaults = {parameter.name: parameter.default for parameter in parameters_of(target)}
     changed = {key: value for key, value in values.items() if value != defaults.get(key, missing)}
@@ -68,6 +78,28 @@ def parameters_of(target: Any) -> list[Parameter]:
     ]
 
 
+def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
+    if not dataclasses.is_dataclass(target):
+        raise PluginError(f"{_sentence(noun)}: its target {target!r} is no dataclass")
+    try:
+        typing.get_type_hints(target)
+        return pydantic.TypeAdapter(target)
+    except (pydantic.errors.PydanticUserError, NameError) as error:
+        reason = str(error).splitlines()[0]
+        raise PluginError(f"{_sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
+
+
+def _sentence(noun: str) -> str:
+    """The noun at the start of a sentence; a path in it keeps its capitals."""
+    return noun[:1].upper() + noun[1:]
+
+
+def _is_finite(value: Any) -> bool:
+    if isinstance(value, tuple | list):
+        return all(_is_finite(item) for item in value)
+    return not isinstance(value, float) or math.isfinite(value)
+
+
 def _split_tuple(hint: Any, value: Any) -> Any:
     is_tuple = typing.get_origin(hint) is tuple
     return value.split("x") if is_tuple and isinstance(value, str) else value
@@ -89,7 +121,11 @@ def _type_name(hint: Any) -> str:
 
 
 def _first_problem(error: pydantic.ValidationError) -> str:
-    problem = error.errors()[0]
-    where = ".".join(str(part) for part in problem["loc"])
+    """The problem that lies deepest: of the alternatives that a field allows, the one that was meant."""
+    problem = max(error.errors(), key=lambda problem: len(problem["loc"]))
+    field, *inner = problem["loc"] or ("",)
+    where = ".".join([str(field), *(str(part) for part in inner if isinstance(part, int))])
     message = problem["msg"].removeprefix("Value error, ")
+    if problem["type"] == "missing":
+        return f"{where}: {message}"
     return f"{where}={problem['input']!r}: {message}" if where else message

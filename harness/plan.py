@@ -24,6 +24,10 @@ Count: TypeAlias = Annotated[int, Field(gt=0)]
 Seed: TypeAlias = Annotated[int, Field(ge=0)]
 
 
+def _arp() -> list[Given]:
+    return ["arp"]
+
+
 @checked_dataclass(frozen=True)
 class Experiment:
     """A matrix of combinations; each field is a key of an experiment file and a flag of ``harness run``.
@@ -33,7 +37,7 @@ class Experiment:
 
     sim: Annotated[Names, Field(description="simulators")]
     algo: Annotated[Names, Field(description="algorithms")]
-    reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=lambda: ["arp"])
+    reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=_arp)
     baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
     task: Annotated[Given, Field(description="the task")] = "fd100-reach"
     robot: Annotated[str, Field(description="the robot: a name, or a folder with robot.toml")] = "fd100"
@@ -97,7 +101,8 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
     """
     for key in ("sim", "algo"):
         if not data.get(key):
-            raise UsageError(f"{noun.capitalize()} names no {key}: give --{key} NAME, or the key '{key}' in a file")
+            subject = noun[:1].upper() + noun[1:]  # a path in it keeps its capitals
+            raise UsageError(f"{subject} names no {key}: give --{key} NAME, or the key '{key}' in a file")
     experiment: Experiment = build(Experiment, data, noun)
     return experiment
 

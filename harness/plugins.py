@@ -64,7 +64,7 @@ class Spec:
         module, attribute = self.target.split(":")
         try:
             return getattr(importlib.import_module(module), attribute)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise PluginError(
                 f"Plugin '{self.plugin}' ({self.distribution}): {self.target} of {self.kind[:-1]} '{self.name}' "
                 f"cannot be imported: {_one_line(error)}"
@@ -118,9 +118,13 @@ class Registry:
 def unknown_name(noun: str, name: str, known: Iterable[str]) -> str:
     """One line: what was given, what there is, the nearest match."""
     known = sorted(known)
+    return f"No {noun} '{name}'. There is: {', '.join(known) or 'none'}.{did_you_mean(name, known)}"
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A question to add to a message; empty without a near match."""
     nearest = difflib.get_close_matches(name, known, n=1)
-    hint = f" Did you mean '{nearest[0]}'?" if nearest else ""
-    return f"No {noun} '{name}'. There is: {', '.join(known) or 'none'}.{hint}"
+    return f" Did you mean '{nearest[0]}'?" if nearest else ""
 
 
 def conflict(specs: list[Spec]) -> str:
@@ -170,7 +174,7 @@ def _load_plugin(point: EntryPoint, manager: pluggy.PluginManager, registry: Reg
         return
     try:
         specs = _collect_specs(point, module, manager)
-    except Exception as error:  # the same for its hooks
+    except (Exception, SystemExit) as error:  # the same for its hooks
         registry.plugins.append(_plugin(point, "broken", _one_line(error)))
         return
     for spec in specs:
@@ -189,7 +193,8 @@ def _incompatibility(module: ModuleType, manager: pluggy.PluginManager) -> str:
     try:
         manager.register(module)
     except pluggy.PluginValidationError as error:
-        manager.unregister(module)
+        if manager.is_registered(module):  # newer pluggy takes it out by itself
+            manager.unregister(module)
         return _one_line(error)
     callers = manager.get_hookcallers(module) or []
     unknown = sorted(caller.name for caller in callers if not caller.has_spec())
@@ -212,7 +217,7 @@ def _register_into(specs: list[Spec], kind: str, point: EntryPoint) -> Callable[
     distribution = point.dist.name if point.dist else point.module
 
     def register(
-        name: str, target: str, *, summary: str, requires: tuple[str, ...] = (), extra: str | None = None
+        name: str, target: str, *, summary: str, requires: Iterable[str] = (), extra: str | None = None
     ) -> None:
         if not _NAME.fullmatch(name):
             raise ValueError(f"register_{kind}: name {name!r} must be lower-case letters, digits, '-' and '_'")

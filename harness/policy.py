@@ -1,7 +1,7 @@
 """A policy that acts with numpy alone, saved without pickle."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,12 @@ FORMAT = 1
 WEIGHTS, CARD = "weights.safetensors", "card.json"
 Float32 = NDArray[np.float32]
 
-ACTIVATIONS = {"relu": lambda x: np.maximum(x, 0.0), "tanh": np.tanh}
+
+def _relu(values: Float32) -> Float32:
+    return np.maximum(values, np.float32(0.0))
+
+
+ACTIVATIONS: dict[str, Callable[[Float32], Float32]] = {"relu": _relu, "tanh": np.tanh}
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +61,14 @@ class Policy:
         action = self._linear(hidden, "mean")
         if rng is not None:
             std = np.exp(np.clip(self._linear(hidden, "log_std"), -20.0, 2.0))
-            action = action + std * rng.standard_normal(action.shape, dtype=np.float32)
-        low, high = np.float32(self.action_low), np.float32(self.action_high)
-        return np.asarray(low + 0.5 * (np.tanh(action) + 1.0) * (high - low), np.float32)
+            action += std * rng.standard_normal(action.shape, dtype=np.float32)
+        low, high = np.array([self.action_low, self.action_high], np.float32)
+        squashed: Float32 = low + np.float32(0.5) * (np.tanh(action) + np.float32(1.0)) * (high - low)
+        return squashed
 
     def save(self, folder: Path) -> None:
         """Write the weights and the card into `folder`, which is made."""
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)
         safetensors.numpy.save_file(dict(self.weights), folder / WEIGHTS)
         card: dict[str, Any] = {
             "format": FORMAT,
@@ -89,7 +95,7 @@ class Policy:
             weights = safetensors.numpy.load_file(folder / WEIGHTS)
             low, high = tuple(card["action_low"]), tuple(card["action_high"])
             return cls(weights, card["activation"], low, high, card["algorithm"])
-        except (OSError, ValueError, KeyError, safetensors.SafetensorError) as error:
+        except (OSError, ValueError, KeyError, TypeError, safetensors.SafetensorError) as error:
             raise SchemaError(f"{folder} holds no readable policy: {error}") from error
 
     def _hidden(self, observation: Float32) -> Float32:

@@ -11,12 +11,12 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from harness.cell import Cell
+from harness.cell_folder import EVALUATION, RANDOM, TRACE
 from harness.choice import Choice
 from harness.index import Index, Ratio, stack_runs
 from harness.manifest import Manifest
 from harness.metric import Metric
 from harness.plugins import Registry, load_registry
-from harness.run_cell import EVALUATION, RANDOM, TRACE
 from harness.statistics import compare_runs
 from harness.store import RESULTS, Store
 from harness.trace import read_trace

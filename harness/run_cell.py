@@ -1,6 +1,5 @@
 """Train and evaluate one cell: the only place that does. It needs the cell and a folder, nothing else."""
 
-import shutil
 import time
 import traceback
 from dataclasses import replace
@@ -10,19 +9,13 @@ import numpy as np
 
 from harness.algorithm import Algorithm, Progress
 from harness.cell import Cell
+from harness.cell_folder import EVALUATION, LOG, POLICY, RANDOM, TRACE, partial_folder, publish
 from harness.evaluate import evaluate, random_actions
 from harness.make import build_env
 from harness.manifest import Manifest, describe_environment, now
 from harness.plugins import Registry, load_registry
 from harness.policy import Policy
 from harness.trace import TraceWriter
-
-TRACE, EVALUATION, RANDOM, POLICY, LOG = "trace.parquet", "evaluation.parquet", "random.parquet", "policy", "log.txt"
-
-
-def partial_folder(folder: Path) -> Path:
-    """Where a cell's folder grows until it is complete."""
-    return folder.with_name(f".{folder.name}.partial")
 
 
 def run_cell(cell: Cell, folder: Path, progress: Progress) -> Manifest:
@@ -40,10 +33,11 @@ def run_cell(cell: Cell, folder: Path, progress: Progress) -> Manifest:
     partial = partial_folder(folder)
     partial.mkdir(parents=True, exist_ok=True)
     registry = load_registry()
-    manifest = Manifest(cell, "done", started=started, environment=describe_environment(cell, registry))
+    manifest = Manifest(cell, "done", started=started)
     try:
+        manifest = replace(manifest, environment=describe_environment(cell, registry))
         manifest = replace(manifest, training_seconds=_train_and_evaluate(cell, partial, registry, progress))
-    except Exception as error:  # a plugin may raise anything: it costs this cell alone
+    except (Exception, SystemExit) as error:  # a plugin may raise anything: it costs this cell alone
         with (partial / LOG).open("a") as log:
             traceback.print_exc(file=log)
         manifest = replace(manifest, status="failed", reason=f"{type(error).__name__}: {' '.join(str(error).split())}")
@@ -51,13 +45,6 @@ def run_cell(cell: Cell, folder: Path, progress: Progress) -> Manifest:
     manifest.write(partial)
     publish(partial, folder)
     return manifest
-
-
-def publish(partial: Path, folder: Path) -> None:
-    """Give a complete folder its final name, in place of an earlier one."""
-    if folder.exists():
-        shutil.rmtree(folder)
-    partial.rename(folder)
 
 
 def _train_and_evaluate(cell: Cell, folder: Path, registry: Registry, progress: Progress) -> float:

@@ -44,7 +44,7 @@ class ReachEnv(gymnasium.Env[Float32, Float32]):
         observations, rewards, terminated, truncated, infos = self.vector_env.step(np.asarray(action)[None])
         return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _first(infos)
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]  # Gymnasium types the frame as generic
+    def render(self) -> NDArray[np.uint8] | None:
         """One RGB frame, (480, 640, 3), in the render mode ``rgb_array``."""
         return self.vector_env.render()[0] if self.render_mode == "rgb_array" else None
 

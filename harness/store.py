@@ -16,15 +16,17 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import tomli_w
 
 from harness.cell import Cell
+from harness.cell_folder import partial_folder, publish
 from harness.errors import SchemaError, UsageError
 from harness.manifest import FILE, Manifest, Status, now, read_manifest
-from harness.plan import Plan
-from harness.run_cell import partial_folder, publish
+
+if TYPE_CHECKING:
+    from harness.plan import Plan
 
 EXPERIMENT, PLAN, CELLS, RESULTS, REPORT, LOCK = (
     "experiment.toml",
@@ -54,7 +56,7 @@ class Store:
         return cls(folder)
 
     @classmethod
-    def create(cls, folder: Path, plan: Plan) -> "Store":
+    def create(cls, folder: Path, plan: "Plan") -> "Store":
         """A new experiment, or one to go on with: cells that are done stay done.
 
         Raises:
@@ -85,7 +87,7 @@ class Store:
         try:
             data = json.loads(path.read_text())
             return data["baseline"], [Cell.from_json(cell) for cell in data["cells"]]
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise SchemaError(f"{path} is no readable plan: {error!r}") from error
 
     @contextmanager
@@ -131,7 +133,7 @@ class Store:
         found = [read_manifest(path.parent) for path in (self.folder / CELLS).glob(f"[!.]*/{FILE}")]
         return sorted(found, key=lambda manifest: (manifest.started, manifest.cell.id))
 
-    def _write_plan(self, plan: Plan) -> None:
+    def _write_plan(self, plan: "Plan") -> None:
         """Add the plan's cells to those that are there: a folder grows, nothing is lost."""
         (self.folder / EXPERIMENT).write_text(tomli_w.dumps(_without_none(plan.resolved)))
         path = self.folder / PLAN

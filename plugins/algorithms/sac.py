@@ -22,7 +22,8 @@ Count = Annotated[int, Field(gt=0)]
 class Sac:
     """stable-baselines3's SAC on the CPU, with settings that learn the FD100 task in 10,000 steps.
 
-    The library's own defaults (learning rate 3e-4, gamma 0.99, 256x256) do not.
+    The library's own defaults (learning rate 3e-4, gamma 0.99, 256x256) do not. The entropy coefficient starts at 0.1:
+    a step pays some 0.1, and from the library's 1 it takes thousands of steps before the reward outweighs the noise.
     """
 
     learning_rate: Annotated[Positive, Field(description="of actor, critics and entropy coefficient")] = 1e-3
@@ -37,9 +38,13 @@ class Sac:
     train_freq: Annotated[Count, Field(description="steps between updates")] = 1
     gradient_steps: Annotated[int, Field(ge=-1, description="updates each time; -1: as many as steps taken")] = 1
     tau: Annotated[float, Field(gt=0, le=1, description="share of the new weights in the target critics")] = 0.005
-    ent_coef: Annotated[str, Field(pattern=r"^(auto|auto_\d*\.?\d+|\d*\.?\d+)$", description="entropy coefficient")] = (
-        "auto"
-    )
+    ent_coef: Annotated[
+        str,
+        Field(
+            pattern=r"^(auto|auto_\d*\.?\d+|\d*\.?\d+)$",
+            description="entropy coefficient: a number, or auto_X to learn it from X on (auto: from 1)",
+        ),
+    ] = "auto_0.1"
     activation: Annotated[Literal["relu", "tanh"], Field(description="between the layers")] = "relu"
     num_envs: Annotated[Count, Field(description="envs that are trained on at once")] = 1
 

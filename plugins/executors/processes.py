@@ -12,10 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import IO
 
+from harness.cell_folder import partial_folder
 from harness.executor import Event, Job, OnEvent
 
 # Two one-thread processes train twice as fast as one with two threads.
-ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 GRACE_SECONDS = 5.0
 
 
@@ -45,6 +46,7 @@ class _Workers:
     events: "queue.SimpleQueue[tuple[Job, int | None]]" = field(default_factory=queue.SimpleQueue)
 
     def start(self, job: Job) -> None:
+        partial_folder(job.folder).mkdir(parents=True, exist_ok=True)  # gone again when the cell is complete
         process = subprocess.Popen(
             [sys.executable, "-m", "harness.worker"],
             stdin=subprocess.PIPE,  # stays open: a worker ends when its parent is gone
@@ -71,7 +73,8 @@ class _Workers:
         process = self.running.pop(job.cell.id)
         status = process.wait()
         _close(process)
-        return Event("ended", job.cell, reason=_reason(status))
+        complete = not partial_folder(job.folder).exists()
+        return Event("ended", job.cell, reason="" if complete else _reason(status))
 
     def stop(self) -> None:
         for process in self.running.values():
@@ -87,8 +90,9 @@ class _Workers:
 
     def _listen(self, job: Job, lines: IO[str]) -> None:
         """In a thread: each line is the number of steps done; the end of the stream is the end of the cell."""
-        for line in lines:
-            self.events.put((job, int(line)))
+        with lines:
+            for line in lines:
+                self.events.put((job, int(line)))
         self.events.put((job, None))
 
 
@@ -98,8 +102,6 @@ def _close(process: "subprocess.Popen[str]") -> None:
 
 
 def _reason(status: int) -> str:
-    if status == 0:
-        return ""
     if status < 0:
         return f"its process was ended by {signal.Signals(-status).name}"
-    return f"its process ended with exit status {status}"
+    return f"its process ended with exit status {status} before the cell did"

@@ -43,38 +43,45 @@ class MujocoSimulation:
 
     def __init__(self, settings: Mujoco, robot: Robot, num_envs: int, control_period: float) -> None:
         self.model = build_model(robot, control_period / settings.substeps, settings.bandwidth)
-        self._substeps, self._num_envs, self._dof = settings.substeps, num_envs, robot.dof
-        self._tip = self.model.body(robot.end_effector_link).id
-        self._act = slice(1 + 2 * robot.dof, 1 + 3 * robot.dof)  # state: time, qpos, qvel, act
-        self._states = np.zeros((num_envs, mujoco.mj_stateSize(self.model, FULL)))
-        self._controls = np.zeros((num_envs, 1, self.model.nu))
-        self._sensors = np.zeros((num_envs, self.model.nsensordata))
-        self._end_effector = np.zeros((num_envs, 3))
-        self._data = mujoco.MjData(self.model)
+        n, dof = num_envs, robot.dof
+        self._substeps, self._num_envs, self._dof = settings.substeps, n, dof
+        self._data = data = mujoco.MjData(self.model)
+        tip = data.xpos[self.model.body(robot.end_effector_link).id]  # a view, as all of MjData's arrays
+        self._tip = tip
+        self._controls = np.zeros((n, 1, 2 * dof))
+        self._speeds = self._controls.reshape(n, 2, dof)
         self._rollout: Any = None
-        if num_envs > 1:
-            self._open_rollout(min(settings.threads, num_envs))
         self._renderer: Any = None
+        if n == 1:
+            self._held, self._touch = data.act[None], data.sensordata[:1]
+            self._state = State(data.qpos[None], data.qvel[None], tip[None], np.zeros(1, bool))
+        else:
+            self._open_rollout(min(settings.threads, n))
 
     def _open_rollout(self, threads: int) -> None:
+        model, n, dof = self.model, self._num_envs, self._dof
         self._rollout = mujoco.rollout.Rollout(nthread=threads)
-        self._thread_data = [mujoco.MjData(self.model) for _ in range(threads)]
+        self._thread_data = [mujoco.MjData(model) for _ in range(threads)]
+        states = np.zeros((n, mujoco.mj_stateSize(model, FULL)))  # time, qpos, qvel, act
+        self._states, self._touch = states, np.zeros(n)
+        self._held = states[:, 1 + 2 * dof : 1 + 3 * dof]  # what the position servos hold
+        qpos, qvel = states[:, 1 : 1 + dof], states[:, 1 + dof : 1 + 2 * dof]
+        self._state = State(qpos, qvel, np.zeros((n, 3)), np.zeros(n, bool))
         self._outputs = {
-            "state": np.zeros((self._num_envs, self._substeps, self._states.shape[1])),
-            "sensordata": np.zeros((self._num_envs, self._substeps, self._sensors.shape[1])),
+            "state": np.zeros((n, self._substeps, states.shape[1])),
+            "sensordata": np.zeros((n, self._substeps, model.nsensordata)),
         }
 
     def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
         """See `harness.simulator.Simulation`."""
-        dof = self._dof
+        data = self._data
         for k in np.flatnonzero(mask):
-            self._states[k] = 0.0
-            self._states[k, 1 : 1 + dof] = qpos[k]
-            self._states[k, self._act] = qpos[k]
-            mujoco.mj_setState(self.model, self._data, self._states[k], FULL)
-            mujoco.mj_forward(self.model, self._data)
-            self._sensors[k] = self._data.sensordata
-            self._end_effector[k] = self._data.xpos[self._tip]
+            mujoco.mj_resetData(self.model, data)
+            data.qpos = data.act = qpos[k]
+            mujoco.mj_forward(self.model, data)
+            if self._rollout is not None:
+                mujoco.mj_getState(self.model, data, self._states[k], FULL)
+                self._touch[k], self._state.end_effector[k] = data.sensordata[0], self._tip
         return self.read()
 
     def place(self, qpos: Float) -> State:
@@ -84,53 +91,38 @@ class MujocoSimulation:
     def drive(self, qpos: Float, duration: float) -> State:
         """See `harness.simulator.Simulation`."""
         # From where the servos hold now to the target: rounding cannot add up over periods.
-        speeds = (qpos - self._states[:, self._act]) / duration
-        self._controls[:, 0, : self._dof] = speeds
-        self._controls[:, 0, self._dof :] = speeds
+        np.divide(qpos - self._held, duration, out=self._speeds[:, 0])
+        self._speeds[:, 1] = self._speeds[:, 0]
         if self._rollout is None:
-            self._step_one()
+            self._data.ctrl = self._controls[0, 0]
+            mujoco.mj_step(self.model, self._data, self._substeps)
+            mujoco.mj_kinematics(self.model, self._data)  # mj_step leaves the links one substep behind
         else:
-            self._step_many()
+            self._drive_many()
         return self.read()
 
-    def _step_one(self) -> None:
-        model, data = self.model, self._data
-        data.ctrl[:] = self._controls[0, 0]
-        mujoco.mj_step(model, data, self._substeps)
-        mujoco.mj_getState(model, data, self._states[0], FULL)
-        self._sensors[0] = data.sensordata
-        mujoco.mj_kinematics(model, data)  # mj_step leaves positions of links one substep behind
-        self._end_effector[0] = data.xpos[self._tip]
-
-    def _step_many(self) -> None:
+    def _drive_many(self) -> None:
         self._rollout.rollout(
             self.model, self._thread_data, self._states, self._controls, nstep=self._substeps, **self._outputs
         )
         self._states[:] = self._outputs["state"][:, -1]
-        self._sensors[:] = self._outputs["sensordata"][:, -1]
-        model, data, qpos = self.model, self._data, slice(1, 1 + self._dof)
+        self._touch[:] = self._outputs["sensordata"][:, -1, 0]
         for k in range(self._num_envs):
-            data.qpos[:] = self._states[k, qpos]
-            mujoco.mj_kinematics(model, data)
-            self._end_effector[k] = data.xpos[self._tip]
+            self._data.qpos = self._state.qpos[k]
+            mujoco.mj_kinematics(self.model, self._data)
+            self._state.end_effector[k] = self._tip
 
     def read(self) -> State:
         """See `harness.simulator.Simulation`."""
-        dof = self._dof
-        return State(
-            self._states[:, 1 : 1 + dof],
-            self._states[:, 1 + dof : 1 + 2 * dof],
-            self._end_effector,
-            self._sensors[:, 0] > 0.0,
-        )
+        np.greater(self._touch, 0.0, out=self._state.ground_contact)
+        return self._state
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """See `harness.simulator.Simulation`."""
         if self._renderer is None:
             self._renderer = _open_renderer(self.model, width, height)
         data = mujoco.MjData(self.model)
-        mujoco.mj_setState(self.model, data, self._states[env], FULL)
-        data.mocap_pos[0] = target
+        data.qpos, data.mocap_pos[0] = self._state.qpos[env], target
         mujoco.mj_forward(self.model, data)
         self._renderer.update_scene(data, _camera())
         frame: NDArray[np.uint8] = self._renderer.render()

@@ -5,7 +5,6 @@ import re
 from itertools import pairwise
 from xml.etree import ElementTree
 
-import harness_robots
 import mujoco
 import numpy as np
 import pinocchio
@@ -13,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import harness_robots
 from harness.robot import read_robot
 from harness.urdf import read_chain
 

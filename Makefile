@@ -1,0 +1,52 @@
+# Every command sets up .venv when it has to; a second call installs nothing.
+
+VENV   ?= .venv
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+# Where torch comes from, if not from where pip looks anyway. On Linux PyPI's torch brings CUDA packages; the CPU
+# build: make install TORCH_INDEX=https://download.pytorch.org/whl/cpu
+TORCH_INDEX ?=
+
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+
+.PHONY: install dev run test slow bench check format clean
+
+install: $(VENV)/.installed
+dev: $(VENV)/.installed-dev
+
+run: install
+	$(BIN)/harness run --sim mujoco --algo sac
+
+# Two processes, one thread each.
+test: dev
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --benchmark-disable
+
+slow: dev
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m slow --benchmark-disable
+
+bench: dev
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s
+
+check: dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: dev
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info
+
+# torch first and alone: with it there, nothing else asks for another build of it.
+$(VENV)/.installed: pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(PIP) $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX)) torch
+	$(PIP) --editable '.[mujoco,sb3,report]'
+	touch $@
+
+$(VENV)/.installed-dev: $(VENV)/.installed
+	$(PIP) --editable '.[mujoco,sb3,report,dev]'
+	touch $@

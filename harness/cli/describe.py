@@ -1,0 +1,25 @@
+"""``harness describe``: one name explained."""
+
+from typing import Annotated
+
+import typer
+
+from harness.errors import UsageError
+
+
+def describe(
+    name: Annotated[str, typer.Argument(help="Anything that `harness list` shows, as arp or arp:k2=2.")],
+    robot: Annotated[str, typer.Option(help="The robot that a task is described for.", metavar="NAME")] = "fd100",
+) -> None:
+    """Explain a task, reward, simulator, algorithm, metric or robot, with its parameters."""
+    from harness.choice import parse
+    from harness.describe import describe_name
+    from harness.hookspecs import KINDS
+    from harness.plugins import load_registry, unknown_name
+
+    registry = load_registry()
+    bare, _ = parse(name)
+    kinds = [kind for kind in KINDS if (kind, bare) in registry.specs]
+    if not kinds:
+        raise UsageError(unknown_name("name", bare, {known for _, known in registry.specs}))
+    typer.echo("\n\n".join(describe_name(registry, kind, name, robot) for kind in kinds))

@@ -1,0 +1,65 @@
+"""``harness doctor``: what is installed, what is missing, whether this machine renders."""
+
+import subprocess
+import sys
+
+import typer
+
+from harness.plugins import Registry, load_registry
+
+RENDER = """
+import numpy, harness
+env = harness.make_env()
+env.reset(seed=0)
+frame = env.render()[0]
+assert numpy.ptp(frame) > 0, "the frame is empty"
+"""
+BACKENDS = ("egl", "osmesa")
+
+
+def doctor() -> None:
+    """Check versions, plugins, missing libraries, CPU and headless rendering."""
+    from harness.manifest import describe_machine, installed_versions, source_commit
+
+    machine, registry = describe_machine(), load_registry()
+    typer.echo(f"python {sys.version.split()[0]} on {machine['system']}")
+    typer.echo(f"cpu {machine['cpu']}, {machine['cores']} cores")
+    typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in installed_versions().items()))
+    commit = source_commit()
+    if commit:
+        typer.echo(f"commit {commit}")
+    for line in _plugin_problems(registry) + _missing_libraries(registry) + _rendering(registry):
+        typer.echo(line)
+
+
+def _plugin_problems(registry: Registry) -> list[str]:
+    broken = [plugin for plugin in registry.plugins if plugin.status in {"broken", "incompatible"}]
+    lines = [
+        f"plugin '{plugin.name}' of {plugin.distribution} is {plugin.status}: {plugin.reason}" for plugin in broken
+    ]
+    return [*lines, *registry.conflicts()] or [f"plugins {len(registry.plugins)}, all fine"]
+
+
+def _missing_libraries(registry: Registry) -> list[str]:
+    specs = [spec for claims in registry.specs.values() for spec in claims if spec.missing]
+    return [f"missing {', '.join(spec.missing)} for {spec.kind[:-1]} '{spec.name}': {spec.remedy}" for spec in specs]
+
+
+def _rendering(registry: Registry) -> list[str]:
+    """One line for each way of rendering without a display; each is tried in a process of its own."""
+    spec = registry.specs.get(("simulators", "mujoco"))
+    if spec is None or spec[0].missing:
+        return ["rendering not tried: it takes the simulator mujoco"]
+    return [f"rendering MUJOCO_GL={backend}: {_try_rendering(backend)}" for backend in BACKENDS]
+
+
+def _try_rendering(backend: str) -> str:
+    import os
+
+    command = [sys.executable, "-c", RENDER]
+    tried = subprocess.run(
+        command, env={**os.environ, "MUJOCO_GL": backend}, capture_output=True, text=True, check=False
+    )
+    if tried.returncode == 0:
+        return "works"
+    return (tried.stderr.strip().splitlines() or [f"exit status {tried.returncode}"])[-1]

@@ -1,0 +1,25 @@
+"""``harness plugins``: who registered what."""
+
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from harness.plugins import load_registry
+
+
+def plugins(as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False) -> None:
+    """Show every plugin, where it comes from, what it registered, and what is wrong with it."""
+    registry = load_registry()
+    conflicts = registry.conflicts()
+    if as_json:
+        import json
+
+        shown = {"plugins": [asdict(plugin) for plugin in registry.plugins], "conflicts": conflicts}
+        typer.echo(json.dumps(shown, indent=1))
+        return
+    for plugin in registry.plugins:
+        typer.echo(f"{plugin.name}  {plugin.status}  {plugin.distribution} {plugin.version}  ({plugin.module})")
+        typer.echo(f"  {plugin.reason or ', '.join(plugin.registered) or 'registers nothing'}")
+    for line in conflicts:
+        typer.echo(f"conflict: {line}")

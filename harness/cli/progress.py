@@ -1,0 +1,72 @@
+"""What one sees while cells run: a bar per running cell, with steps per second and the time left."""
+
+import time
+from collections.abc import Collection, Sequence
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
+from rich.text import Text
+
+from harness.cell import Cell
+from harness.executor import Event
+
+
+class LiveProgress:
+    """Call it with every event. Without a terminal it prints a line when a cell starts or ends."""
+
+    def __init__(self, cells: Sequence[Cell], done: Collection[Cell]) -> None:
+        self._console = Console(stderr=True)
+        self._progress = Progress(
+            TextColumn("{task.description}"), BarColumn(), StepSpeed(), TimeRemainingColumn(), console=self._console
+        )
+        self._tasks: dict[str, TaskID] = {}
+        self._started: dict[str, float] = {}
+        self._total, self._ended = len(cells), len(done)
+        self._overall: TaskID | None = None
+        if done:
+            self._console.print(f"{len(done)} of {len(cells)} cells were done before and are not run again")
+
+    def __enter__(self) -> "LiveProgress":
+        if self._console.is_terminal:
+            self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def __call__(self, event: Event) -> None:
+        """Show an event."""
+        show = {"started": self._start, "progress": self._advance, "ended": self._end}
+        show[event.kind](event)
+
+    def _start(self, event: Event) -> None:
+        cell = event.cell
+        self._started[cell.id] = time.perf_counter()
+        self._tasks[cell.id] = self._progress.add_task(cell.title, total=cell.steps)
+        if not self._console.is_terminal:
+            self._console.print(f"{cell.title}: started", soft_wrap=True)
+
+    def _advance(self, event: Event) -> None:
+        self._progress.update(self._tasks[event.cell.id], completed=event.steps)
+
+    def _end(self, event: Event) -> None:
+        cell = event.cell
+        self._ended += 1
+        self._progress.remove_task(self._tasks.pop(cell.id))
+        seconds = time.perf_counter() - self._started.pop(cell.id)
+        outcome = f"FAILED: {event.reason}" if event.reason else f"{seconds:.0f} s, {cell.steps / seconds:.0f} steps/s"
+        self._progress.console.print(
+            f"[{self._ended}/{self._total}] {cell.title}: {outcome}", soft_wrap=True, markup=False, highlight=False
+        )
+
+
+class StepSpeed(ProgressColumn):
+    """Steps done and steps per second."""
+
+    def render(self, task: Task) -> Text:
+        """As ``4200/10000 · 155 steps/s``."""
+        speed = f"{task.speed:.0f} steps/s" if task.speed else "starting"
+        return Text(f"{task.completed:.0f}/{task.total:.0f} · {speed}")

@@ -1,0 +1,32 @@
+"""``harness report``: what an experiment's folder says."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def report(
+    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
+) -> None:
+    """Show the results in an experiment's folder. Trains nothing and imports no engine."""
+    from harness.results import load_results
+
+    results = load_results(folder)
+    if html is not None:
+        from harness.report.html import write_html
+
+        write_html(results, html)
+        typer.echo(f"Report: {html}", err=True)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(results.to_json(), indent=1, allow_nan=False))
+    elif html is None:
+        from rich.console import Console
+
+        from harness.report.table import comparison_table
+
+        Console().print(comparison_table(results))

@@ -1,0 +1,125 @@
+"""``harness run``: train every combination, compare, report."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from harness.plan import Plan
+    from harness.plugins import Registry
+    from harness.results import Results
+    from harness.store import Store
+
+Names = list[str] | None
+
+
+def run(
+    experiment: Annotated[
+        Path | None, typer.Argument(help="Experiment file (TOML). Its keys are the flags below; a flag wins.")
+    ] = None,
+    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...")] = None,
+    algo: Annotated[Names, typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...")] = None,
+    reward: Annotated[
+        Names, typer.Option(help="Proposed rewards, as arp:k1=1,k2=2. [default: arp]", metavar="NAME,...")
+    ] = None,
+    baseline: Annotated[
+        str | None, typer.Option(help="What they are compared with. [default: baseline]", metavar="NAME")
+    ] = None,
+    task: Annotated[
+        str | None, typer.Option(help="As fd100-reach:epsilon=0.02. [default: fd100-reach]", metavar="NAME")
+    ] = None,
+    robot: Annotated[
+        str | None, typer.Option(help="Robot, or a folder with robot.toml. [default: fd100]", metavar="NAME")
+    ] = None,
+    seeds: Annotated[
+        str | None, typer.Option(help="How many seeds, or a list (3,7,11). [default: 3]", metavar="N")
+    ] = None,
+    steps: Annotated[
+        int | None, typer.Option(help="Environment steps of training per cell. [default: 10000]", metavar="N")
+    ] = None,
+    evaluation_episodes: Annotated[
+        int | None, typer.Option(help="Episodes of evaluation after training. [default: 100]", metavar="N")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The experiment's folder. [default: one under results/runs/]", metavar="DIR")
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(help="Cells at once. [default: as many as cores]", metavar="N")] = None,
+    executor: Annotated[str, typer.Option(help="What runs the cells.", metavar="NAME")] = "processes",
+) -> int:
+    """Train every simulator x algorithm x reward x seed and compare the rewards.
+
+    A cell that is done is not run again: the same command goes on where it stopped.
+    """
+    from harness.experiment import core_count, default_folder
+    from harness.plan import expand
+    from harness.plugins import load_registry
+    from harness.results import Results
+    from harness.store import Store
+
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"--jobs {jobs}: must be at least 1")
+    given = {
+        "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
+        "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
+    }  # fmt: skip
+    registry = load_registry()
+    registry.get("executors", executor)
+    plan = expand(_read(experiment, {key: value for key, value in given.items() if value is not None}), registry)
+    store = Store.create(out or default_folder(plan), plan)
+    _run_with_progress(plan, store, registry, jobs or core_count(), executor)
+    results = Results(store.folder, registry)
+    _show(results)
+    return 1 if results.failed else 0
+
+
+def _read(path: Path | None, flags: dict[str, Any]) -> Any:
+    """The experiment of a file, of flags, or of both."""
+    from harness.choice import split_list
+    from harness.plan import check_experiment, read_experiment
+
+    for key in ("sim", "algo", "reward"):
+        if key in flags:
+            flags[key] = split_list(flags[key])
+    return check_experiment(flags) if path is None else read_experiment(path, flags)
+
+
+def _parse_seeds(text: str | None) -> int | list[int] | None:
+    if text is None:
+        return None
+    try:
+        numbers = [int(part) for part in text.split(",") if part.strip()]
+    except ValueError:
+        numbers = []
+    if not numbers:
+        raise UsageError(f"--seeds {text}: give a number of seeds (3) or a list of seeds (3,7,11)")
+    return numbers if "," in text else numbers[0]
+
+
+def _run_with_progress(plan: "Plan", store: "Store", registry: "Registry", jobs: int, executor: str) -> None:
+    from harness.cli.progress import LiveProgress
+    from harness.experiment import run_plan
+
+    done = [cell for cell in plan.cells if store.is_done(cell)]
+    with LiveProgress(plan.cells, done) as progress:
+        run_plan(plan, store, registry, jobs, progress, executor)
+
+
+def _show(results: "Results") -> None:
+    from rich.console import Console
+
+    from harness.report.html import write_html
+    from harness.report.table import comparison_table
+    from harness.store import REPORT
+
+    console = Console(stderr=True)
+    console.print(comparison_table(results))
+    results.write_table()
+    console.print(f"Results: {results.folder}", soft_wrap=True)
+    try:
+        write_html(results, results.folder / REPORT)
+        console.print(f"Report:  {results.folder / REPORT}", soft_wrap=True)
+    except UsageError as error:  # the extra is missing: the results are there all the same
+        console.print(f"No {REPORT}: {error}", soft_wrap=True)

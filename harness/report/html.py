@@ -1,0 +1,200 @@
+"""The report as one HTML file that opens anywhere, offline."""
+
+import os
+from collections import Counter
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from harness.cell import Cell
+from harness.choice import Choice
+from harness.errors import UsageError
+from harness.manifest import Manifest
+from harness.report.figure import draw_panels
+from harness.report.table import (
+    BEHAVIOUR_HEADINGS,
+    INDEX_HEADINGS,
+    NOTHING,
+    RATIO_HEADINGS,
+    BehaviourRow,
+    behaviour_rows,
+    combination_title,
+    count_cells,
+    index_rows,
+    ratio_notes,
+    ratio_rows,
+    seeds_text,
+)
+from harness.results import Combination, Results
+from harness.store import EXPERIMENT
+
+TEMPLATE = "report.html.j2"
+
+
+class Fact(NamedTuple):
+    """A line of the manifest: what was so, and in how many cells if not in all."""
+
+    name: str
+    value: str
+    cells: str
+
+
+def write_html(results: Results, path: Path) -> None:
+    """Write the report to `path`, in one go: a reader finds the old file or the new one, whole.
+
+    Raises:
+        UsageError: A library of the extra ``report`` is missing, or `path` cannot be written.
+    """
+    page = _render(results)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        temporary.write_text(page, encoding="utf-8")
+        os.replace(temporary, path)
+    except OSError as error:
+        raise UsageError(f"The report '{path}' cannot be written: {error.strerror}") from error
+    finally:
+        with suppress(OSError):  # gone if it was renamed, never there if it could not be written
+            temporary.unlink()
+
+
+def question(results: Results) -> str:
+    """What the report answers."""
+    proposed = list(dict.fromkeys(combination.proposed for combination in results.combinations))
+    verb, subject = ("Does", "a reward") if not proposed else ("Does", f"the reward {proposed[0]}")
+    if len(proposed) > 1:
+        verb, subject = "Do", f"the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"
+    return f"{verb} {subject} make the robot behave better, or only the numbers bigger?"
+
+
+def describe_comparison(combination: Combination) -> str:
+    """In plain words: what was compared, and the numbers."""
+    group, seeds = combination.group, combination.seeds
+    if not seeds:
+        return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
+    sentences = [
+        f"The robot {group.robot} learned {group.task.label} in {group.simulator.label} with {group.algorithm.label}, "
+        f"{group.steps:,} environment steps per run, {seeds_text(seeds)}: once paid by {combination.baseline}, "
+        f"once by {combination.proposed}.",
+        f"Of the reward accumulated while learning, {_read_out(combination)}.",
+        "Each eta compares two rewards, each on its own scale, so it does not yet say how the robot behaves.",
+    ]
+    success = _success(combination)
+    if success:
+        sentences.append(
+            f"Evaluated after training, without any reward, the policies trained with {combination.baseline} reach the "
+            f"target in {success.baseline} of the episodes, those trained with {combination.proposed} in "
+            f"{success.proposed}, random actions in {success.random}."
+        )
+    return " ".join(sentences)
+
+
+def shared_facts(manifests: Iterable[Manifest]) -> list[Fact]:
+    """Versions, machine, commit, command and sources of all cells that ran; a line each, more where cells differ."""
+    counts: dict[str, Counter[str]] = {}
+    for manifest in manifests:
+        for name, value in _facts(manifest).items():
+            counts.setdefault(name, Counter())[value] += 1
+    return [
+        Fact(name, value, f"{count} of {values.total()} cells" if len(values) > 1 else "")
+        for name, values in counts.items()
+        for value, count in values.items()
+    ]
+
+
+def _render(results: Results) -> str:
+    try:
+        import jinja2
+        from plotly.offline import get_plotlyjs
+    except ImportError as error:
+        raise UsageError(f"The HTML report needs {error.name}: pip install 'fd100-harness[report]'") from error
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(TEMPLATE).render(
+        question=question(results),
+        nothing=NOTHING,
+        sections=[_section(combination) for combination in results.combinations],
+        cell_count=count_cells(results),
+        manifests=results.manifests,
+        facts=shared_facts(results.manifests),
+        experiment=(results.folder / EXPERIMENT).read_text(encoding="utf-8"),
+        plotly_js=get_plotlyjs(),
+    )
+
+
+def _section(combination: Combination) -> dict[str, Any]:
+    """What the template shows of a combination."""
+    grids = [
+        (RATIO_HEADINGS, ratio_rows(combination), ratio_notes(combination)),
+        (INDEX_HEADINGS, index_rows(combination), []),
+        (BEHAVIOUR_HEADINGS, behaviour_rows(combination), []),
+    ]
+    return {
+        "title": combination_title(combination),
+        "combination": combination,
+        "ratios": ratio_rows(combination),
+        "success": _success(combination),
+        "summary": describe_comparison(combination),
+        "panels": _label_panels(combination),
+        "grids": [grid for grid in grids if grid[1]],
+    }
+
+
+def _label_panels(combination: Combination) -> list[dict[str, Any]]:
+    """Each panel with its heading and, for those who cannot see it, what it shows."""
+    panels = draw_panels(combination)
+    if panels is None:
+        return []
+    first, crossover = index_rows(combination)[:2]
+    return [
+        {
+            "heading": f"{role}: {reward}",
+            "figure": figure,
+            "caption": f"First negative step: {negative}. Cross-over step: {crossed}.",
+        }
+        for role, reward, figure, negative, crossed in (
+            ("Baseline", combination.baseline, panels[0], first.baseline, crossover.baseline),
+            ("Proposed", combination.proposed, panels[1], first.proposed, crossover.proposed),
+        )
+    ]
+
+
+def _success(combination: Combination) -> BehaviourRow | None:
+    """The row of the success rate, if it was measured."""
+    return next((row for row in behaviour_rows(combination) if row.name == "success rate"), None)
+
+
+def _read_out(combination: Combination) -> str:
+    """Both ratios in a sentence."""
+    return " and ".join(
+        f"{row.name} is {row.value}" + (f" (95% interval {row.interval})" if row.interval != NOTHING else "")
+        for row in ratio_rows(combination)
+    )
+
+
+def _facts(manifest: Manifest) -> dict[str, str]:
+    """The environment of a cell, flat; empty for a cell that never ran."""
+    environment = manifest.environment
+    if not environment:
+        return {}
+    machine = environment.get("machine", {})
+    sources = environment.get("sources", {})
+    facts = {
+        "command": environment.get("command"),
+        "commit": environment.get("commit"),
+        **{name: machine.get(name) for name in ("system", "cpu", "cores")},
+        **environment.get("versions", {}),
+        **{f"source of {_chosen(manifest.cell, kind)}": digest[:12] for kind, digest in sources.items()},
+    }
+    return {name: str(value) for name, value in facts.items() if value}
+
+
+def _chosen(cell: Cell, kind: str) -> str:
+    """Name of the cell's choice of a kind: two rewards have two sources, one reward should have one."""
+    choice = getattr(cell, kind.removesuffix("s"), None)
+    return choice.name if isinstance(choice, Choice) else kind

@@ -1,0 +1,33 @@
+"""The contract kit: what a simulator, a reward, an algorithm and a metric must satisfy.
+
+In the tests of a plugin::
+
+    from harness.testing import check_reward
+
+    def test_reward_keeps_the_contract():
+        check_reward(MyReward())
+
+raises `harness.errors.ContractViolation`, with the name of the check and what is wrong, where it does not. Each check
+is also a function of its own, so that a test can be parametrised over ``REWARD_CHECKS``; `violations` runs on after the
+first one that fails. `IdealSimulator` is a simulator for tests that need none of an engine.
+"""
+
+from harness.testing.algorithms import ALGORITHM_CHECKS, check_algorithm
+from harness.testing.ideal import IdealSimulator
+from harness.testing.metrics import METRIC_CHECKS, check_metric
+from harness.testing.rewards import REWARD_CHECKS, check_reward
+from harness.testing.simulators import SIMULATOR_CHECKS, check_simulator
+from harness.testing.violations import violations
+
+__all__ = [
+    "ALGORITHM_CHECKS",
+    "METRIC_CHECKS",
+    "REWARD_CHECKS",
+    "SIMULATOR_CHECKS",
+    "IdealSimulator",
+    "check_algorithm",
+    "check_metric",
+    "check_reward",
+    "check_simulator",
+    "violations",
+]

@@ -1,0 +1,92 @@
+"""What the simulator checks do with a simulation, and how they compare what it tells."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.inverse import reach_position
+from harness.motion import MoveJ
+from harness.robot import Robot
+from harness.simulator import Simulation, Simulator, State
+from harness.testing.violations import require
+
+Float = NDArray[np.float64]
+
+PERIOD = 0.1
+"""Of control, [s]."""
+NUM_ENVS = 3
+
+
+@contextmanager
+def opened(simulator: Simulator, robot: Robot, num_envs: int = NUM_ENVS) -> Iterator[Simulation]:
+    """A simulation that is closed at the end."""
+    simulation = simulator.open(robot, num_envs, PERIOD)
+    try:
+        yield simulation
+    finally:
+        simulation.close()
+
+
+def start_at_home(simulation: Simulation, robot: Robot, num_envs: int = NUM_ENVS) -> State:
+    """Reset all envs to the home pose."""
+    return copied(simulation.reset(np.tile(robot.home, (num_envs, 1)), np.ones(num_envs, bool)))
+
+
+def drive_out_and_back(simulation: Simulation, robot: Robot, num_envs: int = NUM_ENVS) -> list[State]:
+    """Start at home and follow `ramps`; the state at home and one per period."""
+    home = start_at_home(simulation, robot, num_envs)
+    return [home, *(copied(simulation.drive(target, PERIOD)) for target in ramps(robot, num_envs))]
+
+
+def dive_into_the_ground(simulation: Simulation, robot: Robot) -> list[State]:
+    """Start at home and go straight, in joint space, to 10 cm below the ground; one state per period."""
+    below = np.array([[0.6 * robot.reach, 0.0, -0.1]])
+    goal, reached = reach_position(robot, below, robot.home[None])
+    require(reached.all(), f"the arm cannot reach the ground at {below[0]} m: choose another robot for these checks")
+    way = goal - start_at_home(simulation, robot).qpos
+    periods = int(np.ceil((np.abs(way) / (0.5 * robot.max_speed * PERIOD)).max()))
+    shares = np.arange(1, periods + 1) / periods
+    return [copied(simulation.drive(robot.home + share * way, PERIOD)) for share in shares]
+
+
+def ramps(robot: Robot, num_envs: int) -> list[Float]:
+    """Joint targets from home out and back at 80 % of the speed and 60 % of the acceleration, NOTE Table I."""
+    motion = MoveJ.within_limits(robot, speed=0.8, acceleration=0.6, period=PERIOD)
+    qpos, qvel = np.tile(robot.home, (num_envs, 1)), np.zeros((num_envs, robot.dof))
+    targets = []
+    for direction in [1.0] * 4 + [-1.0] * 8 + [1.0] * 4:
+        qpos, qvel = motion.advance(qpos, qvel, direction * turns(robot, num_envs))
+        targets.append(qpos)
+    return targets
+
+
+def turns(robot: Robot, num_envs: int) -> Float:
+    """Ways to turn, 1 or -1, (num_envs, dof): neighbouring joints and neighbouring envs against one another."""
+    return np.where((np.arange(num_envs)[:, None] + np.arange(robot.dof)) % 2, -1.0, 1.0)
+
+
+def poses_near_home(robot: Robot, num_envs: int) -> Float:
+    """Joint positions, (num_envs, dof), all of them different."""
+    noise = np.random.default_rng(0).uniform(-0.2, 0.2, (num_envs, robot.dof))
+    return np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
+
+
+def copied(state: State) -> State:
+    """A state that outlives the simulation's next call."""
+    return State._make(np.array(array) for array in state)
+
+
+def same(first: list[State], second: list[State]) -> bool:
+    """Whether two lists of states hold the same numbers; what is not a number is the same as itself."""
+    return all(
+        np.array_equal(old, new, equal_nan=True)
+        for one, other in zip(first, second, strict=True)
+        for old, new in zip(one, other, strict=True)
+    )
+
+
+def part(state: State, envs: NDArray[np.bool_] | NDArray[np.intp]) -> State:
+    """The state of some envs, given by a mask or by their numbers."""
+    return State._make(array[envs] for array in state)

@@ -1,0 +1,282 @@
+"""What a simulator must satisfy. Each check takes the simulator and a robot."""
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.make import load_robot
+from harness.robot import Robot
+from harness.simulator import Simulator, State
+from harness.testing.simulations import (
+    NUM_ENVS,
+    PERIOD,
+    copied,
+    dive_into_the_ground,
+    drive_out_and_back,
+    opened,
+    part,
+    poses_near_home,
+    ramps,
+    same,
+    start_at_home,
+    turns,
+)
+from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
+
+MAX_TRACKING_ERROR = np.radians(0.5)
+MAX_PLACEMENT_ERROR = 1e-6
+"""[m] and [rad]."""
+MAX_SPEED_ERROR = 0.05
+"""Of a joint in steady motion, as a fraction of its speed."""
+SMALL_MOVE = np.radians(0.3)
+
+
+def check_simulator(simulator: Simulator, robot: Robot | None = None) -> None:
+    """Run all `SIMULATOR_CHECKS`.
+
+    Args:
+        simulator: To be checked.
+        robot: To be simulated; fd100 if None.
+
+    Raises:
+        ContractViolation: At the first check that fails.
+    """
+    raise_first(SIMULATOR_CHECKS, simulator, robot or load_robot("fd100"))
+
+
+def states_have_the_declared_shapes(simulator: Simulator, robot: Robot) -> None:
+    """Joint arrays are (num_envs, dof), positions (num_envs, 3), flags (num_envs,), also for one env."""
+    for num_envs in (1, NUM_ENVS):
+        shapes = ((num_envs, robot.dof), (num_envs, robot.dof), (num_envs, 3), (num_envs,))
+        with opened(simulator, robot, num_envs) as simulation:
+            for state in drive_out_and_back(simulation, robot, num_envs):
+                for name, array, shape in zip(State._fields, state, shapes, strict=True):
+                    require(array.shape == shape, f"{name} of {num_envs} envs has shape {array.shape}, not {shape}")
+
+
+def states_are_float64_and_bool(simulator: Simulator, robot: Robot) -> None:
+    """Numbers are float64 and ground contact is bool, whatever the engine computes with."""
+    with opened(simulator, robot) as simulation:
+        for state in drive_out_and_back(simulation, robot):
+            for name, array, dtype in zip(State._fields, state, ("float64",) * 3 + ("bool",), strict=True):
+                require(array.dtype == dtype, f"{name} is {array.dtype}, not {dtype}")
+
+
+def states_are_finite(simulator: Simulator, robot: Robot) -> None:
+    """No number is NaN or infinite, neither in free motion nor against the ground."""
+    with opened(simulator, robot) as simulation:
+        for state in [*drive_out_and_back(simulation, robot), *dive_into_the_ground(simulation, robot)]:
+            for name, array in zip(State._fields, state, strict=True):
+                require(np.isfinite(array).all(), f"{name} is {array}")
+
+
+def reset_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None:
+    """After `reset` the joints of the masked envs are where they were told to be, at rest, also after a motion."""
+    with opened(simulator, robot) as simulation:
+        drive_out_and_back(simulation, robot)
+        qpos = poses_near_home(robot, NUM_ENVS)
+        _require_there_at_rest(simulation.reset(qpos, np.ones(NUM_ENVS, bool)), qpos)
+
+
+def place_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None:
+    """After `place` the joints of all envs are where they were told to be, at rest, also after a motion."""
+    with opened(simulator, robot) as simulation:
+        drive_out_and_back(simulation, robot)
+        qpos = poses_near_home(robot, NUM_ENVS)
+        _require_there_at_rest(simulation.place(qpos), qpos)
+
+
+def reset_leaves_the_other_envs_alone(simulator: Simulator, robot: Robot) -> None:
+    """`reset` changes nothing in the envs outside its mask."""
+    mask = np.arange(NUM_ENVS) == 1
+    with opened(simulator, robot) as simulation:
+        before = drive_out_and_back(simulation, robot)[-1]
+        after = simulation.reset(poses_near_home(robot, NUM_ENVS), mask)
+        require(same([part(before, ~mask)], [part(after, ~mask)]), "the envs outside the mask changed")
+
+
+def end_effector_is_that_of_the_robot(simulator: Simulator, robot: Robot) -> None:
+    """The end effector is where `robot.end_effector` puts it for the joint positions of the same state."""
+    with opened(simulator, robot) as simulation:
+        driven = drive_out_and_back(simulation, robot)
+        for state in [*driven, copied(simulation.place(poses_near_home(robot, NUM_ENVS)))]:
+            error = np.linalg.norm(state.end_effector - robot.end_effector(state.qpos), axis=-1).max()
+            require(error < MAX_PLACEMENT_ERROR, f"the end effector is {error:.2g} m from the robot's kinematics")
+
+
+def drive_tracks_a_joint_ramp(simulator: Simulator, robot: Robot) -> None:
+    """At the end of each control period every joint is within 0.5 degrees of its target."""
+    with opened(simulator, robot) as simulation:
+        states = drive_out_and_back(simulation, robot)[1:]
+        for state, target in zip(states, ramps(robot, NUM_ENVS), strict=True):
+            error = np.abs(state.qpos - target).max()
+            require(error < MAX_TRACKING_ERROR, f"a joint is {np.degrees(error):.2g} degrees from its target")
+
+
+def qvel_is_the_speed_of_a_steady_motion(simulator: Simulator, robot: Robot) -> None:
+    """Joint velocities are in rad/s, signed: a joint that is driven at constant speed reports that speed."""
+    speed = 0.1 * robot.max_speed * turns(robot, NUM_ENVS)
+    with opened(simulator, robot) as simulation:
+        target = start_at_home(simulation, robot).qpos
+        for _ in range(5):
+            target = target + speed * PERIOD
+            state = simulation.drive(target, PERIOD)
+        error = np.abs(state.qvel - speed) / np.abs(speed)
+        require(error.max() < MAX_SPEED_ERROR, f"joints driven at {speed} rad/s report {state.qvel}")
+
+
+def small_moves_move_every_joint(simulator: Simulator, robot: Robot) -> None:
+    """A move too small for the tracking check is done all the same: no joint stands still or turns the wrong way."""
+    move = SMALL_MOVE * turns(robot, NUM_ENVS)
+    with opened(simulator, robot) as simulation:
+        start = start_at_home(simulation, robot).qpos
+        moved = simulation.drive(start + move, PERIOD).qpos - start
+        require((moved * move > 0.0).all(), f"driven by {move} rad, the joints moved by {moved}")
+
+
+def ground_contact_is_seen(simulator: Simulator, robot: Robot) -> None:
+    """An arm that is driven into the ground touches it."""
+    with opened(simulator, robot) as simulation:
+        contacts = [state.ground_contact for state in dive_into_the_ground(simulation, robot)]
+        require(np.any(contacts, axis=0).all(), "the arm was driven into the ground and touched nothing")
+
+
+def no_ground_contact_in_the_air(simulator: Simulator, robot: Robot) -> None:
+    """An arm at home, or moving about it, does not touch the ground."""
+    with opened(simulator, robot) as simulation:
+        for state in drive_out_and_back(simulation, robot):
+            require(not state.ground_contact.any(), "the arm touches the ground in the air")
+
+
+def read_returns_the_state_of_the_last_call(simulator: Simulator, robot: Robot) -> None:
+    """`read` tells, each time, what the last `reset` or `drive` told."""
+    with opened(simulator, robot) as simulation:
+        for call in (start_at_home, lambda *given: drive_out_and_back(*given)[-1]):
+            state = call(simulation, robot)
+            for _ in range(2):
+                require(same([simulation.read()], [state]), "read() tells another state")
+
+
+def arguments_are_copied(simulator: Simulator, robot: Robot) -> None:
+    """The caller's arrays are neither changed nor kept: what the caller does to them later changes nothing."""
+    runs = [_called_with_changing_arrays(simulator, robot, change) for change in (0.0, 1.0)]
+    require(same(*runs), "an array that the caller changed after the call is part of the state")
+
+
+def same_calls_give_same_states(simulator: Simulator, robot: Robot) -> None:
+    """Two simulations that get the same calls tell the same states, bit for bit."""
+    runs = []
+    for _ in range(2):
+        with opened(simulator, robot) as simulation:
+            driven = drive_out_and_back(simulation, robot)
+            placed = copied(simulation.place(poses_near_home(robot, NUM_ENVS)))
+            runs.append([*driven, placed, *dive_into_the_ground(simulation, robot)])
+    require(same(*runs), "the same calls gave other states the second time")
+
+
+def reset_forgets_what_was_before(simulator: Simulator, robot: Robot) -> None:
+    """What follows a reset does not depend, not by a bit, on what came before it, ground contact included."""
+    with opened(simulator, robot) as simulation:
+        fresh = drive_out_and_back(simulation, robot)
+        dive_into_the_ground(simulation, robot)
+        again = drive_out_and_back(simulation, robot)
+    require(same(fresh, again), "after a reset the arm moves otherwise than when it was new")
+
+
+def an_env_in_a_batch_is_as_one_alone(simulator: Simulator, robot: Robot) -> None:
+    """Each env of a batch tells the states, bit for bit, that an env alone tells for the same calls."""
+    batch, alone = _driven_alike(simulator, robot, NUM_ENVS), _driven_alike(simulator, robot, 1)
+    for env in range(NUM_ENVS):
+        one = [part(state, np.array([env])) for state in batch]
+        require(same(one, alone), f"env {env} of {NUM_ENVS} moves otherwise than one env alone")
+
+
+def envs_do_not_touch_one_another(simulator: Simulator, robot: Robot) -> None:
+    """What an env does is the same, bit for bit, whatever the other envs are told to do."""
+    runs = [_driven_beside(simulator, robot, share) for share in (1.0, 0.5)]
+    require(same(*runs), "env 1 moves otherwise when the others do")
+
+
+def render_gives_a_frame_or_says_why_not(simulator: Simulator, robot: Robot) -> None:
+    """`render` gives an RGB frame of the size asked for, or raises UsageError; the state stays as it was."""
+    with opened(simulator, robot) as simulation:
+        before = drive_out_and_back(simulation, robot)[-1]
+        try:
+            frame = simulation.render(1, np.array([0.5, 0.0, 0.5]), 64, 48)
+        except UsageError:
+            return
+        require(frame.shape == (48, 64, 3), f"a frame of 64 x 48 has shape {frame.shape}, not (48, 64, 3)")
+        require(frame.dtype == np.uint8, f"a frame is {frame.dtype}, not uint8")
+        require(same([simulation.read()], [before]), "rendering changed the state")
+
+
+def close_can_be_called_twice(simulator: Simulator, robot: Robot) -> None:
+    """A second `close` does nothing."""
+    simulation = simulator.open(robot, NUM_ENVS, PERIOD)
+    simulation.close()
+    simulation.close()
+
+
+SIMULATOR_CHECKS = (
+    settings_are_frozen,
+    settings_survive_json,
+    states_have_the_declared_shapes,
+    states_are_float64_and_bool,
+    states_are_finite,
+    reset_puts_the_arm_there_at_rest,
+    place_puts_the_arm_there_at_rest,
+    reset_leaves_the_other_envs_alone,
+    end_effector_is_that_of_the_robot,
+    drive_tracks_a_joint_ramp,
+    qvel_is_the_speed_of_a_steady_motion,
+    small_moves_move_every_joint,
+    ground_contact_is_seen,
+    no_ground_contact_in_the_air,
+    read_returns_the_state_of_the_last_call,
+    arguments_are_copied,
+    same_calls_give_same_states,
+    reset_forgets_what_was_before,
+    an_env_in_a_batch_is_as_one_alone,
+    envs_do_not_touch_one_another,
+    render_gives_a_frame_or_says_why_not,
+    close_can_be_called_twice,
+)
+
+
+def _require_there_at_rest(state: State, qpos: NDArray[np.float64]) -> None:
+    error = np.abs(state.qpos - qpos).max()
+    require(error < MAX_PLACEMENT_ERROR, f"the joints are {error:.2g} rad from where they were put")
+    require((state.qvel == 0.0).all(), f"the joints are not at rest: {state.qvel} rad/s")
+
+
+def _driven_alike(simulator: Simulator, robot: Robot, num_envs: int) -> list[State]:
+    """The states of envs that are all told the same."""
+    with opened(simulator, robot, num_envs) as simulation:
+        start_at_home(simulation, robot, num_envs)
+        targets = [np.repeat(target, num_envs, axis=0) for target in ramps(robot, 1)]
+        return [copied(simulation.drive(target, PERIOD)) for target in targets]
+
+
+def _driven_beside(simulator: Simulator, robot: Robot, share: float) -> list[State]:
+    """The states of env 1 while the others go only a share of their way."""
+    shares = np.where(np.arange(NUM_ENVS) == 1, 1.0, share)[:, None]
+    with opened(simulator, robot) as simulation:
+        home = start_at_home(simulation, robot).qpos
+        targets = [home + shares * (target - home) for target in ramps(robot, NUM_ENVS)]
+        return [part(copied(simulation.drive(target, PERIOD)), np.array([1])) for target in targets]
+
+
+def _called_with_changing_arrays(simulator: Simulator, robot: Robot, change: float) -> list[State]:
+    """The states of calls with the same joint positions, in arrays that are changed after the call."""
+    mask, states = np.ones(NUM_ENVS, bool), []
+    with opened(simulator, robot) as simulation:
+        reset = partial(simulation.reset, mask=mask)
+        drive = partial(simulation.drive, duration=PERIOD)
+        for call in (reset, drive, drive, simulation.place, drive):
+            qpos = np.tile(robot.home, (NUM_ENVS, 1))
+            states.append(copied(call(qpos)))
+            require((qpos == robot.home).all() and mask.all(), "the caller's array was changed")
+            qpos += change
+    return states

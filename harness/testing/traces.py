@@ -1,0 +1,40 @@
+"""What the metric checks hand to a metric."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.trace import FLAGS, INTEGERS, NUMBERS, Trace
+
+REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
+DOF = 2
+
+
+def recorded_trace(seed: int, ends: tuple[str, ...]) -> Trace:
+    """One env's episodes, one per item of `ends`: ``ground``, ``reached``, ``truncated`` or ``""`` (left unfinished).
+
+    The numbers are random; an episode has 3 to 9 steps after its start row.
+    """
+    rng = np.random.default_rng(seed)
+    parts = [_episode(rng, number, end) for number, end in enumerate(ends)]
+    return Trace(
+        {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else _rows(rng, 0)
+    )
+
+
+def _episode(rng: np.random.Generator, number: int, end: str) -> dict[str, NDArray[Any]]:
+    columns = _rows(rng, int(rng.integers(4, 10)))
+    columns["episode"][:] = number
+    columns["step"][:] = np.arange(len(columns["step"]))
+    if end:
+        columns[end][-1] = True
+    return columns
+
+
+def _rows(rng: np.random.Generator, rows: int) -> dict[str, NDArray[Any]]:
+    columns: dict[str, NDArray[Any]] = {name: np.zeros(rows, np.int32) for name in INTEGERS}
+    columns.update({name: rng.uniform(0.0, 1.0, rows) for name in NUMBERS})
+    columns.update({name: np.zeros(rows, bool) for name in FLAGS})
+    columns.update({name: rng.uniform(-1.0, 1.0, (rows, DOF)) for name in ("qpos", "action")})
+    return columns

@@ -1,0 +1,84 @@
+"""What several tests need: packages that are only for a test, cells and plans to try things on."""
+
+import os
+import shutil
+from collections.abc import Callable
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import settings
+
+from harness.cell import Cell
+from harness.choice import Choice
+from harness.plan import Plan
+from harness.plugins import Registry, load_registry
+
+settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
+settings.load_profile("no deadline")
+
+
+@pytest.fixture(scope="session")
+def toy_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the package `toy_arm` and its metadata, as an installer leaves them."""
+    folder = tmp_path_factory.mktemp("site-packages")
+    shutil.copy(Path(__file__).parent / "toy_arm.py", folder)
+    metadata = folder / "toy_arm-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: toy-arm\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[harness]\ntoys = toy_arm\n")
+    return folder
+
+
+@pytest.fixture
+def toys(toy_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Registry:
+    """All plugins, `toy_arm` included, which is installed for this process and for those that it starts."""
+    monkeypatch.syspath_prepend(toy_folder)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, [str(toy_folder), os.environ.get("PYTHONPATH")])))
+    monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
+    return load_registry()
+
+
+@pytest.fixture
+def write_plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., EntryPoint]:
+    """Write a module that can be imported, and get the entry point that names it."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
+
+    def write(source: str, name: str, entry: str = "") -> EntryPoint:
+        module = f"{name}_{tmp_path.name}".replace("-", "_")  # another test's module of the same name is still imported
+        (tmp_path / f"{module}.py").write_text(source)
+        return EntryPoint(entry or name, module, "harness")
+
+    return write
+
+
+@pytest.fixture
+def make_cell() -> Callable[..., Cell]:
+    """A cell that the ideal arm does in a moment; some fields may be said otherwise."""
+
+    def make(**fields: Any) -> Cell:
+        given = {
+            "simulator": Choice("ideal", (), "ideal"),
+            "robot": "fd100",
+            "task": Choice("fd100-reach", (("horizon", 5),), "fd100-reach:horizon=5"),
+            "algorithm": Choice("wander", (), "wander"),
+            "reward": Choice("baseline", (), "baseline"),
+            "seed": 0,
+            "steps": 12,
+            "evaluation_episodes": 2,
+        }
+        return Cell(**{**given, **fields})
+
+    return make
+
+
+@pytest.fixture
+def make_plan() -> Callable[..., Plan]:
+    """A plan of given cells."""
+
+    def make(*cells: Cell, skipped: tuple[tuple[Cell, str], ...] = (), baseline: str = "baseline") -> Plan:
+        return Plan(baseline, cells, skipped, {"sim": ["ideal"], "algo": ["wander"]})
+
+    return make

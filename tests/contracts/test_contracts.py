@@ -1,0 +1,105 @@
+"""Everything that is registered keeps its contract, a plugin that was installed yesterday included."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import harness
+from harness.errors import ContractViolation
+from harness.plugins import load_registry
+from harness.testing import (
+    ALGORITHM_CHECKS,
+    METRIC_CHECKS,
+    REWARD_CHECKS,
+    SIMULATOR_CHECKS,
+    IdealSimulator,
+    check_algorithm,
+    check_metric,
+    check_reward,
+    check_simulator,
+    violations,
+)
+from harness.testing.trainings import NegativeDistance
+
+REGISTRY = load_registry()
+ROBOT = harness.load_robot("fd100", REGISTRY)
+CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS]
+
+
+def registered(kind: str, checks: tuple[Callable[..., None], ...]) -> pytest.MarkDecorator:
+    """Every registered thing of a kind with every check."""
+    cases = [(check, name) for name in REGISTRY.names(kind) for check in checks]
+    return pytest.mark.parametrize(("check", "name"), cases, ids=[f"{name}-{check.__name__}" for check, name in cases])
+
+
+def build(kind: str, name: str) -> Any:
+    """A registered thing with its defaults."""
+    return REGISTRY.get(kind, name).load()()
+
+
+@registered("simulators", SIMULATOR_CHECKS)
+def test_simulator(check: Callable[..., None], name: str):
+    """Every registered simulator keeps the contract on the FD100."""
+    check(build("simulators", name), ROBOT)
+
+
+@registered("rewards", REWARD_CHECKS)
+def test_reward(check: Callable[..., None], name: str):
+    """Every registered reward keeps the contract."""
+    check(build("rewards", name))
+
+
+@registered("algorithms", ALGORITHM_CHECKS)
+def test_algorithm(check: Callable[..., None], name: str):
+    """Every registered algorithm keeps the contract, learning included."""
+    check(build("algorithms", name))
+
+
+@registered("metrics", METRIC_CHECKS)
+def test_metric(check: Callable[..., None], name: str):
+    """Every registered metric keeps the contract."""
+    check(build("metrics", name))
+
+
+@pytest.mark.parametrize("check", SIMULATOR_CHECKS)
+def test_ideal_simulator(check: Callable[..., None]):
+    """The kit's own simulator keeps the contract."""
+    check(IdealSimulator(), ROBOT)
+
+
+@pytest.mark.parametrize("check", REWARD_CHECKS)
+def test_reward_of_the_easy_task(check: Callable[..., None]):
+    """The kit's own reward keeps the contract."""
+    check(NegativeDistance())
+
+
+@pytest.mark.parametrize("check", CHECKS)
+def test_every_check_says_what_it_holds(check: Callable[..., None]):
+    """Every check has a docstring for the author of a plugin."""
+    assert len(check.__doc__ or "") > 40
+
+
+@pytest.mark.parametrize("check", [check_simulator, check_reward, check_algorithm, check_metric])
+def test_first_violation_is_raised(check: Callable[..., None]):
+    """Something that is no plugin at all fails at the first check, which the error names."""
+    with pytest.raises(ContractViolation, match="settings_are_frozen: object is no dataclass") as caught:
+        check(object())
+    assert caught.value.check == "settings_are_frozen"
+
+
+def test_all_is_well_without_an_error():
+    """What keeps the contract passes through all checks without a word, on the default robot."""
+    assert check_simulator(IdealSimulator()) is None
+    assert check_reward(NegativeDistance()) is None
+
+
+def test_whatever_a_check_meets_is_a_violation():
+    """An exception of the plugin is told like a broken promise, with its cause."""
+
+    def divides(_: object) -> None:
+        raise ZeroDivisionError("by nothing")
+
+    (violation,) = violations([divides], object())
+    assert str(violation) == "divides: raised ZeroDivisionError: by nothing"
+    assert isinstance(violation.__cause__, ZeroDivisionError)

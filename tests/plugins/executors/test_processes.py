@@ -1,0 +1,164 @@
+"""Cells in processes of their own: whatever one of them does, it costs that one alone."""
+
+import json
+import os
+import select
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.cell import Cell
+from harness.choice import Choice
+from harness.executor import Event, Job
+from harness.manifest import read_manifest
+from harness.plugins import Registry
+from harness.run_cell import LOG, partial_folder
+from harness_plugins.executors.processes import Processes
+
+pytestmark = pytest.mark.usefixtures("toys")
+
+
+def _that(make_cell: Callable[..., Cell], then: str, note: str = "") -> Cell:
+    params = (("then", then), ("note", note))
+    return make_cell(algorithm=Choice("wander", params, f"wander:then={then}"))
+
+
+def _run(cells: list[Cell], folder: Path, at_once: int = 1) -> dict[str, Event]:
+    """The last event of each cell, by id."""
+    events: list[Event] = []
+    Processes().run([Job(cell, folder / cell.id) for cell in cells], at_once, events.append)
+    assert [event.cell for event in events if event.kind == "ended"].count(cells[0]) == 1
+    return {event.cell.id: event for event in events}
+
+
+def _is_running(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_every_cell_starts_progresses_and_ends(make_cell: Callable[..., Cell], tmp_path: Path):
+    """`on_event` hears of the start, of each number of steps that the algorithm tells, and of the end, in order."""
+    cell, events = make_cell(steps=3), []
+    Processes().run([Job(cell, tmp_path / "cell")], 1, events.append)
+    assert [(event.kind, event.steps) for event in events] == [
+        ("started", 0),
+        ("progress", 1),
+        ("progress", 2),
+        ("progress", 3),
+        ("ended", 0),
+    ]
+    assert read_manifest(tmp_path / "cell").status == "done"
+
+
+def test_two_at_once(make_cell: Callable[..., Cell], tmp_path: Path):
+    """With `at_once` 2 the second cell starts before the first one ends, the third after."""
+    cells, events = [make_cell(seed=seed) for seed in range(3)], []
+    Processes().run([Job(cell, tmp_path / cell.id) for cell in cells], 2, events.append)
+    kinds = [event.kind for event in events if event.kind != "progress"]
+    assert kinds[:3] == ["started", "started", "ended"]
+    assert kinds.count("ended") == 3
+
+
+def test_no_job_is_no_work(tmp_path: Path):
+    """An empty plan ends at once, without an event."""
+    events: list[Event] = []
+    Processes().run([], 1, events.append)
+    assert not events
+
+
+@pytest.mark.parametrize("then", ["raise", "sys.exit"])
+def test_cell_that_raises_is_a_failed_cell(make_cell: Callable[..., Cell], tmp_path: Path, then: str):
+    """The worker itself leaves the manifest, so the executor has no reason to add."""
+    cell = _that(make_cell, then)
+    assert _run([cell], tmp_path)[cell.id].reason == ""
+    assert read_manifest(tmp_path / cell.id).status == "failed"
+
+
+def test_killed_cells_cost_themselves_alone(make_cell: Callable[..., Cell], tmp_path: Path):
+    """A signal, an exit and a silent exit are told apart in the reason; the cell after them is done."""
+    killed, left, silent = (_that(make_cell, then) for then in ("be killed", "_exit", "die silently"))
+    good = make_cell()
+    last = _run([killed, left, silent, good], tmp_path, at_once=2)
+    assert last[killed.id].reason == "its process was ended by SIGKILL"
+    assert last[left.id].reason == "its process ended with exit status 3 before the cell did"
+    assert last[silent.id].reason == "its process ended with exit status 0 before the cell did"
+    assert last[good.id].reason == ""
+    assert read_manifest(tmp_path / good.id).status == "done"
+    # What was printed before the death is in the log that the failed cell keeps.
+    assert (partial_folder(tmp_path / silent.id) / LOG).read_text() == "last words\n"
+
+
+def test_output_of_plugins_lands_in_the_log(make_cell: Callable[..., Cell], tmp_path: Path):
+    """Whatever way a plugin or its child prints, it is in log.txt, in order, and disturbs no progress."""
+    cell = _that(make_cell, "chat")
+    assert _run([cell], tmp_path)[cell.id].reason == ""
+    text = (tmp_path / cell.id / LOG).read_text()
+    assert text == "by print\nby standard error\nby the file descriptor\nby a child\n"
+
+
+def test_plugin_that_asks_gets_no_answer(make_cell: Callable[..., Cell], tmp_path: Path):
+    """A plugin that reads standard input fails at once instead of waiting for ever."""
+    cell = _that(make_cell, "ask")
+    _run([cell], tmp_path)
+    assert read_manifest(tmp_path / cell.id).reason.startswith("EOFError")
+
+
+def test_interrupt_leaves_no_worker(make_cell: Callable[..., Cell], tmp_path: Path):
+    """KeyboardInterrupt passes on, and the worker that was in the middle of a cell is gone."""
+    note = tmp_path / "pid"
+    os.mkfifo(note)
+    cell = _that(make_cell, "wait", str(note))
+
+    def interrupt(event: Event) -> None:
+        if event.kind == "progress" and event.steps == cell.steps:
+            pids.append(int(note.read_text()))  # comes when the worker waits
+            raise KeyboardInterrupt
+
+    pids: list[int] = []
+    with pytest.raises(KeyboardInterrupt):
+        Processes().run([Job(cell, tmp_path / cell.id)], 1, interrupt)
+    assert not _is_running(pids[0])
+
+
+def test_worker_ends_with_its_parent(make_cell: Callable[..., Cell], tmp_path: Path):
+    """A worker whose standard input closes, as it does when its parent dies, ends in the middle of its cell."""
+    note = tmp_path / "pid"
+    os.mkfifo(note)
+    order = {"cell": _that(make_cell, "wait", str(note)).to_json(), "folder": str(tmp_path / "cell"), "command": ["x"]}
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
+    with subprocess.Popen([sys.executable, "-m", "harness.worker"], text=True, **pipes) as worker:
+        worker.stdin.write(json.dumps(order) + "\n")
+        worker.stdin.flush()
+        assert int(note.read_text()) == worker.pid
+        worker.stdin.close()
+        assert worker.wait(30) == 1
+
+
+def test_worker_dies_with_a_killed_parent(make_cell: Callable[..., Cell], tmp_path: Path, toys: Registry):
+    """SIGKILL of the process that runs the plan ends its workers too."""
+    note = tmp_path / "pid"
+    os.mkfifo(note)
+    cell = _that(make_cell, "wait", str(note))
+    script = (
+        "import json, sys; from pathlib import Path\n"
+        "from harness.cell import Cell; from harness.executor import Job\n"
+        "from harness_plugins.executors.processes import Processes\n"
+        "cell = Cell.from_json(json.loads(sys.argv[1]))\n"
+        "Processes().run([Job(cell, Path(sys.argv[2]))], 1, lambda event: None)\n"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", script, json.dumps(cell.to_json()), str(tmp_path / "cell")])
+    worker = int(note.read_text())
+    watch = os.pidfd_open(worker)
+    try:
+        parent.kill()
+        parent.wait()
+        ended, _, _ = select.select([watch], [], [], 30.0)
+        assert ended == [watch]
+    finally:
+        os.close(watch)

@@ -1,0 +1,109 @@
+import json
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+from harness.index import mean_curve
+from harness.report.figure import POINTS, draw_panels, select_points
+
+
+def panels(results):
+    """The only combination and its two panels."""
+    (combination,) = results.combinations
+    return combination, draw_panels(combination)
+
+
+def curves(panel):
+    """The lines of a panel, the markers left out."""
+    return [trace for trace in panel["data"] if trace["mode"] == "lines"]
+
+
+@pytest.mark.parametrize("count", [1_001, 54_920])
+def test_drawn_points_keep_the_extremes(count):
+    """The highest, the lowest, the first and the last step of a run are drawn, in order, in at most 1000 points."""
+    values = np.random.default_rng(0).normal(size=count)
+    steps = select_points(values)
+    assert len(steps) <= POINTS
+    assert {0, count - 1, values.argmin(), values.argmax()} <= set(steps.tolist())
+    assert (np.diff(steps) > 0).all()
+
+
+def test_single_spike_survives():
+    """One step that sticks out of a flat run is drawn, up or down."""
+    values = np.zeros(50_000)
+    values[12_345], values[40_001] = 1.0, -1.0
+    assert {12_345, 40_001} <= set(select_points(values).tolist())
+
+
+def test_short_run_is_drawn_whole():
+    """Nothing is left out of a run that has no more steps than are drawn."""
+    assert select_points(np.ones(POINTS)).tolist() == list(range(POINTS))
+
+
+def test_every_run_is_thin_and_their_mean_thick(build):
+    """A panel holds one thin curve per seed and the mean curve, thicker and last."""
+    combination, drawn = panels(build(seeds=3))
+    for panel, runs in zip(drawn, (combination.baseline_runs, combination.proposed_runs), strict=True):
+        *thin, thick = curves(panel)
+        assert [trace["name"] for trace in thin] == ["seed 0", "seed 1", "seed 2"]
+        np.testing.assert_allclose([trace["y"] for trace in thin], runs, rtol=1e-5)
+        np.testing.assert_allclose(thick["y"], mean_curve(runs), rtol=1e-5, atol=1e-6)
+        assert thick["line"]["width"] > 2 * thin[0]["line"]["width"]
+
+
+def test_first_negative_and_crossover_are_marked(build):
+    """Both steps have a dot on the mean curve, a line and a label with the step."""
+    _, (panel, _) = panels(build())
+    dots = panel["data"][-1]
+    assert dots["x"] == [1, 18]
+    assert [line["x0"] for line in panel["layout"]["shapes"]] == [1, 18]
+    assert [label["text"] for label in panel["layout"]["annotations"]] == [
+        "first negative: step 1",
+        "cross-over: step 18",
+    ]
+
+
+def test_what_never_happens_is_not_marked(build):
+    """A curve that is never negative has no mark."""
+    _, (_, panel) = panels(build(proposed={"arp": lambda seed: np.ones(40)}))
+    assert panel["layout"]["annotations"] == panel["layout"]["shapes"] == panel["data"][-1]["x"] == []
+
+
+def test_panels_have_equal_axes(build):
+    """Both panels span the same steps and rewards, all values and zero among them, and zooming keeps the rewards so."""
+    _, drawn = panels(build(proposed={"arp": lambda seed: np.full(60, 2.0)}))
+    layouts = [panel["layout"] for panel in drawn]
+    assert layouts[0]["xaxis"]["range"] == layouts[1]["xaxis"]["range"] == [0, 59]
+    low, high = layouts[0]["yaxis"]["range"]
+    assert [low, high] == layouts[1]["yaxis"]["range"]
+    assert low < -9.0
+    assert high > 120.0
+    assert all(layout["yaxis"]["fixedrange"] for layout in layouts)
+
+
+def test_colours_differ_between_the_rewards(build):
+    """The two panels are told apart by colour too."""
+    _, drawn = panels(build())
+    assert len({trace["line"]["color"] for panel in drawn for trace in curves(panel)}) == 2
+
+
+def test_plotly_accepts_the_figures(build):
+    """Every property of a figure is one that plotly knows."""
+    _, drawn = panels(build())
+    for panel in drawn:
+        assert len(go.Figure(panel).data) == len(panel["data"])
+
+
+def test_no_pair_no_figure(build):
+    """Without a finished pair there is nothing to draw."""
+    _, drawn = panels(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    assert drawn is None
+
+
+def test_what_is_no_number_leaves_a_gap(build):
+    """A reward that is not finite is a gap in the curve: JSON has no NaN."""
+    broken = np.array([0.0, -1.0, np.nan, 1.0])
+    _, drawn = panels(build(proposed={"arp": lambda seed: broken}))
+    assert curves(drawn[1])[0]["y"] == [0.0, -1.0, None, None]
+    json.dumps(drawn, allow_nan=False)

@@ -1,0 +1,228 @@
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.report.html import describe_comparison, question, shared_facts, write_html
+
+LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
+
+
+class Page(HTMLParser):
+    """A page taken apart: what it loads or links, its JSON and its visible text."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.tags, self.ids, self.json, self.words = [], [], set(), [], []
+        self._inside = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        """Note what the element is and where it points."""
+        self.tags.append(tag)
+        self.ids |= {value for name, value in attributes if name == "id"}
+        self.links += [value for name, value in attributes if name in LOADING]
+        self._inside = dict(attributes).get("type", tag) if tag in ("script", "style") else ""
+
+    def handle_endtag(self, tag):
+        """Text is visible again."""
+        self._inside = ""
+
+    def handle_data(self, data):
+        """Keep visible words, and figures."""
+        if self._inside == "application/json":
+            self.json.append(json.loads(data))
+        elif not self._inside:
+            self.words += data.split()
+
+    @property
+    def text(self):
+        """The visible words, single spaces between them."""
+        return " ".join(self.words)
+
+
+def ones(seed):
+    """Rewards whose running sum is never negative."""
+    return np.ones(40)
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes the report of some results and takes it apart."""
+
+    def write_and_read(results):
+        write_html(results, tmp_path / "report.html")
+        return Page((tmp_path / "report.html").read_text(encoding="utf-8"))
+
+    return write_and_read
+
+
+def test_page_loads_nothing(build, write):
+    """No element loads anything, and the only links lead to places on the page."""
+    page = write(build(simulators=("mujoco", "pybullet")))
+    assert all(link.startswith("#") for link in page.links)
+    assert not {"link", "img", "iframe", "object", "embed"} & set(page.tags)
+
+
+def test_page_forbids_remote_content(build, tmp_path):
+    """The content security policy allows what is in the file and nothing else."""
+    write_html(build(), tmp_path / "report.html")
+    assert "default-src 'none'; script-src 'unsafe-inline'" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_plotly_is_there_once(build, tmp_path):
+    """However many combinations there are, plotly.js is in the page once."""
+    write_html(build(simulators=("mujoco", "pybullet")), tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").count("* plotly.js v") == 1
+
+
+def test_title_is_the_question(build, write):
+    """The heading asks what the report answers, naming the proposed rewards."""
+    asked = "Does the reward arp make the robot behave better, or only the numbers bigger?"
+    assert write(build()).text.count(asked) == 2  # <title> and <h1>
+
+
+def test_question_names_every_proposed_reward(build):
+    """Several proposed rewards are all named, each once."""
+    proposed = dict.fromkeys(("arp", "arp:k2=2", "relative"), ones)
+    results = build(seeds=1, simulators=("mujoco", "pybullet"), proposed=proposed)
+    assert question(results).startswith("Do the rewards arp, arp:k2=2 and relative make")
+
+
+def test_paragraph_says_what_eta_does_not(build):
+    """The paragraph names what was compared and says that eta is no measure of behaviour."""
+    (combination,) = build().combinations
+    text = describe_comparison(combination)
+    assert "once paid by baseline, once by arp" in text
+    assert "eta_N is 1.00 (95% interval [1.00, 1.00])" in text
+    assert "each on its own scale, so it does not yet say how the robot behaves" in text
+    assert "random actions in 0.0%" in text
+
+
+def test_labels_are_escaped(build, write):
+    """A label that looks like HTML is shown, not interpreted."""
+    page = write(build(proposed={"arp<b>bold</b>": ones}))
+    assert "arp<b>bold</b> against baseline" in page.text
+    assert "b" not in page.tags
+
+
+def test_reason_is_escaped(build, write):
+    """A reason that looks like a script is shown, not run."""
+    reason = "KeyError: <script>alert(1)</script>"
+    page = write(build(ended={("arp", 1): ("failed", reason)}))
+    assert reason in page.text
+    assert page.tags.count("script") == write(build()).tags.count("script")
+
+
+def test_crossover_is_marked(build, write):
+    """Both panels mark the cross-over of their mean curve, and the text says it too."""
+    page = write(build())
+    labels = [label["text"] for figure in page.json for label in figure["layout"]["annotations"]]
+    assert labels.count("cross-over: step 18") == 2
+    assert page.text.count("First negative step: 1. Cross-over step: 18.") == 2
+
+
+def test_failed_cell_has_its_reason(build, write):
+    """The table of cells says how each ended and why."""
+    page = write(build(ended={("arp", 1): ("failed", "SimulationDiverged: qpos is not finite")}))
+    assert "failed mujoco sac arp 1 40 0.0 SimulationDiverged: qpos is not finite" in page.text
+    assert "6 cells: 5 done, 1 failed" in page.text
+
+
+def test_missing_ratio_has_its_reason(build, write):
+    """A ratio that is not defined is n/a, and the page says why."""
+    page = write(build(baseline=lambda seed: np.full(40, -1.0)))
+    assert "eta_P n/a n/a above 1" in page.text
+    assert "eta_P n/a: I_P of the baseline is 0: its mean accumulated reward is never positive" in page.text
+
+
+def test_no_finished_pair_is_said(build, write):
+    """Without a finished pair the page says so, draws nothing and carries no plotly."""
+    page = write(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    assert "arp was to be compared with baseline, but no seed is done under both baseline and arp." in page.text
+    assert page.json == []
+    assert "script" not in page.tags
+
+
+def test_skipped_experiment_has_a_page(build, write):
+    """An experiment whose combinations were all skipped still has a page with the reasons."""
+    skipped = {(reward, 0): ("skipped", "sac cannot") for reward in ("baseline", "arp")}
+    page = write(build(seeds=1, ended=skipped))
+    assert "Does a reward make the robot behave better" in page.text
+    assert "No cell has run yet." in page.text
+    assert page.text.count("sac cannot") == 2
+
+
+def test_overview_links_to_each_combination(build, write):
+    """Several combinations get an overview that leads to each; a single one needs none."""
+    assert write(build()).links == []
+    page = write(build(simulators=("mujoco", "pybullet")))
+    assert page.links == ["#combination-1", "#combination-2"]
+    assert {"combination-1", "combination-2"} <= page.ids
+
+
+def test_shared_facts_stand_once(build):
+    """What is equal in all cells stands once, without a count."""
+    facts = shared_facts(build().manifests)
+    assert [fact[1:] for fact in facts if fact.name == "numpy"] == [("2.4.0", "")]
+
+
+def test_differing_facts_are_all_listed(build):
+    """Where cells differ, every value stands with the number of its cells; cells that never ran do not count."""
+    results = build(ended={("arp", 2): ("pending", "")})
+    first, *others = results.manifests
+    moved = replace(first, environment={**first.environment, "commit": "fedcba"})
+    facts = [fact[1:] for fact in shared_facts([moved, *others]) if fact.name == "commit"]
+    assert facts == [("fedcba", "1 of 5 cells"), ("0123456789abcdef", "4 of 5 cells")]
+
+
+def test_source_is_named_for_its_choice(build):
+    """Two rewards have two sources: each stands under its own name."""
+    names = [fact.name for fact in shared_facts(build().manifests)]
+    assert "source of baseline" in names
+    assert "source of arp" in names
+
+
+def test_failed_write_leaves_the_old_page(build, tmp_path, monkeypatch):
+    """When writing fails, the old page is whole, nothing else is left, and the error is one line."""
+    path = tmp_path / "pages" / "report.html"
+    path.parent.mkdir()
+    path.write_text("old")
+
+    def refuse(source, target):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", refuse)
+    with pytest.raises(UsageError, match=r"report\.html' cannot be written: No space left on device"):
+        write_html(build(), path)
+    assert [file.name for file in path.parent.iterdir()] == ["report.html"]
+    assert path.read_text() == "old"
+
+
+@pytest.mark.parametrize("name", ["missing/report.html", "file/report.html"])
+def test_unwritable_path_is_a_usage_error(build, tmp_path, name):
+    """A path that cannot be written is named in one line."""
+    (tmp_path / "file").touch()
+    with pytest.raises(UsageError, match="cannot be written"):
+        write_html(build(), tmp_path / name)
+
+
+@pytest.mark.parametrize("library", ["jinja2", "plotly.offline"])
+def test_missing_library_names_the_extra(build, tmp_path, monkeypatch, library):
+    """Without the optional libraries the error says what to install, and nothing is written."""
+    results = build()
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(UsageError, match=r"pip install 'fd100-harness\[report\]'"):
+        write_html(results, tmp_path / "report.html")
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_import_is_light():
+    """Importing the report loads neither plotly nor jinja2."""
+    code = "import sys, harness.report.html; sys.exit(bool({'plotly', 'jinja2'} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,28 @@
+"""The tree of errors."""
+
+import inspect
+import re
+
+import pytest
+
+from harness import errors
+
+CLASSES = [item for _, item in inspect.getmembers(errors, inspect.isclass)]
+
+
+def test_the_drawn_tree_is_the_tree():
+    """The picture at the top of the module names every error under its root, and no other."""
+    drawn = re.findall(r"[├└]── (\w+)", errors.__doc__)
+    assert sorted(drawn) == sorted(item.__name__ for item in CLASSES if item is not errors.HarnessError)
+
+
+@pytest.mark.parametrize("error", CLASSES, ids=lambda error: error.__name__)
+def test_every_error_has_one_root(error: type[Exception]):
+    """Catching HarnessError catches each of them."""
+    assert issubclass(error, errors.HarnessError)
+
+
+def test_contract_violation_names_its_check():
+    """The name of the check that failed can be read off the error and off its text."""
+    violation = errors.ContractViolation("is_finite", "the distance is nan")
+    assert (violation.check, str(violation)) == ("is_finite", "is_finite: the distance is nan")

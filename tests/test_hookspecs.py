@@ -1,0 +1,32 @@
+"""The hooks as they are declared."""
+
+import inspect
+
+import pytest
+
+from harness.hookspecs import KINDS, Hooks, Register
+
+
+def test_kinds_are_the_hooks():
+    """There is one hook per kind of thing that varies."""
+    assert KINDS == ("simulators", "algorithms", "rewards", "metrics", "robots", "tasks", "executors")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_hooks_read_alike(kind: str):
+    """Every hook takes `register` alone, and its docstring says what a target has to be."""
+    hook = getattr(Hooks, f"register_{kind}")
+    assert list(inspect.signature(hook).parameters) == ["self", "register"]
+    assert hook.__doc__.startswith("Targets: ")
+
+
+def test_register_has_one_signature():
+    """What a plugin says of a name: target and summary always, what it requires and the extra at will."""
+    parameters = inspect.signature(Register.__call__).parameters
+    assert [name for name, item in parameters.items() if item.default is item.empty] == [
+        "self",
+        "name",
+        "target",
+        "summary",
+    ]
+    assert [name for name, item in parameters.items() if item.default is not item.empty] == ["requires", "extra"]
