@@ -157,6 +157,9 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
         self._qpos = record[:, len(SCALARS) : len(SCALARS) + dof]
         self._action = record[:, len(SCALARS) + dof :]
         self._previous_distance = np.zeros(n)
+        self._sample = Sample(
+            self._begin, self._best, self._previous_distance, self._distance, self._delta, self._step
+        )
         self._qvel: Float = np.zeros((n, dof))
         self._command = np.zeros((n, dof))
         self._command_speed = np.zeros((n, dof))
@@ -243,11 +246,9 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
         return distance
 
     def _pay(self) -> Float:
-        """Shaped reward and the step's price into the record; returns their sum, (num_envs,), a new array."""
-        sample = Sample(self._begin, self._best, self._previous_distance, self._distance, self._delta, self._step)
-        self._carry, shaped = self.reward(self._carry, sample)
+        """Shaped reward into the record; returns its sum with the step's price, (num_envs,), a new array."""
+        self._carry, shaped = self.reward(self._carry, self._sample)
         self._shaped[...] = shaped
-        self._terms[:, 2] = self.task.step_reward
         paid: Float = shaped + self.task.step_reward
         return paid
 
@@ -261,7 +262,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
 
     def _forget_events(self) -> None:
         self._flags[...] = 0.0
-        self._terms[...] = 0.0
+        self._terms[:, :2] = 0.0
 
     def _record_starts(self) -> None:
         """Write the start rows when the first step follows: an episode without a step leaves no trace."""
@@ -271,6 +272,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
             self.recorder.append(rows)
         self._started[:] = False
         self._starting = False
+        self._terms[:, 2] = self.task.step_reward  # of every step to come
 
     def _require_finite(self, distance: Float) -> None:
         if not np.isfinite(distance).all():

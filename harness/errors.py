@@ -3,7 +3,7 @@
 HarnessError
 ├── UsageError            what the user gave cannot be used: one line, exit status 2, nothing written
 ├── PluginError           a plugin is broken: names the plugin, its distribution and the target
-├── SimulationDiverged    a simulation left the finite numbers: the cell fails, the plan goes on
+├── SimulationDiverged    a simulation or a reward left the finite numbers: the cell fails, the plan goes on
 ├── ContractViolation     a plugin breaks its interface's contract: names the check
 └── SchemaError           a results file is not what this version reads
 """
@@ -22,7 +22,7 @@ class PluginError(HarnessError):
 
 
 class SimulationDiverged(HarnessError):
-    """A simulator returned a number that is not finite."""
+    """A simulator or a reward returned a number that is not finite."""
 
 
 class ContractViolation(HarnessError):

@@ -69,7 +69,9 @@ class Policy:
     def save(self, folder: Path) -> None:
         """Write the weights and the card into `folder`, which is made."""
         folder.mkdir(parents=True, exist_ok=True)
-        safetensors.numpy.save_file(dict(self.weights), folder / WEIGHTS)
+        # safetensors writes the memory as it lies: a transposed view would come back scrambled.
+        weights = {name: np.ascontiguousarray(weight) for name, weight in self.weights.items()}
+        safetensors.numpy.save_file(weights, folder / WEIGHTS)
         card: dict[str, Any] = {
             "format": FORMAT,
             "kind": "squashed-gaussian-mlp",
@@ -94,9 +96,18 @@ class Policy:
                 raise SchemaError(f"{folder / CARD} has format {card['format']}, this version reads up to {FORMAT}")
             weights = safetensors.numpy.load_file(folder / WEIGHTS)
             low, high = tuple(card["action_low"]), tuple(card["action_high"])
-            return cls(weights, card["activation"], low, high, card["algorithm"])
+            policy = cls(weights, card["activation"], low, high, card["algorithm"])
+            policy._require_parts()
+            return policy
         except (OSError, ValueError, KeyError, TypeError, safetensors.SafetensorError) as error:
             raise SchemaError(f"{folder} holds no readable policy: {error}") from error
+
+    def _require_parts(self) -> None:
+        """Raises KeyError for an activation or an array that `act` would miss."""
+        _ = ACTIVATIONS[self.activation]
+        hidden = sorted({name.rpartition(".")[0] for name in self.weights if name.startswith("hidden.")})
+        for layer in (*hidden, "mean", "log_std"):
+            _ = self.weights[f"{layer}.weight"], self.weights[f"{layer}.bias"]
 
     def _hidden(self, observation: Float32) -> Float32:
         activation, hidden = ACTIVATIONS[self.activation], observation

@@ -33,6 +33,7 @@ class Group(NamedTuple):
     task: Choice
     algorithm: Choice
     steps: int
+    evaluation_episodes: int
 
 
 @dataclass(frozen=True)
@@ -229,7 +230,7 @@ def load_results(folder: str | Path) -> Results:
 
 
 def _group(cell: Cell) -> Group:
-    return Group(cell.simulator, cell.robot, cell.task, cell.algorithm, cell.steps)
+    return Group(cell.simulator, cell.robot, cell.task, cell.algorithm, cell.steps, cell.evaluation_episodes)
 
 
 def _cell_to_json(manifest: Manifest) -> dict[str, Any]:

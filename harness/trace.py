@@ -32,7 +32,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from harness.errors import SchemaError
+from harness.errors import SchemaError, SimulationDiverged
 
 FORMAT = 1
 FORMAT_KEY = b"harness.trace"
@@ -95,9 +95,15 @@ class TraceWriter:
         self._filled = end
 
     def close(self) -> None:
-        """Write what is left and finish the file."""
-        self._flush()
-        self._file.close()
+        """Write what is left and finish the file.
+
+        Raises:
+            SimulationDiverged: A number is not finite: the simulator's, or the reward's.
+        """
+        try:
+            self._flush()
+        finally:
+            self._file.close()
 
     def __enter__(self) -> "TraceWriter":
         return self
@@ -119,9 +125,18 @@ class TraceWriter:
         rows = self._block[: self._filled]
         if self._episodes is not None:
             rows = rows[rows[:, COLUMN["episode"]] < self._episodes]
+        self._require_finite(rows)
         if len(rows):
             self._file.write_table(self._table(rows))
         self._filled = 0
+
+    def _require_finite(self, rows: Rows) -> None:
+        bad = np.argwhere(~np.isfinite(rows))
+        if len(bad):
+            row, column = bad[0]
+            name = SCALARS[column] if column < len(SCALARS) else "qpos or action"
+            where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
+            raise SimulationDiverged(f"{name} is not finite at {where}")
 
     def _table(self, rows: Rows) -> pa.Table:
         columns = [pa.array(rows[:, index].astype(_numpy_type(name))) for name, index in COLUMN.items()]

@@ -9,7 +9,9 @@ import pytest
 
 from harness.cell import Cell
 from harness.choice import Choice
+from harness.evaluate import evaluate
 from harness.manifest import FILE, Manifest, read_manifest
+from harness.plugins import Registry
 from harness.policy import Policy
 from harness.run_cell import EVALUATION, LOG, POLICY, RANDOM, TRACE, partial_folder, publish, run_cell
 from harness.trace import read_trace
@@ -62,12 +64,12 @@ def test_evaluations_have_one_finished_episode_per_env(make_cell: MakeCell, tmp_
     np.testing.assert_array_equal(starts[0][1], starts[1][1])
 
 
-def test_saved_policy_acts(make_cell: MakeCell, tmp_path: Path):
-    """The policy in the folder is the one that was evaluated: in the start states it does what was recorded."""
+def test_saved_policy_is_the_one_that_was_evaluated(make_cell: MakeCell, toys: Registry, tmp_path: Path):
+    """Loaded from the folder and evaluated again, it does the same, bit for bit."""
     _run(make_cell(), tmp_path / "cell")
     policy = Policy.load(tmp_path / "cell" / POLICY)
-    size = policy.weights["hidden.0.weight"].shape[1]
-    assert policy.act(np.zeros((2, size), np.float32)).shape == (2, 6)
+    evaluate(make_cell(), toys, policy.act, tmp_path / "again.parquet")
+    assert pq.read_table(tmp_path / "again.parquet").equals(pq.read_table(tmp_path / "cell" / EVALUATION))
 
 
 def test_same_cell_leaves_the_same_trace(make_cell: MakeCell, tmp_path: Path):

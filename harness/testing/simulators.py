@@ -213,7 +213,7 @@ def render_gives_a_frame_or_says_why_not(simulator: Simulator, robot: Robot) -> 
 
 
 def close_can_be_called_twice(simulator: Simulator, robot: Robot) -> None:
-    """A second `close` does nothing."""
+    """`close` releases the engine, and a second call does nothing."""
     simulation = simulator.open(robot, NUM_ENVS, PERIOD)
     simulation.close()
     simulation.close()

@@ -1,5 +1,8 @@
 """Everything that is registered keeps its contract, a plugin that was installed yesterday included."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -20,10 +23,12 @@ from harness.testing import (
     check_simulator,
     violations,
 )
+from harness.testing.simulators import render_gives_a_frame_or_says_why_not
 from harness.testing.trainings import NegativeDistance
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
+HEADLESS_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check is not render_gives_a_frame_or_says_why_not)
 CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS]
 
 
@@ -38,10 +43,24 @@ def build(kind: str, name: str) -> Any:
     return REGISTRY.get(kind, name).load()()
 
 
-@registered("simulators", SIMULATOR_CHECKS)
+@registered("simulators", HEADLESS_CHECKS)
 def test_simulator(check: Callable[..., None], name: str):
     """Every registered simulator keeps the contract on the FD100."""
     check(build("simulators", name), ROBOT)
+
+
+@pytest.mark.parametrize("name", REGISTRY.names("simulators"))
+def test_simulator_renders(name: str):
+    """Every registered simulator keeps the contract of rendering, without a screen."""
+    target = REGISTRY.get("simulators", name).target
+    module, attribute = target.split(":")
+    code = (
+        f"import harness, harness.testing.simulators as checks\n"
+        f"from {module} import {attribute} as Simulator\n"
+        f"checks.render_gives_a_frame_or_says_why_not(Simulator(), harness.load_robot('fd100'))"
+    )
+    # In a process of its own: MuJoCo chooses the library to render with when it is imported.
+    subprocess.run([sys.executable, "-c", code], env={**os.environ, "MUJOCO_GL": "egl"}, check=True)
 
 
 @registered("rewards", REWARD_CHECKS)

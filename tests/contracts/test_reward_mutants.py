@@ -1,0 +1,210 @@
+"""Every reward check has a broken reward that fails it, and no other."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from harness.reward import Array, Carry, Sample
+from harness.testing import REWARD_CHECKS, rewards, violations
+from harness.testing.trainings import NegativeDistance
+
+
+@dataclass
+class Thawed:
+    """Its parameters can be changed while it runs."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        return ()
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, -sample.distance
+
+
+@dataclass(frozen=True)
+class SetUpWithASet(NegativeDistance):
+    """JSON knows no sets."""
+
+    zones: frozenset[int] = frozenset({1})
+
+
+class PaysWholeNumbers(NegativeDistance):
+    """Values are integers."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, sample.distance.__array_namespace__().where(sample.delta_distance > 0.0, -1, 1)
+
+
+class TakesTheRootOfALoss(NegativeDistance):
+    """Farther away than in the beginning, there is no number to pay."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, sample.distance.__array_namespace__().sqrt(sample.begin_distance - sample.distance)
+
+
+class DividesByNothing(NegativeDistance):
+    """Coming from the target, the relative loss has no bound."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, (sample.previous_distance - sample.distance) / sample.previous_distance
+
+
+class UpdatesTheBest(NegativeDistance):
+    """It does what the environment does, a step too early."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        best = sample.previous_best
+        best += sample.distance.__array_namespace__().minimum(sample.delta_distance, sample.delta_distance * 0.0)
+        return carry, -sample.distance
+
+
+class CountsInItsCarry(NegativeDistance):
+    """The carry is changed in place."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        return begin_distance * 0.0
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        carry += 1.0
+        return carry, -sample.distance
+
+
+class GetsTired(NegativeDistance):
+    """It pays less with every episode."""
+
+    episodes = 0
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        object.__setattr__(self, "episodes", self.episodes + 1)
+        return ()
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, -sample.distance - 1e-3 * self.episodes
+
+
+class RemembersOnSelf(NegativeDistance):
+    """The last distance is kept on the reward instead of in the carry."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        object.__setattr__(self, "last", begin_distance)
+        return begin_distance
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        last = self.last
+        object.__setattr__(self, "last", sample.distance)
+        return sample.distance, last - sample.distance
+
+
+class CarriesOneNumber(NegativeDistance):
+    """All envs share an entry of the carry."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        return (begin_distance.__array_namespace__().zeros(1),)
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return (carry[0] + 1.0,), -sample.distance
+
+
+class ComparesEnvs(NegativeDistance):
+    """It pays the distance to the mean of the batch."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, sample.distance.__array_namespace__().mean(sample.distance) - sample.distance
+
+
+class UsesNumpy(NegativeDistance):
+    """It computes with numpy, whatever it is given."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, np.where(sample.delta_distance > 0.0, -sample.delta_distance, 0.0)
+
+
+class UsesMethodsOfNumpy(NegativeDistance):
+    """It asks an array for a method that only numpy's have."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, -sample.distance.clip(0.0, 1.0)
+
+
+class UsesNamesOfNumpy(NegativeDistance):
+    """It asks a namespace for a function that only numpy's has."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, -sample.distance.__array_namespace__().fmin(sample.distance, sample.begin_distance)
+
+
+class LooksBeforeItPays(NegativeDistance):
+    """It branches on a value."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, -sample.distance if sample.step[0] > 3 else -1.5 * sample.distance
+
+
+class PaysForTheTarget(NegativeDistance):
+    """It pays the event that the task pays."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        near = sample.distance.__array_namespace__().where(sample.distance <= 0.05, 1.0, 0.0)
+        return carry, near - sample.distance
+
+
+class PaysTheBatch(NegativeDistance):
+    """It sums over the envs."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, -sample.distance.__array_namespace__().sum(sample.distance, axis=0)
+
+
+class DrawsItsPay(NegativeDistance):
+    """It adds noise."""
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry, sample.distance * np.random.default_rng().normal()
+
+
+MUTANTS = {
+    Thawed: rewards.settings_are_frozen,
+    SetUpWithASet: rewards.settings_survive_json,
+    PaysWholeNumbers: rewards.values_have_one_float_per_env,
+    TakesTheRootOfALoss: rewards.values_are_finite,
+    DividesByNothing: rewards.values_are_finite_at_the_edges,
+    UpdatesTheBest: rewards.arguments_are_left_alone,
+    CountsInItsCarry: rewards.arguments_are_left_alone,
+    GetsTired: rewards.episodes_do_not_depend_on_one_another,
+    RemembersOnSelf: rewards.the_carry_is_all_that_is_remembered,
+    CarriesOneNumber: rewards.the_carry_has_one_entry_per_env,
+    ComparesEnvs: rewards.a_batch_is_paid_as_its_envs_alone,
+    UsesNumpy: rewards.any_array_library_will_do,
+    UsesMethodsOfNumpy: rewards.any_array_library_will_do,
+    UsesNamesOfNumpy: rewards.any_array_library_will_do,
+    LooksBeforeItPays: rewards.any_array_library_will_do,
+    PaysForTheTarget: rewards.no_event_is_paid,
+}
+
+COARSE_MUTANTS = {
+    PaysTheBatch: rewards.values_have_one_float_per_env,
+    DrawsItsPay: rewards.episodes_do_not_depend_on_one_another,
+}
+
+
+def failing(mutant: type) -> list[str]:
+    """Names of the checks that a mutant fails."""
+    return [violation.check for violation in violations(REWARD_CHECKS, mutant())]
+
+
+@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
+def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
+    """A reward that is broken in one way fails the check of that fact, and no other."""
+    assert failing(mutant) == [check.__name__]
+
+
+@pytest.mark.parametrize(("mutant", "check"), COARSE_MUTANTS.items())
+def test_coarse_mutant_fails_its_check(mutant: type, check: Callable[..., None]):
+    """A reward that is broken in many ways fails, among others, the check that is nearest."""
+    assert check.__name__ in failing(mutant)
+
+
+def test_every_check_has_a_mutant():
+    """No check is without a reward that fails it alone."""
+    assert set(MUTANTS.values()) == set(REWARD_CHECKS)

@@ -1,0 +1,360 @@
+"""Every simulator check has a broken simulator that fails it, and no other."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import harness
+from harness.robot import Robot
+from harness.simulator import State
+from harness.testing import SIMULATOR_CHECKS, IdealSimulator, simulators, violations
+from harness.testing.ideal import IdealSimulation
+
+ROBOT = harness.load_robot("fd100")
+
+
+@dataclass
+class Thawed:
+    """Its settings can be changed while it runs."""
+
+    def open(self, robot: Robot, num_envs: int, control_period: float) -> IdealSimulation:
+        return IdealSimulation(robot, num_envs)
+
+
+@dataclass(frozen=True)
+class SetUpWithASet(IdealSimulator):
+    """JSON knows no sets."""
+
+    devices: frozenset[int] = frozenset({0})
+
+
+class FlagsInAColumn(IdealSimulation):
+    """Ground contact has an axis too many."""
+
+    def state(self) -> State:
+        state = super().state()
+        return state._replace(ground_contact=state.ground_contact[:, None])
+
+
+class SinglePrecision(IdealSimulation):
+    """Velocities come as the engine has them."""
+
+    def state(self) -> State:
+        state = super().state()
+        return state._replace(qvel=state.qvel.astype(np.float32))
+
+
+class BreaksOnTheGround(IdealSimulation):
+    """Contact forces are too much for the integrator."""
+
+    def state(self) -> State:
+        state = super().state()
+        return state._replace(qvel=np.where(state.ground_contact[:, None], np.nan, state.qvel))
+
+
+class ResetsRoughly(IdealSimulation):
+    """Poses are rounded on the way into the engine."""
+
+    def reset(self, qpos: np.ndarray, mask: np.ndarray) -> State:
+        return super().reset(qpos.round(3), mask)
+
+    def place(self, qpos: np.ndarray) -> State:
+        return super().reset(qpos, np.ones(len(qpos), bool))
+
+
+class PlacesInMotion(IdealSimulation):
+    """Placing leaves a speed behind."""
+
+    def place(self, qpos: np.ndarray) -> State:
+        super().place(qpos)
+        self.qvel += 0.1
+        return self.state()
+
+
+class IgnoresTheMask(IdealSimulation):
+    """Every reset is one of all envs."""
+
+    def reset(self, qpos: np.ndarray, mask: np.ndarray) -> State:
+        return super().reset(qpos, np.ones_like(mask))
+
+
+class LagsWithTheEndEffector(IdealSimulation):
+    """The end effector is where it was before the drive."""
+
+    lagging = None
+
+    def reset(self, qpos: np.ndarray, mask: np.ndarray) -> State:
+        self.lagging = None
+        return super().reset(qpos, mask)
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        self.lagging = self.robot.end_effector(self.qpos)
+        return super().drive(qpos, duration)
+
+    def state(self) -> State:
+        state = super().state()
+        return state if self.lagging is None else state._replace(end_effector=self.lagging)
+
+
+class MeasuresBesideTheTip(IdealSimulation):
+    """The end effector is another link's."""
+
+    def state(self) -> State:
+        state = super().state()
+        return state._replace(end_effector=state.end_effector + 1e-4)
+
+
+class DrivesSoftly(IdealSimulation):
+    """A servo gets 95 % of the way."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(self.qpos + 0.95 * (qpos - self.qpos), duration)
+
+
+class ReportsDegrees(IdealSimulation):
+    """Velocities are in degrees per second."""
+
+    def state(self) -> State:
+        state = super().state()
+        return state._replace(qvel=np.degrees(state.qvel))
+
+
+class Sticks(IdealSimulation):
+    """A joint does not move for less than 0.4 degrees."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(np.where(np.abs(qpos - self.qpos) < np.radians(0.4), self.qpos, qpos), duration)
+
+
+class NeverTouches(IdealSimulation):
+    """Ground contact is not wired up."""
+
+    def state(self) -> State:
+        return super().state()._replace(ground_contact=np.zeros(len(self.qpos), bool))
+
+
+class AlwaysTouches(IdealSimulation):
+    """The base, which stands on the ground, counts."""
+
+    def state(self) -> State:
+        return super().state()._replace(ground_contact=np.ones(len(self.qpos), bool))
+
+
+class ReadsTheOpening(IdealSimulation):
+    """Reading tells how it was in the beginning."""
+
+    def read(self) -> State:
+        return IdealSimulation(self.robot, len(self.qpos)).state()
+
+
+class KeepsTheArray(IdealSimulation):
+    """What it is placed at stays the caller's array."""
+
+    def place(self, qpos: np.ndarray) -> State:
+        state = super().place(qpos)
+        self.qpos = qpos
+        return state
+
+
+class WritesIntoTheArray(IdealSimulation):
+    """It brings the caller's targets into the range from -pi to pi."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        qpos -= 1e-12
+        return super().drive(qpos, duration)
+
+
+class ShakesOnTheGround(IdealSimulation):
+    """Contacts are solved in an order that changes from run to run."""
+
+    def state(self) -> State:
+        state = super().state()
+        noise = np.random.default_rng().uniform(-1e-9, 1e-9, state.qvel.shape)
+        return state._replace(qvel=state.qvel + np.where(state.ground_contact[:, None], noise, 0.0))
+
+
+class StaysOnTheGround(IdealSimulation):
+    """A contact is never forgotten."""
+
+    touched = False
+
+    def state(self) -> State:
+        state = super().state()
+        self.touched = self.touched | state.ground_contact
+        return state._replace(ground_contact=self.touched)
+
+
+class WearsOut(IdealSimulation):
+    """A little is left over from every drive."""
+
+    drives = 0
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        self.drives += 1
+        return super().drive(qpos + 1e-12 * self.drives, duration)
+
+
+class CountsItsEnvs(IdealSimulation):
+    """The last digits depend on how many envs there are."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(qpos + 1e-12 * len(qpos), duration)
+
+
+class PrefersTheFirst(IdealSimulation):
+    """The last digits depend on the env's number."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(qpos + 1e-12 * np.arange(len(qpos))[:, None], duration)
+
+
+class PushesItsNeighbour(IdealSimulation):
+    """An arm feels what the next one does."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(qpos + 1e-9 * (qpos - np.roll(qpos, 1, axis=0)), duration)
+
+
+class RendersSideways(IdealSimulation):
+    """Width and height are swapped."""
+
+    def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
+        return np.zeros((width, height, 3), np.uint8)
+
+
+class RendersFloats(IdealSimulation):
+    """Colours go from 0 to 1."""
+
+    def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
+        return np.zeros((height, width, 3))
+
+
+class MovesToRender(IdealSimulation):
+    """Rendering steps the engine."""
+
+    def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
+        self.qvel += 1e-3
+        return np.zeros((height, width, 3), np.uint8)
+
+
+class HasNoRenderer(IdealSimulation):
+    """Rendering is left for later."""
+
+    def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
+        raise NotImplementedError
+
+
+class ClosesOnce(IdealSimulation):
+    """The engine is released a second time."""
+
+    closed = False
+
+    def close(self) -> None:
+        if self.closed:
+            raise RuntimeError("there is no engine")
+        self.closed = True
+
+
+class SharesOneArm(IdealSimulation):
+    """All envs tell what the first one does."""
+
+    def state(self) -> State:
+        return State._make(np.repeat(array[:1], len(array), axis=0) for array in super().state())
+
+
+class SwapsEnvs(IdealSimulation):
+    """The envs are told in reverse order."""
+
+    def state(self) -> State:
+        return State._make(array[::-1] for array in super().state())
+
+
+class SwapsJoints(IdealSimulation):
+    """The engine has the joints in another order, and is told so, but the end effector is not."""
+
+    def state(self) -> State:
+        return super().state()._replace(end_effector=self.robot.end_effector(self.qpos[:, ::-1]))
+
+
+class StandsStill(IdealSimulation):
+    """Driving does nothing."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return self.state()
+
+
+MUTANTS = {
+    Thawed: simulators.settings_are_frozen,
+    SetUpWithASet: simulators.settings_survive_json,
+    FlagsInAColumn: simulators.states_have_the_declared_shapes,
+    SinglePrecision: simulators.states_are_float64_and_bool,
+    BreaksOnTheGround: simulators.states_are_finite,
+    ResetsRoughly: simulators.reset_puts_the_arm_there_at_rest,
+    PlacesInMotion: simulators.place_puts_the_arm_there_at_rest,
+    IgnoresTheMask: simulators.reset_leaves_the_other_envs_alone,
+    LagsWithTheEndEffector: simulators.end_effector_is_that_of_the_robot,
+    MeasuresBesideTheTip: simulators.end_effector_is_that_of_the_robot,
+    SwapsJoints: simulators.end_effector_is_that_of_the_robot,
+    DrivesSoftly: simulators.drive_tracks_a_joint_ramp,
+    ReportsDegrees: simulators.qvel_is_the_speed_of_a_steady_motion,
+    Sticks: simulators.small_moves_move_every_joint,
+    NeverTouches: simulators.ground_contact_is_seen,
+    AlwaysTouches: simulators.no_ground_contact_in_the_air,
+    ReadsTheOpening: simulators.read_returns_the_state_of_the_last_call,
+    KeepsTheArray: simulators.arguments_are_copied,
+    WritesIntoTheArray: simulators.arguments_are_copied,
+    ShakesOnTheGround: simulators.same_calls_give_same_states,
+    StaysOnTheGround: simulators.reset_forgets_what_was_before,
+    WearsOut: simulators.reset_forgets_what_was_before,
+    CountsItsEnvs: simulators.an_env_in_a_batch_is_as_one_alone,
+    PrefersTheFirst: simulators.an_env_in_a_batch_is_as_one_alone,
+    PushesItsNeighbour: simulators.envs_do_not_touch_one_another,
+    RendersSideways: simulators.render_gives_a_frame_or_says_why_not,
+    RendersFloats: simulators.render_gives_a_frame_or_says_why_not,
+    MovesToRender: simulators.render_gives_a_frame_or_says_why_not,
+    HasNoRenderer: simulators.render_gives_a_frame_or_says_why_not,
+    ClosesOnce: simulators.close_can_be_called_twice,
+}
+
+COARSE_MUTANTS = {
+    SharesOneArm: simulators.envs_do_not_touch_one_another,
+    SwapsEnvs: simulators.reset_leaves_the_other_envs_alone,
+    StandsStill: simulators.small_moves_move_every_joint,
+}
+
+
+def failing(mutant: type) -> list[str]:
+    """Names of the checks that a mutant fails."""
+    return [violation.check for violation in violations(SIMULATOR_CHECKS, simulator_of(mutant), ROBOT)]
+
+
+def simulator_of(mutant: type) -> object:
+    """The simulator that opens a broken simulation; a broken simulator itself."""
+    if not issubclass(mutant, IdealSimulation):
+        return mutant()
+
+    @dataclass(frozen=True)
+    class Mutant(IdealSimulator):
+        def open(self, robot: Robot, num_envs: int, control_period: float) -> IdealSimulation:
+            return mutant(robot, num_envs)
+
+    return Mutant()
+
+
+@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
+def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
+    """A simulator that is broken in one way fails the check of that fact, and no other."""
+    assert failing(mutant) == [check.__name__]
+
+
+@pytest.mark.parametrize(("mutant", "check"), COARSE_MUTANTS.items())
+def test_coarse_mutant_fails_its_check(mutant: type, check: Callable[..., None]):
+    """A simulator that is broken in many ways fails, among others, the check that is nearest."""
+    assert check.__name__ in failing(mutant)
+
+
+def test_every_check_has_a_mutant():
+    """No check is without a simulator that fails it alone."""
+    assert set(MUTANTS.values()) == set(SIMULATOR_CHECKS)
