@@ -66,8 +66,8 @@ def _actions(task: ReachTask, robot: Robot) -> str:
     ]
     head = (
         f"A, the actions: MoveJ of NOTE Table II. One speed per joint, as a fraction of {task.speed:.0%} of its "
-        f"maximum, reached with at most {task.acceleration:.0%} of its maximum acceleration; it brakes before the end of "
-        "the joint's range."
+        f"maximum, reached with at most {task.acceleration:.0%} of its maximum acceleration; it brakes before the end "
+        "of the joint's range."
     )
     return f"{head}\n{_table(rows)}"
 

@@ -21,7 +21,7 @@ class Event(NamedTuple):
     cell: Cell
     steps: int = 0
     reason: str = ""
-    """Of an ended cell that left no folder: why."""
+    """Of an ended cell: why it failed. An executor says it of a cell that left no folder."""
 
 
 OnEvent: TypeAlias = Callable[[Event], None]

@@ -6,6 +6,7 @@ from typing import Any
 
 from harness.errors import UsageError
 from harness.executor import Event, Executor, Job, OnEvent
+from harness.manifest import read_manifest
 from harness.plan import Plan, check_experiment, expand
 from harness.plugins import Registry, load_registry
 from harness.results import Results
@@ -74,8 +75,10 @@ def run_plan(
         waiting = [Job(cell, store.cell_folder(cell)) for cell in plan.cells if not store.is_done(cell)]
 
         def record(event: Event) -> None:
-            if event.kind == "ended" and event.reason:
-                store.record(event.cell, "failed", event.reason)
+            if event.kind == "ended":
+                if event.reason:
+                    store.record(event.cell, "failed", event.reason)
+                event = event._replace(reason=read_manifest(store.cell_folder(event.cell)).reason)
             on_event(event)
 
         try:

@@ -120,7 +120,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     if not proposed:
         raise UsageError(f"Only the baseline '{baseline.label}' is named: name a --reward to compare with it")
     task = choose(registry, "tasks", experiment.task)
-    load_robot(experiment.robot, registry)
+    task.build(registry, "tasks").check(load_robot(experiment.robot, registry))
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
     matrix = itertools.product(experiment.seed_list, simulators, algorithms, [baseline, *proposed])
     cells = [

@@ -69,7 +69,10 @@ class Store:
         existing = next(parent for parent in [folder, *folder.absolute().parents] if parent.exists())
         if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
             raise UsageError(f"--out '{folder}' cannot be written: '{existing}' allows no writing here")
-        (folder / CELLS).mkdir(parents=True, exist_ok=True)
+        try:
+            (folder / CELLS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UsageError(f"--out '{folder}' cannot be made: {error.strerror}. Name another folder") from None
         store = cls(folder)
         with store.locked():
             store._write_plan(plan)

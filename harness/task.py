@@ -59,6 +59,18 @@ class ReachTask:
         """What the learner sees of `robot`: the S of the tuple."""
         return ArmObservation(robot, self.control_period)
 
+    def check(self, robot: Robot) -> None:
+        """See whether episodes can be drawn for `robot`.
+
+        Raises:
+            UsageError: It reaches none of the targets, or starts at all of them.
+        """
+        rng = np.random.default_rng(0)
+        targets = self.draw_targets(robot, rng, 64)
+        tips = robot.end_effector(np.stack([self.draw_start(robot, rng) for _ in targets]))
+        if (np.linalg.norm(targets - tips, axis=1) <= self.epsilon).all():
+            raise UsageError(f"epsilon={self.epsilon:g} m covers the box of targets from the start: choose less")
+
     def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
         """Joint positions at the start of an episode, (dof,), within the joint ranges."""
         noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof)

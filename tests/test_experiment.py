@@ -65,6 +65,17 @@ def test_failed_cells_cost_themselves_alone(toys: Registry, tmp_path: Path):
     assert len(results.failed) == 4
 
 
+def test_end_of_a_failed_cell_tells_why(toys: Registry, tmp_path: Path):
+    """Who follows a run hears the reason that the manifest has, and of a done cell none."""
+    plan = _plan(toys, algo=["wander", "wander:then=raise"], seeds=1)
+    events: list[Event] = []
+    run_plan(plan, Store.create(tmp_path, plan), toys, 1, events.append, executor="here")
+    assert {(event.cell.algorithm.label, event.reason) for event in events if event.kind == "ended"} == {
+        ("wander", ""),
+        ("wander:then=raise", "RuntimeError: the arm fell off"),
+    }
+
+
 def test_second_run_does_only_what_is_not_done(toys: Registry, tmp_path: Path):
     """Done cells stay as they are; a failed cell and new ones are run."""
     plan = _plan(toys)

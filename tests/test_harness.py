@@ -42,7 +42,8 @@ json.dump(errors, sys.stdout)
 
 
 def _python(script: str, *options: str, given: str = "") -> "subprocess.CompletedProcess[str]":
-    return subprocess.run([sys.executable, *options, "-c", script], input=given, capture_output=True, text=True, check=False)
+    command = [sys.executable, *options, "-c", script]
+    return subprocess.run(command, input=given, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture(scope="module")

@@ -43,9 +43,7 @@ def test_seeds_are_outermost(toys: Registry):
     """Every combination has a run early: a plan that is cut short still compares."""
     plan = _plan(toys, algo=["wander", "wander:width=8"], reward=["arp", "arp:k2=2"], seeds=2)
     per_seed = [
-        (algorithm, reward)
-        for algorithm in ("wander", "wander:width=8")
-        for reward in ("baseline", "arp", "arp:k2=2")
+        (algorithm, reward) for algorithm in ("wander", "wander:width=8") for reward in ("baseline", "arp", "arp:k2=2")
     ]
     assert [(cell.seed, cell.algorithm.label, cell.reward.label) for cell in plan.cells] == [
         (seed, *pair) for seed in (0, 1) for pair in per_seed

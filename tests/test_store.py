@@ -71,6 +71,13 @@ def test_folder_below_a_file_is_refused(make_cell: MakeCell, make_plan: MakePlan
         Store.create(tmp_path / "out" / "deep", make_plan(make_cell()))
 
 
+def test_folder_that_cannot_be_made_is_refused(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """A link to nowhere, for one: the reason of the system is repeated."""
+    (tmp_path / "out").symlink_to(tmp_path / "nowhere")
+    with pytest.raises(UsageError, match=r"--out '.*out' cannot be made: File exists"):
+        Store.create(tmp_path / "out", make_plan(make_cell()))
+
+
 @pytest.mark.parametrize("out", [".", "new/deep"])
 def test_unwritable_folder_is_refused(
     make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, out: str

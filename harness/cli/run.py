@@ -69,7 +69,12 @@ def run(
     registry.get("executors", executor)
     plan = expand(_read(experiment, {key: value for key, value in given.items() if value is not None}), registry)
     store = Store.create(out or default_folder(plan), plan)
-    _run_with_progress(plan, store, registry, jobs or core_count(), executor)
+    try:
+        _run_with_progress(plan, store, registry, jobs or core_count(), executor)
+    except KeyboardInterrupt:
+        kept = f"harness: interrupted: finished cells are kept in '{store.folder}', the same command goes on from there"
+        typer.echo(kept, err=True)
+        raise
     results = Results(store.folder, registry)
     _show(results)
     return 1 if results.failed else 0

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from harness.reward import Array, Carry, Reward, Sample
-from harness.testing.samples import NUM_ENVS, edge_samples, play, random_samples, sample_of
+from harness.testing.samples import NUM_ENVS, edge_samples, pay, play, random_samples, sample_of
 from harness.testing.standard_array import StandardArray
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -49,7 +49,7 @@ def arguments_are_left_alone(reward: Reward) -> None:
     carry = reward.initial_carry(samples[0].begin_distance)
     for sample, before in zip(samples, untouched, strict=True):
         carry_before = copy.deepcopy(carry)
-        after, _ = reward(carry, sample)
+        after, _ = pay(reward, carry, sample)
         for name, old, new in zip(Sample._fields, before, sample, strict=True):
             require(_equal(old, new), f"{name} was changed from {old} to {new}")
         require(_same(carry_before, carry), f"the carry was changed in place from {carry_before} to {carry}")
@@ -69,7 +69,7 @@ def the_carry_is_all_that_is_remembered(reward: Reward) -> None:
     samples = random_samples(0)
     carries, values = play(reward, samples)
     for step in reversed(range(len(samples))):
-        _, value = reward(carries[step], samples[step])
+        _, value = pay(reward, carries[step], samples[step])
         require(_equal(value, values[step]), f"step {step} is paid {value} when asked again, not {values[step]}")
 
 

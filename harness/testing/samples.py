@@ -34,13 +34,17 @@ def sample_of(begin: Array, best: Array, previous: Array, distance: Array, step:
     return Sample(*(np.array(part) for part in (begin, best, previous, distance, delta, np.full(len(begin), step))))
 
 
-def play(reward: Reward, samples: list[Sample]) -> tuple[list[Carry], list[Array]]:
-    """The carry before each step, and the values: whatever the reward divides by, warnings are off."""
-    carries, values = [], []
+def pay(reward: Reward, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+    """What the reward pays, numpy's warnings off: it may divide by anything where it then takes another value."""
     with np.errstate(all="ignore"):
-        carry = reward.initial_carry(samples[0].begin_distance)
-        for sample in samples:
-            carries.append(carry)
-            carry, value = reward(carry, sample)
-            values.append(value)
-    return [*carries, carry], values
+        return reward(carry, sample)
+
+
+def play(reward: Reward, samples: list[Sample]) -> tuple[list[Carry], list[Array]]:
+    """An episode: the carry before each step and after the last one, and the values."""
+    carries, values = [reward.initial_carry(samples[0].begin_distance)], []
+    for sample in samples:
+        carry, value = pay(reward, carries[-1], sample)
+        carries.append(carry)
+        values.append(value)
+    return carries, values

@@ -90,7 +90,7 @@ def place_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None
 
 def reset_leaves_the_other_envs_alone(simulator: Simulator, robot: Robot) -> None:
     """`reset` changes nothing in the envs outside its mask."""
-    mask = np.arange(NUM_ENVS) == 1
+    mask = np.arange(NUM_ENVS) == 0
     with opened(simulator, robot) as simulation:
         before = drive_out_and_back(simulation, robot)[-1]
         after = simulation.reset(poses_near_home(robot, NUM_ENVS), mask)

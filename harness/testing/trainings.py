@@ -1,6 +1,7 @@
 """What the algorithm checks train on: an easy task, an env that keeps an account, and a policy's evaluation."""
 
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from harness.env import Infos, Mask, ReachVectorEnv
 from harness.make import load_robot
 from harness.policy import Policy
 from harness.reward import Array, Carry, Sample
+from harness.robot import Robot
 from harness.task import ReachTask
 from harness.testing.ideal import IdealSimulator
 
@@ -20,6 +22,12 @@ EASY = ReachTask(epsilon=0.2, horizon=20, target_center=(0.6, 0.6, 0.6), target_
 """One target, about 0.7 m from home: the arm gets there in 10 steps and more."""
 ENV_SEED = 7
 EVALUATION_EPISODES = 8
+
+
+@cache
+def easy_robot() -> Robot:
+    """The arm of the easy task."""
+    return load_robot("fd100")
 
 
 @dataclass(frozen=True)
@@ -39,7 +47,7 @@ class WatchedEnv(ReachVectorEnv):
     """Keeps an account of what an algorithm does with the env."""
 
     def __init__(self, num_envs: int) -> None:
-        super().__init__(IdealSimulator(), load_robot("fd100"), EASY, NegativeDistance(), num_envs)
+        super().__init__(IdealSimulator(), easy_robot(), EASY, NegativeDistance(), num_envs)
         self.steps = 0
         self.actions_in_box = True
         self.seeds: list[Any] = []

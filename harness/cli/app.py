@@ -1,0 +1,68 @@
+"""All commands together, and what becomes of their errors."""
+
+import sys
+
+import typer
+from typer.exceptions import TyperException
+
+from harness.cli.describe import describe
+from harness.cli.doctor import doctor
+from harness.cli.names import list_names
+from harness.cli.plugins import plugins
+from harness.cli.report import report
+from harness.cli.run import run
+from harness.errors import HarnessError, UsageError
+
+FAILED, USAGE = 1, 2
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        import harness
+
+        typer.echo(harness.__version__)
+        raise typer.Exit
+
+
+def _root(
+    version: bool = typer.Option(False, "--version", help="Show the version.", callback=_show_version, is_eager=True),
+) -> None:
+    """Tells whether a reward function makes a robot behave better, or only makes the numbers bigger."""
+
+
+def build_app() -> typer.Typer:
+    """The whole command line."""
+    app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+    app.callback()(_root)
+    app.command()(run)
+    app.command()(report)
+    app.command("list")(list_names)
+    app.command()(describe)
+    app.command()(plugins)
+    app.command()(doctor)
+    return app
+
+
+def main(args: list[str] | None = None) -> None:
+    """Entry point of ``harness``: 0 fine, 1 some cells failed, 2 a usage error, 130 interrupted."""
+    sys.exit(_run(sys.argv[1:] if args is None else args))
+
+
+def _run(args: list[str]) -> int:
+    command = typer.main.get_command(build_app())
+    try:
+        return command.main(args, prog_name="harness", standalone_mode=False) or 0  # 130 when interrupted
+    except TyperException as error:  # what typer refuses: an unknown option, a missing argument
+        _say(error.format_message())
+        return error.exit_code
+    except UsageError as error:
+        _say(str(error))
+        return USAGE
+    except HarnessError as error:
+        _say(str(error))
+        return FAILED
+
+
+def _say(message: str) -> None:
+    """One line on standard error."""
+    typer.echo(f"harness: {' '.join(message.split())}", err=True)

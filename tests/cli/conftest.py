@@ -1,0 +1,40 @@
+"""Calls the command line in this process, with the toy package installed."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import pytest
+
+from harness.cli import main
+
+
+class Answer(NamedTuple):
+    """What a command left."""
+
+    status: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def harness(toys, tmp_path, monkeypatch, capsys) -> Callable[..., Answer]:
+    """Run `harness` with these arguments, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+
+    def call(*arguments: object) -> Answer:
+        with pytest.raises(SystemExit) as stopped:
+            main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        return Answer(stopped.value.code, out, err)
+
+    return call
+
+
+QUICK = ("--sim", "ideal", "--algo", "wander", "--steps", "12", "--evaluation-episodes", "2", "--executor", "here")
+
+
+@pytest.fixture
+def quick() -> tuple[str, ...]:
+    """Flags of a run that takes a moment: an ideal arm that acts at random."""
+    return QUICK

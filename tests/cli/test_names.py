@@ -1,0 +1,29 @@
+from harness.hookspecs import KINDS
+
+
+def test_every_kind_is_listed(harness):
+    """`harness list` shows each kind with its names and summaries."""
+    out = harness("list").out
+    for kind in KINDS:
+        assert f"{kind}:" in out
+    assert "accelerated reward policy" in out
+
+
+def test_one_kind_can_be_asked_for(harness):
+    """`harness list rewards` shows rewards alone."""
+    out = harness("list", "rewards").out
+    assert "baseline" in out
+    assert "simulators" not in out
+
+
+def test_an_unknown_kind_names_the_nearest(harness):
+    """A wrong kind ends with status 2 and the nearest match."""
+    answer = harness("list", "reward")
+    assert answer.status == 2
+    assert "Did you mean 'rewards'?" in answer.err
+
+
+def test_a_missing_library_is_shown_with_its_extra(harness, monkeypatch):
+    """What cannot be used for want of a library says which extra brings it."""
+    monkeypatch.setattr("harness.plugins._is_installed", lambda module: module != "mujoco")
+    assert "missing mujoco: pip install 'fd100-harness[mujoco]'" in harness("list", "simulators").out

@@ -1,0 +1,144 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+BAD = [
+    ([], "names no sim"),
+    (["--sim", "ideall", "--algo", "wander"], "Did you mean 'ideal'?"),
+    (["--sim", "ideal", "--algo", "wonder"], "Did you mean 'wander'?"),
+    (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k2"], "write name or name:key=value"),
+    (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k3=1"], "There is: k1, k2"),
+    (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k2=much"], "valid number"),
+    (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k2=-1"], "greater than 0"),
+    (["--sim", "ideal", "--algo", "wander", "--reward", "baseline"], "Only the baseline"),
+    (["--sim", "ideal", "--algo", "wander", "--steps", "0"], "greater than 0"),
+    (["--sim", "ideal", "--algo", "wander", "--steps", "-3"], "greater than 0"),
+    (["--sim", "ideal", "--algo", "wander", "--steps", "many"], "valid integer"),
+    (["--sim", "ideal", "--algo", "wander", "--seeds", "0"], "greater than 0"),
+    (["--sim", "ideal", "--algo", "wander", "--seeds", "a,b"], "--seeds a,b"),
+    (["--sim", "ideal", "--algo", "wander", "--jobs", "0"], "--jobs 0"),
+    (["--sim", "ideal", "--algo", "wander", "--robot", "fd10"], "Did you mean 'fd100'?"),
+    (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=0"], "greater than 0"),
+    (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=3"], "covers the box"),
+    (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:target_center=9x9x9"], "reaches next to no target"),
+    (["--sim", "ideal", "--algo", "wander", "--executor", "slurm"], "No executor 'slurm'"),
+    (["missing.toml"], "No experiment file 'missing.toml'"),
+    (["--simulator", "ideal"], "No such option"),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"), BAD, ids=lambda value: " ".join(value) if isinstance(value, list) else ""
+)
+def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, tmp_path, arguments, told):
+    """What cannot be used ends with status 2, one line that says what is allowed, and an empty folder."""
+    answer = harness("run", *arguments)
+    assert answer.status == 2
+    assert answer.out == ""
+    assert answer.err.startswith("harness: ")
+    assert answer.err.count("\n") == 1
+    assert told in answer.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_foreign_folders_are_refused(harness, quick, tmp_path):
+    """A folder that holds something else is left alone."""
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("all of it")
+    answer = harness("run", *quick, "--out", "mine")
+    assert answer.status == 2
+    assert "holds something else" in answer.err
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
+
+
+def test_folders_that_cannot_be_made_are_refused(harness, quick, tmp_path):
+    """An --out below a file ends with one line."""
+    (tmp_path / "file").write_text("")
+    answer = harness("run", *quick, "--out", "file/deeper")
+    assert answer.status == 2
+    assert answer.err.count("\n") == 1
+
+
+def test_a_missing_library_names_its_extra(harness, monkeypatch):
+    """A simulator whose library is not installed ends with the line that installs it."""
+    monkeypatch.setattr("harness.plugins._is_installed", lambda module: module != "mujoco")
+    answer = harness("run", "--sim", "mujoco", "--algo", "wander")
+    assert answer.status == 2
+    assert "pip install 'fd100-harness[mujoco]'" in answer.err
+
+
+def test_a_run_prints_both_etas_and_leaves_its_results(harness, quick, tmp_path):
+    """A finished run says eta_N and eta_P on standard error, and where the results and the report are."""
+    answer = harness("run", *quick, "--out", "mine")
+    assert answer.status == 0
+    assert answer.out == ""
+    for text in ("eta_N", "eta_P", "success rate", "Results: mine", "mine/report.html"):
+        assert text in answer.err
+    left = {path.name for path in (tmp_path / "mine").iterdir()}
+    assert {"experiment.toml", "plan.json", "cells", "results.parquet", "report.html"} <= left
+
+
+def test_the_default_folder_is_named_for_the_plan(harness, quick, tmp_path):
+    """Without --out the results go under results/runs, and the same command finds them again."""
+    harness("run", *quick)
+    again = harness("run", *quick)
+    assert len(list((tmp_path / "results" / "runs").iterdir())) == 1
+    assert "6 of 6 cells were done before" in again.err
+
+
+def test_lists_take_commas_and_repeated_flags(harness, quick):
+    """Commas and repeated flags make the same matrix; parameters stay with the name before them."""
+    harness("run", *quick, "--reward", "arp:k1=1,k2=2,arp", "--reward", "arp:k2=3", "--seeds", "1,", "--out", "mine")
+    data = json.loads(harness("report", "mine", "--json").out)
+    assert [entry["proposed"] for entry in data["combinations"]] == ["arp:k2=2", "arp", "arp:k2=3"]
+    assert {cell["seed"] for cell in data["cells"]} == {1}
+
+
+def test_a_file_is_the_same_as_flags_and_a_flag_wins(harness, quick, tmp_path):
+    """An experiment file gives the cells that its keys would give as flags; a flag overrules its key."""
+    (tmp_path / "my.toml").write_text(
+        'sim = "ideal"\nalgo = [{name = "wander", width = 8}]\nseeds = [4]\nsteps = 24\nevaluation_episodes = 2\n'
+    )
+    harness("run", "my.toml", "--steps", "12", "--executor", "here", "--out", "a")
+    harness("run", *quick, "--algo", "wander:width=8", "--seeds", "4,", "--out", "b")
+    ids = [{cell["id"] for cell in json.loads(harness("report", name, "--json").out)["cells"]} for name in "ab"]
+    assert ids[0] <= ids[1]  # b has `wander` as it stands too
+
+
+def test_a_failed_cell_costs_itself_alone(harness, quick):
+    """A cell that raises is shown with its reason, the others are done, and the status is 1."""
+    answer = harness("run", *quick, "--algo", "wander:then=raise", "--seeds", "1", "--out", "mine")
+    assert answer.status == 1
+    assert "FAILED: RuntimeError: the arm fell off" in answer.err
+    data = json.loads(harness("report", "mine", "--json").out)
+    assert {cell["status"] for cell in data["cells"]} == {"done", "failed"}
+
+
+def test_combinations_that_cannot_work_are_skipped_with_the_reason(harness, quick):
+    """An algorithm for other actions is skipped, said so, and no failure."""
+    answer = harness("run", *quick, "--algo", "buttons", "--seeds", "1", "--out", "mine")
+    assert answer.status == 0
+    reasons = {cell["reason"] for cell in json.loads(harness("report", "mine", "--json").out)["cells"]}
+    assert any("discrete actions" in reason for reason in reasons)
+
+
+def test_ctrl_c_keeps_what_is_finished(toys, tmp_path):
+    """SIGINT ends with status 130, no worker is left, and finished cells are there."""
+    pipe, out = tmp_path / "pid", tmp_path / "mine"
+    os.mkfifo(pipe)  # to read from it waits until the cell that never ends runs
+    flags = ["--sim", "ideal", "--steps", "12", "--seeds", "1", "--jobs", "1", "--evaluation-episodes", "2"]
+    flags += ["--algo", f"wander,wander:then=wait,note={pipe}", "--out", str(out)]
+    command = [sys.executable, "-c", "from harness.cli import main; main()", "run", *flags]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
+    worker = int(pipe.read_text())
+    process.send_signal(signal.SIGINT)
+    told = process.communicate(timeout=30)[1]
+    assert process.returncode == 130
+    assert "finished cells are kept" in told
+    with pytest.raises(ProcessLookupError):
+        os.kill(worker, 0)
+    assert len(list((out / "cells").glob("[!.]*"))) == 2
