@@ -19,7 +19,8 @@ Float32 = NDArray[np.float32]
 
 
 def _relu(values: Float32) -> Float32:
-    return np.maximum(values, np.float32(0.0))
+    positive: Float32 = np.maximum(values, np.float32(0.0))
+    return positive
 
 
 ACTIVATIONS: dict[str, Callable[[Float32], Float32]] = {"relu": _relu, "tanh": np.tanh}

@@ -3,7 +3,6 @@
 Figures are plain data in plotly's JSON schema, so that drawing needs nothing but plotly.js in the reader's browser.
 """
 
-import math
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -168,13 +167,12 @@ def _step_range(*groups: Float) -> list[float]:
 
 def _reward_range(*groups: Float) -> list[float]:
     """From the lowest to the highest value of both groups, zero always in it, with some air."""
-    finite = [runs[np.isfinite(runs)] for runs in groups]
-    low = min(0.0, *(float(values.min(initial=0.0)) for values in finite))
-    high = max(0.0, *(float(values.max(initial=0.0)) for values in finite))
+    low = min(0.0, *(float(runs.min()) for runs in groups))
+    high = max(0.0, *(float(runs.max()) for runs in groups))
     air = 0.04 * (high - low) or 1.0
     return [low - air, high + air]
 
 
-def _plain(value: float) -> float | None:
-    """Six significant digits, which no eye can tell from more; None for what JSON cannot hold."""
-    return float(f"{value:.6g}") if math.isfinite(value) else None
+def _plain(value: float) -> float:
+    """Six significant digits, which no eye can tell from more."""
+    return float(f"{value:.6g}")

@@ -120,8 +120,8 @@ def unfinished_cells(results: Results) -> list[str]:
 
 
 def format_number(value: float | None) -> str:
-    """Three significant digits, without an exponent where that is readable; never inf or nan."""
-    if value is None or not math.isfinite(value):
+    """Three significant digits, without an exponent where that is readable."""
+    if value is None:
         return NOTHING
     rounded = float(f"{value:.2e}") + 0.0  # no -0.0: an interval may end there
     size = math.floor(math.log10(abs(rounded))) if rounded else 0
@@ -144,7 +144,7 @@ def _texts(index: Index) -> Iterable[str]:
         yield "never" if step is None else f"{step:,}"
     yield f"{index.steps:,}"
     for total in (index.I_N, index.I_P):
-        yield f"{total:,.1f}" if math.isfinite(total) else NOTHING
+        yield f"{total:,.1f}"
 
 
 def _behaviour_row(metric: Behaviour) -> BehaviourRow:

@@ -1,5 +1,3 @@
-import json
-
 import numpy as np
 import plotly.graph_objects as go
 import pytest
@@ -99,11 +97,3 @@ def test_no_pair_no_figure(build):
     """Without a finished pair there is nothing to draw."""
     _, drawn = panels(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
     assert drawn is None
-
-
-def test_what_is_no_number_leaves_a_gap(build):
-    """A reward that is not finite is a gap in the curve: JSON has no NaN."""
-    broken = np.array([0.0, -1.0, np.nan, 1.0])
-    _, drawn = panels(build(proposed={"arp": lambda seed: broken}))
-    assert curves(drawn[1])[0]["y"] == [0.0, -1.0, None, None]
-    json.dumps(drawn, allow_nan=False)
