@@ -65,7 +65,8 @@ class Policy:
             action += std * rng.standard_normal(action.shape, dtype=np.float32)
         low, high = np.array([self.action_low, self.action_high], np.float32)
         squashed: Float32 = low + np.float32(0.5) * (np.tanh(action) + np.float32(1.0)) * (high - low)
-        return np.minimum(np.maximum(squashed, low), high)  # high - low is rounded
+        clipped: Float32 = np.minimum(np.maximum(squashed, low), high)  # high - low is rounded
+        return clipped
 
     def save(self, folder: Path) -> None:
         """Write the weights and the card into `folder`, which is made."""

@@ -9,6 +9,7 @@ import pytest
 
 import harness
 from harness.cell import Cell
+from harness.cell_folder import LOG, partial_folder
 from harness.choice import Choice
 from harness.errors import UsageError
 from harness.executor import Event
@@ -17,7 +18,6 @@ from harness.manifest import Manifest, read_manifest
 from harness.plan import Plan, check_experiment, expand
 from harness.plugins import Registry
 from harness.results import Results
-from harness.run_cell import LOG, partial_folder
 from harness.store import Store
 
 QUICK: dict[str, Any] = {"sim": "ideal", "algo": "wander", "seeds": 1, "steps": 6, "evaluation_episodes": 2}

@@ -20,6 +20,7 @@ MODULES = sorted(
 # Each module in a fork of its own, out of a process that has the libraries and none of ours: alone, and quick.
 IMPORT_EACH_ALONE = """
 import importlib, json, os, sys, traceback
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # newer Pythons warn of forks beside threads
 import gymnasium, numpy, pluggy, pyarrow.parquet, pydantic.dataclasses, rich, safetensors.numpy, tomli_w, typer, wrapt
 assert not [name for name in sys.modules if name == "harness" or name.startswith("harness.")]
 errors = {}

@@ -8,12 +8,13 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.cell import Cell
+from harness.cell_folder import EVALUATION, LOG, POLICY, RANDOM, TRACE, partial_folder
 from harness.choice import Choice
 from harness.evaluate import evaluate
 from harness.manifest import FILE, Manifest, read_manifest
 from harness.plugins import Registry
 from harness.policy import Policy
-from harness.run_cell import EVALUATION, LOG, POLICY, RANDOM, TRACE, partial_folder, publish, run_cell
+from harness.run_cell import run_cell
 from harness.trace import read_trace
 
 pytestmark = pytest.mark.usefixtures("toys")
@@ -53,12 +54,14 @@ def test_trace_has_every_step_of_training(make_cell: MakeCell, tmp_path: Path):
 
 
 def test_evaluations_have_one_finished_episode_per_env(make_cell: MakeCell, tmp_path: Path):
-    """The trained policy and random actions meet the same starts and targets, an episode each."""
-    _run(make_cell(evaluation_episodes=3), tmp_path / "cell")
+    """The trained policy and random actions meet the same starts and targets; who ends early waits for the others."""
+    easy = Choice("fd100-reach", (("horizon", 30), ("epsilon", 0.4)), "easy")
+    _run(make_cell(evaluation_episodes=8, task=easy), tmp_path / "cell")
     trained, floor = (read_trace(tmp_path / "cell" / name) for name in (EVALUATION, RANDOM))
     for trace in (trained, floor):
-        assert sorted(trace["env"][trace.last_rows]) == [0, 1, 2]
+        assert sorted(trace["env"][trace.last_rows]) == list(range(8))
         assert set(trace["episode"]) == {0}
+    assert len(set(floor["step"][floor.last_rows])) > 1
     starts = [[trace[name][trace["step"] == 0] for name in ("qpos", "target_x")] for trace in (trained, floor)]
     np.testing.assert_array_equal(starts[0][0], starts[1][0])
     np.testing.assert_array_equal(starts[0][1], starts[1][1])
@@ -155,18 +158,3 @@ def test_cell_is_done_again_over_what_was_left(make_cell: MakeCell, tmp_path: Pa
     assert _run(make_cell(), tmp_path / "cell").status == "done"
     assert read_manifest(tmp_path / "cell").status == "done"
     assert not partial.exists()
-
-
-def test_partial_folder_is_hidden_beside(tmp_path: Path):
-    """On the same file system, so that a rename completes it, and no result by its name."""
-    assert partial_folder(tmp_path / "abc") == tmp_path / ".abc.partial"
-
-
-def test_publish_replaces(tmp_path: Path):
-    """The complete folder takes the place of the earlier one, nothing of which stays."""
-    for name, file in (("cell", "old"), (".cell.partial", "new")):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / file).touch()
-    publish(partial_folder(tmp_path / "cell"), tmp_path / "cell")
-    assert [path.name for path in tmp_path.iterdir()] == ["cell"]
-    assert [path.name for path in (tmp_path / "cell").iterdir()] == ["new"]

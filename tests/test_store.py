@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from harness.cell import Cell
+from harness.cell_folder import LOG, partial_folder
 from harness.errors import SchemaError, UsageError
 from harness.manifest import Manifest, read_manifest
 from harness.plan import Plan
-from harness.run_cell import LOG, partial_folder
 from harness.store import CELLS, EXPERIMENT, LOCK, PLAN, Store
 
 MakeCell = Callable[..., Cell]

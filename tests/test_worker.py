@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from harness.cell import Cell
+from harness.cell_folder import LOG
 from harness.choice import Choice
 from harness.manifest import read_manifest
-from harness.run_cell import LOG
 
 pytestmark = pytest.mark.usefixtures("toys")
 

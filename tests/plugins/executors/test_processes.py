@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from harness.cell import Cell
+from harness.cell_folder import LOG, partial_folder
 from harness.choice import Choice
 from harness.executor import Event, Job
 from harness.manifest import read_manifest
 from harness.plugins import Registry
-from harness.run_cell import LOG, partial_folder
 from harness_plugins.executors.processes import Processes
 
 pytestmark = pytest.mark.usefixtures("toys")
@@ -80,8 +80,11 @@ def test_cell_that_raises_is_a_failed_cell(make_cell: Callable[..., Cell], tmp_p
     assert read_manifest(tmp_path / cell.id).status == "failed"
 
 
-def test_killed_cells_cost_themselves_alone(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_killed_cells_cost_themselves_alone(
+    make_cell: Callable[..., Cell], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     """A signal, an exit and a silent exit are told apart in the reason; the cell after them is done."""
+    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)  # with it, nothing printed could get lost
     killed, left, silent = (_that(make_cell, then) for then in ("be killed", "_exit", "die silently"))
     good = make_cell()
     last = _run([killed, left, silent, good], tmp_path, at_once=2)

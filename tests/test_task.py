@@ -1,0 +1,129 @@
+"""The reach task: where episodes start, what the targets are, which overrides are refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+import harness
+from harness.errors import UsageError
+from harness.inverse import reach_position
+from harness.task import ReachTask
+
+ROBOT = harness.load_robot("fd100")
+
+
+def rng() -> np.random.Generator:
+    """The same numbers every time."""
+    return np.random.default_rng(5)
+
+
+def test_targets_are_in_the_box():
+    """Every target is within the half extent of the box's centre, and the box is used up to its faces."""
+    task = ReachTask()
+    offset = np.abs(task.draw_targets(ROBOT, rng(), 500) - task.target_center)
+    assert (offset <= task.target_half_extent).all()
+    assert (offset.max(axis=0) > 0.95 * np.array(task.target_half_extent)).all()
+
+
+def test_targets_can_be_reached():
+    """For every target there is a pose within the joint ranges whose end effector is there."""
+    targets = ReachTask().draw_targets(ROBOT, rng(), 100)
+    qpos, _ = reach_position(ROBOT, targets, np.tile(ROBOT.home, (100, 1)))
+    assert np.linalg.norm(ROBOT.end_effector(qpos) - targets, axis=1).max() <= 1e-3
+
+
+def test_box_that_is_half_out_of_reach_gives_targets_within():
+    """Of a box around the end of the arm's reach only the part within is used."""
+    task = ReachTask(target_center=(1.6, 0.0, 0.6), target_half_extent=(0.5, 0.2, 0.2))
+    targets = task.draw_targets(ROBOT, rng(), 50)
+    assert targets.shape == (50, 3)
+    assert np.linalg.norm(targets - [0.0, 0.0, 0.43], axis=1).max() < ROBOT.reach
+
+
+def test_box_out_of_reach_is_refused():
+    """A box 5 m away raises UsageError, which names the box."""
+    task = ReachTask(target_center=(5.0, 0.0, 0.0))
+    with pytest.raises(UsageError, match=r"\(5.0, 0.0, 0.0\)"):
+        task.draw_targets(ROBOT, rng(), 16)
+
+
+def test_as_many_targets_as_asked_for():
+    """One target, or a hundred."""
+    for count in (1, 100):
+        assert ReachTask().draw_targets(ROBOT, rng(), count).shape == (count, 3)
+
+
+def test_starts_are_near_home():
+    """Each joint starts within the noise of the home pose, and uses all of it."""
+    task = ReachTask()
+    generator = rng()
+    away = np.abs([task.draw_start(ROBOT, generator) - ROBOT.home for _ in range(300)])
+    assert away.max() <= task.start_noise == math.radians(6)
+    assert (away.max(axis=0) > 0.9 * task.start_noise).all()
+
+
+def test_starts_are_within_the_joint_ranges():
+    """However large the noise, no joint starts beyond an end of its range."""
+    task = ReachTask(start_noise=10.0)
+    generator = rng()
+    starts = np.array([task.draw_start(ROBOT, generator) for _ in range(100)])
+    assert (starts >= ROBOT.lower).all()
+    assert (starts <= ROBOT.upper).all()
+
+
+def test_same_stream_gives_same_targets():
+    """Starts and targets depend on the random stream alone."""
+    task = ReachTask()
+    np.testing.assert_array_equal(task.draw_targets(ROBOT, rng(), 20), task.draw_targets(ROBOT, rng(), 20))
+    np.testing.assert_array_equal(task.draw_start(ROBOT, rng()), task.draw_start(ROBOT, rng()))
+
+
+def test_motion_has_the_task_shares():
+    """The motion is limited to the task's shares of the robot's maxima."""
+    motion = ReachTask(speed=0.5, acceleration=0.25, control_period=0.2).motion(ROBOT)
+    np.testing.assert_allclose(motion.max_speed, 0.5 * ROBOT.max_speed)
+    np.testing.assert_allclose(motion.max_change, 0.25 * 0.2 * ROBOT.max_acceleration)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("epsilon=0", "epsilon"),
+        ("epsilon=-0.1", "epsilon"),
+        ("epsilon=wide", "epsilon"),
+        ("epsilon=nan", "epsilon"),
+        ("epsilon=inf", "epsilon"),
+        ("horizon=0", "horizon"),
+        ("horizon=1.5", "horizon"),
+        ("control_period=0", "control_period"),
+        ("target_center=1x2", "target_center"),
+        ("target_half_extent=0.1x-0.1x0.1", "target_half_extent"),
+        ("start_noise=-1", "start_noise"),
+        ("speed=0", "speed"),
+        ("speed=1.1", "speed"),
+        ("acceleration=2", "acceleration"),
+        ("ground_reward=nan", "ground_reward"),
+        ("gravity=9.81", "gravity"),
+        ("epsilon", "epsilon"),
+    ],
+)
+def test_bad_override_is_a_usage_error(override: str, message: str):
+    """An override that cannot be is refused in one line that names it."""
+    with pytest.raises(UsageError, match=message) as caught:
+        harness.make_env(task=f"fd100-reach:{override}")
+    assert "\n" not in str(caught.value)
+
+
+def test_good_overrides_reach_the_env():
+    """Every kind of override arrives, as text and as a mapping."""
+    env = harness.make_env(task="fd100-reach:epsilon=0.02,horizon=7,target_center=0.8x0.1x0.6")
+    assert (env.task.epsilon, env.task.horizon, env.task.target_center) == (0.02, 7, (0.8, 0.1, 0.6))
+    env = harness.make_env(task={"name": "fd100-reach", "epsilon": 0.03})
+    assert env.task.epsilon == 0.03
+
+
+def test_epsilon_that_covers_the_box_is_refused():
+    """Where every target is reached before the first step, the task says so."""
+    with pytest.raises(UsageError, match="epsilon=3"):
+        harness.make_env(task="fd100-reach:epsilon=3").reset(seed=0)
