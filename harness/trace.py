@@ -179,6 +179,16 @@ class Trace:
         rows: NDArray[np.int64] = np.flatnonzero(ended)
         return rows
 
+    @cached_property
+    def episodes(self) -> list[NDArray[np.int64]]:
+        """Row numbers of each finished episode, its start row first, by env and in order."""
+        key = self["env"].astype(np.int64) << 32 | self["episode"]
+        order = np.argsort(key, kind="stable")
+        parts = np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
+        ended = np.zeros(len(self), bool)
+        ended[self.last_rows] = True
+        return [rows for rows in parts if len(rows) and ended[rows[-1]]]
+
 
 def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
     """Read a trace, all columns or some.
@@ -188,13 +198,20 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
     """
     try:
         file = pq.ParquetFile(path)
-        version = int((file.schema_arrow.metadata or {}).get(FORMAT_KEY, b"0"))
-        if not 0 < version <= FORMAT:
-            raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
+        _require_readable(file.schema_arrow, columns or [], path)
         table = file.read(columns=columns)
     except (OSError, pa.ArrowInvalid) as error:
         raise SchemaError(f"{path} is no readable trace: {error}") from error
     return Trace({name: _to_numpy(table.column(name)) for name in table.column_names})
+
+
+def _require_readable(schema: pa.Schema, columns: list[str], path: Path) -> None:
+    version = (schema.metadata or {}).get(FORMAT_KEY, b"none").decode()
+    if version not in {str(known) for known in range(1, FORMAT + 1)}:
+        raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
+    missing = [name for name in columns if name not in schema.names]
+    if missing:
+        raise SchemaError(f"{path} has no column {', '.join(missing)}")
 
 
 def _to_numpy(column: pa.ChunkedArray) -> NDArray[Any]:

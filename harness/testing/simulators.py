@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from harness.errors import UsageError
 from harness.make import load_robot
 from harness.robot import Robot
-from harness.simulator import Simulator, State
+from harness.simulator import Simulation, Simulator, State
 from harness.testing.simulations import (
     NUM_ENVS,
     PERIOD,
@@ -31,6 +31,8 @@ MAX_PLACEMENT_ERROR = 1e-6
 MAX_SPEED_ERROR = 0.05
 """Of a joint in steady motion, as a fraction of its speed."""
 SMALL_MOVE = np.radians(0.3)
+TARGET = np.array([0.6, 0.2, 0.5])
+"""Of the frames, [m]."""
 
 
 def check_simulator(simulator: Simulator, robot: Robot | None = None) -> None:
@@ -200,16 +202,26 @@ def envs_do_not_touch_one_another(simulator: Simulator, robot: Robot) -> None:
 
 
 def render_gives_a_frame_or_says_why_not(simulator: Simulator, robot: Robot) -> None:
-    """`render` gives an RGB frame of the size asked for, or raises UsageError; the state stays as it was."""
+    """`render` gives RGB frames, each of the size asked for, or raises UsageError; the state stays as it was."""
     with opened(simulator, robot) as simulation:
         before = drive_out_and_back(simulation, robot)[-1]
-        try:
-            frame = simulation.render(1, np.array([0.5, 0.0, 0.5]), 64, 48)
-        except UsageError:
-            return
-        require(frame.shape == (48, 64, 3), f"a frame of 64 x 48 has shape {frame.shape}, not (48, 64, 3)")
-        require(frame.dtype == np.uint8, f"a frame is {frame.dtype}, not uint8")
+        for width, height in ((64, 48), (80, 60)):
+            frame = _frame(simulation, TARGET, width, height)
+            if frame is None:
+                return
+            size = f"a frame of {width} x {height}"
+            require(frame.shape == (height, width, 3), f"{size} has shape {frame.shape}, not {(height, width, 3)}")
+            require(frame.dtype == np.uint8, f"{size} is {frame.dtype}, not uint8")
         require(same([simulation.read()], [before]), "rendering changed the state")
+
+
+def frames_show_the_target(simulator: Simulator, robot: Robot) -> None:
+    """Where `render` gives frames, a target at another place gives another frame."""
+    with opened(simulator, robot) as simulation:
+        start_at_home(simulation, robot)
+        first, second = (_frame(simulation, TARGET + offset, 320, 240) for offset in (0.0, 0.2))
+        if first is not None and second is not None:
+            require(not np.array_equal(first, second), "the frame is the same wherever the target is")
 
 
 def close_can_be_called_twice(simulator: Simulator, robot: Robot) -> None:
@@ -241,6 +253,7 @@ SIMULATOR_CHECKS = (
     an_env_in_a_batch_is_as_one_alone,
     envs_do_not_touch_one_another,
     render_gives_a_frame_or_says_why_not,
+    frames_show_the_target,
     close_can_be_called_twice,
 )
 
@@ -280,3 +293,11 @@ def _called_with_changing_arrays(simulator: Simulator, robot: Robot, change: flo
             require((qpos == robot.home).all() and mask.all(), "the caller's array was changed")
             qpos += change
     return states
+
+
+def _frame(simulation: Simulation, target: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8] | None:
+    """A frame of env 1, the caller's own; None where the simulator says that it cannot."""
+    try:
+        return np.array(simulation.render(1, target, width, height))
+    except UsageError:
+        return None

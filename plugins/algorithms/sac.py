@@ -41,7 +41,7 @@ class Sac:
     ent_coef: Annotated[
         str,
         Field(
-            pattern=r"^(auto|auto_\d*\.?\d+|\d*\.?\d+)$",
+            pattern=r"^(auto|auto_0*\.?0*[1-9]\d*\.?\d*|\d*\.?\d+)$",
             description="entropy coefficient: a number, or auto_X to learn it from X on (auto: from 1)",
         ),
     ] = "auto_0.1"
@@ -75,7 +75,7 @@ class Sac:
             seed=seed % 2**32,
             device="cpu",
         )
-        model.learn(steps, callback=SilentProgress(progress))
+        model.learn(steps, callback=SilentProgress(progress, steps))
         return _policy_of(model, self.activation)
 
 

@@ -119,7 +119,8 @@ class MujocoSimulation:
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """See `harness.simulator.Simulation`."""
-        if self._renderer is None:
+        if self._renderer is None or (self._renderer.width, self._renderer.height) != (width, height):
+            self._close_renderer()
             self._renderer = _open_renderer(self.model, width, height)
         data = mujoco.MjData(self.model)
         data.qpos, data.mocap_pos[0] = self._state.qpos[env], target
@@ -130,18 +131,22 @@ class MujocoSimulation:
 
     def close(self) -> None:
         """See `harness.simulator.Simulation`."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._close_renderer()
         if self._rollout is not None:
             self._rollout.close()
             self._rollout = None
+
+    def _close_renderer(self) -> None:
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
 
 
 def build_model(robot: Robot, timestep: float, bandwidth: float) -> mujoco.MjModel:
     """The robot's URDF with ground, target marker, servos and a sensor for ground contact."""
     spec = mujoco.MjSpec.from_string(robot.urdf)
     spec.compiler.fusestatic = False  # the end effector stays a body
+    spec.compiler.discardvisual = False  # so does the marker of the target
     spec.compiler.meshdir = str(robot.folder)
     _set_options(spec, timestep)
     for body in spec.bodies:

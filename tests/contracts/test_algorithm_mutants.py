@@ -1,6 +1,6 @@
 """Every algorithm check has a broken algorithm that fails it, and no other.
 
-The algorithm that is broken is a small one, it goes from an action to the best of a few around it, one for all observations.
+The algorithm that is broken is a small one: from an action it goes to the best of a few around it.
 """
 
 # ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)

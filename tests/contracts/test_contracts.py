@@ -23,12 +23,13 @@ from harness.testing import (
     check_simulator,
     violations,
 )
-from harness.testing.simulators import render_gives_a_frame_or_says_why_not
+from harness.testing.simulators import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness.testing.trainings import NegativeDistance
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
-HEADLESS_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check is not render_gives_a_frame_or_says_why_not)
+FRAME_CHECKS = (render_gives_a_frame_or_says_why_not, frames_show_the_target)
+OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
 CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS]
 
 
@@ -43,21 +44,20 @@ def build(kind: str, name: str) -> Any:
     return REGISTRY.get(kind, name).load()()
 
 
-@registered("simulators", HEADLESS_CHECKS)
+@registered("simulators", OTHER_CHECKS)
 def test_simulator(check: Callable[..., None], name: str):
     """Every registered simulator keeps the contract on the FD100."""
     check(build("simulators", name), ROBOT)
 
 
-@pytest.mark.parametrize("name", REGISTRY.names("simulators"))
-def test_simulator_renders(name: str):
+@registered("simulators", FRAME_CHECKS)
+def test_simulator_renders(check: Callable[..., None], name: str):
     """Every registered simulator keeps the contract of rendering, without a screen."""
-    target = REGISTRY.get("simulators", name).target
-    module, attribute = target.split(":")
+    module, attribute = REGISTRY.get("simulators", name).target.split(":")
     code = (
         f"import harness, harness.testing.simulators as checks\n"
         f"from {module} import {attribute} as Simulator\n"
-        f"checks.render_gives_a_frame_or_says_why_not(Simulator(), harness.load_robot('fd100'))"
+        f"checks.{check.__name__}(Simulator(), harness.load_robot('fd100'))"
     )
     # In a process of its own: MuJoCo chooses the library to render with when it is imported.
     subprocess.run([sys.executable, "-c", code], env={**os.environ, "MUJOCO_GL": "egl"}, check=True)
@@ -122,3 +122,11 @@ def test_whatever_a_check_meets_is_a_violation():
     (violation,) = violations([divides], object())
     assert str(violation) == "divides: raised ZeroDivisionError: by nothing"
     assert isinstance(violation.__cause__, ZeroDivisionError)
+
+
+def test_kit_imports_no_engine():
+    """Importing the kit imports no engine, no learning library and no plugin."""
+    heavy = ["mujoco", "pybullet", "dm_control", "torch", "stable_baselines3", "harness_plugins"]
+    code = f"import sys, harness.testing; print([name for name in {heavy} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

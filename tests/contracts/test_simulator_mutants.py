@@ -220,33 +220,57 @@ class PushesItsNeighbour(IdealSimulation):
         return super().drive(qpos + 1e-9 * (qpos - np.roll(qpos, 1, axis=0)), duration)
 
 
-class RendersSideways(IdealSimulation):
+class Renders(IdealSimulation):
+    """It renders frames of one colour, which depends on where the target is: nothing is wrong with it."""
+
+    def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
+        return np.full((height, width, 3), target.sum() * 50.0).astype(np.uint8)
+
+
+class RendersSideways(Renders):
     """Width and height are swapped."""
 
     def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
-        return np.zeros((width, height, 3), np.uint8)
+        return super().render(env, target, height, width)
 
 
-class RendersFloats(IdealSimulation):
+class RendersFloats(Renders):
     """Colours go from 0 to 1."""
 
     def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
-        return np.zeros((height, width, 3))
+        return super().render(env, target, width, height) / 255.0
 
 
-class MovesToRender(IdealSimulation):
+class KeepsTheFirstSize(Renders):
+    """The renderer is made once, of the size of the first frame."""
+
+    size = None
+
+    def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
+        self.size = self.size or (width, height)
+        return super().render(env, target, *self.size)
+
+
+class MovesToRender(Renders):
     """Rendering steps the engine."""
 
     def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
         self.qvel += 1e-3
-        return np.zeros((height, width, 3), np.uint8)
+        return super().render(env, target, width, height)
+
+
+class HidesTheTarget(Renders):
+    """The marker is not drawn."""
+
+    def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
+        return super().render(env, np.zeros(3), width, height)
 
 
 class HasNoRenderer(IdealSimulation):
-    """Rendering is left for later."""
+    """Rendering what is asked for needs a library that is not there."""
 
     def render(self, env: int, target: np.ndarray, width: int, height: int) -> np.ndarray:
-        raise NotImplementedError
+        raise ImportError("no GL")
 
 
 class ClosesOnce(IdealSimulation):
@@ -317,11 +341,13 @@ MUTANTS = {
     RendersSideways: simulators.render_gives_a_frame_or_says_why_not,
     RendersFloats: simulators.render_gives_a_frame_or_says_why_not,
     MovesToRender: simulators.render_gives_a_frame_or_says_why_not,
-    HasNoRenderer: simulators.render_gives_a_frame_or_says_why_not,
+    KeepsTheFirstSize: simulators.render_gives_a_frame_or_says_why_not,
+    HidesTheTarget: simulators.frames_show_the_target,
     ClosesOnce: simulators.close_can_be_called_twice,
 }
 
 COARSE_MUTANTS = {
+    HasNoRenderer: simulators.render_gives_a_frame_or_says_why_not,
     SharesOneArm: simulators.envs_do_not_touch_one_another,
     SwapsEnvs: simulators.reset_leaves_the_other_envs_alone,
     StandsStill: simulators.small_moves_move_every_joint,
@@ -356,6 +382,11 @@ def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
 def test_coarse_mutant_fails_its_check(mutant: type, check: Callable[..., None]):
     """A simulator that is broken in many ways fails, among others, the check that is nearest."""
     assert check.__name__ in failing(mutant)
+
+
+def test_the_mutants_that_render_are_made_of_a_sound_simulation():
+    """What the mutants of rendering are made of fails nothing."""
+    assert failing(Renders) == []
 
 
 def test_every_check_has_a_mutant():

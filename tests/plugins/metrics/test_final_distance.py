@@ -1,0 +1,34 @@
+"""How far from the target an episode ends."""
+
+import numpy as np
+import pytest
+
+from harness.testing.traces import recorded_trace
+from harness_plugins.metrics.final_distance import FinalDistance
+
+
+def test_mean_over_the_ends():
+    """The value is the mean distance in the last rows of the finished episodes."""
+    trace = recorded_trace(0, ("reached", "ground", "truncated", ""))
+    trace["distance"][trace.last_rows] = [0.25, 0.5, 1.5]
+    assert FinalDistance()(trace) == 0.75
+
+
+def test_other_rows_do_not_count():
+    """Distances on the way are of no matter."""
+    trace = recorded_trace(0, ("reached", "truncated"))
+    before = FinalDistance()(trace)
+    way = np.setdiff1d(np.arange(len(trace)), trace.last_rows)
+    trace["distance"][way] = 100.0
+    assert FinalDistance()(trace) == before
+
+
+@pytest.mark.parametrize("ends", [(), ("",)])
+def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+    """Without an end there is no value."""
+    assert FinalDistance()(recorded_trace(0, ends)) is None
+
+
+def test_it_is_in_metres_and_better_when_lower():
+    """What the report says beside the value."""
+    assert (FinalDistance().unit, FinalDistance().better) == ("m", "lower")

@@ -1,0 +1,31 @@
+"""How often the arm runs into the ground."""
+
+import pytest
+
+from harness.testing.traces import recorded_trace
+from harness_plugins.metrics.ground_hits import GroundHits
+
+
+@pytest.mark.parametrize(
+    ("ends", "share"),
+    [
+        (("ground", "truncated", "reached", "ground"), 0.5),
+        (("ground",), 1.0),
+        (("reached", "truncated"), 0.0),
+        (("ground", "truncated", ""), 0.5),
+    ],
+)
+def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
+    """The value is the share of finished episodes that end on the ground."""
+    assert GroundHits()(recorded_trace(0, ends)) == share
+
+
+@pytest.mark.parametrize("ends", [(), ("",)])
+def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+    """Without an end there is no value."""
+    assert GroundHits()(recorded_trace(0, ends)) is None
+
+
+def test_it_is_better_when_lower():
+    """What the report says beside the value."""
+    assert (GroundHits().unit, GroundHits().better) == ("", "lower")

@@ -1,0 +1,30 @@
+"""How fast the target is reached."""
+
+import pytest
+
+from harness.testing.traces import recorded_trace
+from harness_plugins.metrics.steps_to_target import StepsToTarget
+
+
+def test_mean_over_the_episodes_that_reach_it():
+    """The value is the mean step of the last rows with the target reached; the other episodes do not count."""
+    trace = recorded_trace(0, ("reached", "truncated", "reached", "ground", ""))
+    trace["step"][trace.last_rows] = [10, 1000, 20, 1000]
+    assert StepsToTarget()(trace) == 15.0
+
+
+def test_start_row_is_no_step():
+    """An episode with one row after its start took one step."""
+    trace = recorded_trace(0, ("reached",))
+    assert StepsToTarget()(trace) == len(trace) - 1
+
+
+@pytest.mark.parametrize("ends", [(), ("",), ("truncated", "ground")])
+def test_none_where_no_episode_reaches_it(ends: tuple[str, ...]):
+    """Where the target is never reached there is no value, rather than 0 or a large one."""
+    assert StepsToTarget()(recorded_trace(0, ends)) is None
+
+
+def test_it_is_in_steps_and_better_when_lower():
+    """What the report says beside the value."""
+    assert (StepsToTarget().unit, StepsToTarget().better) == ("steps", "lower")

@@ -1,0 +1,38 @@
+"""How often the target is reached."""
+
+import pytest
+
+from harness.testing.traces import recorded_trace
+from harness_plugins.metrics.success_rate import SuccessRate
+
+
+@pytest.mark.parametrize(
+    ("ends", "share"),
+    [
+        (("reached", "truncated", "reached", "ground"), 0.5),
+        (("reached",), 1.0),
+        (("ground", "truncated"), 0.0),
+        (("reached", "truncated", ""), 0.5),
+    ],
+)
+def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
+    """The value is the share of finished episodes that end within epsilon of the target."""
+    assert SuccessRate()(recorded_trace(0, ends)) == share
+
+
+def test_ground_and_target_at_once_is_a_success():
+    """An episode that ends with both is counted as one that reached its target."""
+    trace = recorded_trace(0, ("reached",))
+    trace["ground"][-1] = True
+    assert SuccessRate()(trace) == 1.0
+
+
+@pytest.mark.parametrize("ends", [(), ("",)])
+def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+    """Without an end there is no value."""
+    assert SuccessRate()(recorded_trace(0, ends)) is None
+
+
+def test_it_is_better_when_higher():
+    """What the report says beside the value."""
+    assert (SuccessRate().unit, SuccessRate().better) == ("", "higher")
