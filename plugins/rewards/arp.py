@@ -13,12 +13,17 @@ class Arp:
     """The baseline reward with a gain on each of its halves.
 
         Dd > 0:   r = -k1 Dd
-        Dd <= 0:  r = k2 (Bd - d(t))
+        Dd <= 0:  r = k2 (Bd - Pb - Dd) = k2 (Bd - d(t))
 
-    with Dd = d(t) - Pb, Pb the smallest distance before the step and Bd = d(0). k1 = k2 = 1 is the baseline. The two
-    published settings differ: ARP's text says k1 = 1, k2 = 2; the data behind its table and the published controller
-    have k2 = 1.5, the default here. Because k2 multiplies the paid half, a policy that behaves exactly as before
-    already scores a larger I_P.
+    with Dd = d(t) - Pb, Pb the smallest distance before the step and Bd = d(0). k1 = k2 = 1 is the baseline. Source:
+    ARP section IV and its code; the NOTE has the name alone (section X, "accelerated reward functions"), with no
+    formula. In metres, hence not scale-free; -k1 d(t) <= r <= k2 Bd.
+
+    Two settings are published, and they differ: ARP's text says k1 = 1, k2 = 2 (and that k2 = 1.1 showed nothing); the
+    data behind its table and the published controller have k2 = 1.5, the default here. ARP eq. 20 prints the two
+    conditions the other way round, as NOTE eq. 21 does (reward `baseline-eq21`); the code is what was run.
+
+    Because k2 multiplies the paid half, a policy that behaves exactly as before already scores a larger I_P.
     """
 
     k1: Annotated[float, Field(gt=0, description="gain on what is lost, K1")] = 1.0

@@ -1,0 +1,50 @@
+"""ARP with a gain that accelerates itself, AARP: this project's definition."""
+
+from typing import Annotated
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.reward import Array, Carry, Sample
+
+
+@dataclass(frozen=True)
+class Aarp:
+    """Pays as ARP does, with a gain that grows with every improvement in a row.
+
+        n(t) = n(t-1) + 1 where Dd < 0, else 0                steps in a row that beat the best, n(0) = 0
+        K(t) = min(k2 growth^n(t), k_max)
+        Dd > 0:   r = -k1 Dd
+        Dd <= 0:  r = K(t) (Bd - d(t))
+
+    with Dd = d(t) - Pb, Pb the smallest distance before the step and Bd = d(0). growth = 1 is `arp`. The gain is what
+    is remembered: K(t) = min(growth K(t-1), k_max) where Dd < 0, else k2.
+
+    This project's own definition: NOTE section XII, "accelerated-and-accelerated reward policy (AARP)", is a heading
+    without text. ARP accelerates the baseline with a gain; here the gain accelerates with consecutive improvement.
+
+    In metres, hence not scale-free. Bounded as long as the workspace is: -k1 d(t) <= r <= k_max Bd. As under the
+    baseline an approach of many small steps is paid more than one of few large ones, and here by up to k_max / k2 more.
+    """
+
+    k1: Annotated[float, Field(gt=0, description="gain on what is lost, K1 of arp")] = 1.0
+    k2: Annotated[float, Field(gt=0, description="gain on what is paid, K2 of arp, before it grows")] = 1.5
+    growth: Annotated[float, Field(ge=1, description="factor on the gain with each improvement in a row")] = 1.1
+    k_max: Annotated[float, Field(gt=0, description="largest gain, at least k2")] = 3.0
+
+    def __post_init__(self) -> None:
+        if self.k_max < self.k2:
+            raise ValueError(f"k_max={self.k_max:g} should be at least k2={self.k2:g}")
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        """The gain K, (num_envs,), k2 at first."""
+        return begin_distance.__array_namespace__().full_like(begin_distance, self.k2)
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        """Shaped reward, (num_envs,), [m]."""
+        xp = sample.distance.__array_namespace__()
+        grown = self.growth * carry
+        capped = xp.where(grown < self.k_max, grown, self.k_max)
+        gain = xp.where(sample.delta_distance < 0.0, capped, self.k2)
+        gained = sample.begin_distance - sample.distance
+        return gain, xp.where(sample.delta_distance > 0.0, -self.k1 * sample.delta_distance, gain * gained)

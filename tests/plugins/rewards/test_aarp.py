@@ -1,0 +1,96 @@
+"""ARP with a gain that accelerates itself."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.errors import UsageError
+from harness.parameters import build
+from harness.reward import Sample
+from harness.testing import check_reward
+from harness_plugins.rewards.aarp import Aarp
+from harness_plugins.rewards.arp import Arp
+
+METRES = st.integers(0, 3072).map(lambda n: n / 1024)
+DISTANCES = st.lists(METRES, min_size=2, max_size=30)
+GAINS = st.floats(0.01, 10.0)
+DOUBLING = Aarp(k1=1.0, k2=1.0, growth=2.0, k_max=4.0)
+
+
+def test_contract():
+    """It keeps the contract of rewards, also where the gain soon meets its cap."""
+    check_reward(Aarp())
+    check_reward(DOUBLING)
+
+
+def test_values_by_hand(episode):
+    """The gain doubles with each new best up to 4, and is 1 again after a step without one."""
+    distances = [1.0, 0.875, 0.75, 0.625, 0.75, 0.5, 0.5, 0.25]
+    gained = [2 * 0.125, 4 * 0.25, 4 * 0.375, -0.125, 2 * 0.5, 1 * 0.5, 2 * 0.75]
+    assert episode(DOUBLING, distances).tolist() == gained
+
+
+@given(GAINS, GAINS, DISTANCES)
+def test_without_growth_it_is_arp(episode, k1: float, k2: float, distances: list[float]):
+    """A growth of 1 pays every step as `arp`, bit for bit."""
+    plain = episode(Arp(k1=k1, k2=k2), distances)
+    np.testing.assert_array_equal(episode(Aarp(k1=k1, k2=k2, growth=1.0, k_max=10.0), distances), plain)
+
+
+@given(DISTANCES, st.floats(1.0, 3.0))
+def test_gain_is_the_closed_formula(episode, distances: list[float], growth: float):
+    """K = min(k2 growth^n, k_max), n the length of the row of improvements that ends here."""
+    best, row, expected = distances[0], 0, []
+    for distance in distances[1:]:
+        row = row + 1 if distance < best else 0
+        gain = min(1.5 * growth**row, 4.0)
+        expected.append(best - distance if distance > best else gain * (distances[0] - distance))
+        best = min(best, distance)
+    assert episode(Aarp(growth=growth, k_max=4.0), distances) == pytest.approx(np.array(expected), rel=1e-12)
+
+
+@given(DISTANCES)
+def test_bounds(episode, distances: list[float]):
+    """-k1 d(t) <= r <= k_max Bd, and never less than ARP pays."""
+    reward = Aarp(k1=2.0, k2=1.5, growth=1.5, k_max=3.0)
+    values = episode(reward, distances)
+    assert (values <= 3.0 * distances[0]).all()
+    assert (values >= -2.0 * np.array(distances[1:])).all()
+    assert (values >= episode(Arp(k1=2.0, k2=1.5), distances)).all()
+
+
+def test_a_long_row_stays_bounded(episode):
+    """After ten thousand improvements the gain is k_max, and nothing has overflowed."""
+    values = episode(Aarp(growth=10.0), np.linspace(1.0, 0.0, 10_001))
+    assert values[-1] == 3.0
+
+
+def test_carry_is_the_gain_and_is_written_anew():
+    """One float per env; what was handed in is left as it was."""
+    carry = DOUBLING.initial_carry(np.array([1.0, 1.0, 1.0]))
+    one, best = np.ones(3), np.array([1.0, 1.0, 0.5])
+    distance = np.array([0.5, 1.0, 0.75])
+    after, _ = DOUBLING(carry, Sample(one, best, best, distance, distance - best, one))
+    assert carry.tolist() == [1.0, 1.0, 1.0]
+    assert after.tolist() == [2.0, 1.0, 1.0]
+
+
+@given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
+def test_scaling_the_workspace_scales_the_reward(episode, distances: list[float], factor: float):
+    """Values are in metres."""
+    scaled = episode(Aarp(), [factor * distance for distance in distances])
+    np.testing.assert_array_equal(scaled, factor * episode(Aarp(), distances))
+
+
+def test_cap_below_the_gain_is_refused():
+    """The gain cannot begin above its largest value."""
+    with pytest.raises(UsageError, match="Reward 'aarp': k_max=3 should be at least k2=5"):
+        build(Aarp, {"k2": 5}, "reward 'aarp'")
+
+
+@pytest.mark.parametrize("given", [{"growth": 0.9}, {"k1": 0}, {"k_max": "inf"}])
+def test_parameter_out_of_range_is_refused(given: dict[str, object]):
+    """In one line that names it."""
+    with pytest.raises(UsageError, match=f"Reward 'aarp': {next(iter(given))}="):
+        build(Aarp, given, "reward 'aarp'")

@@ -1,0 +1,54 @@
+"""The negative distance."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.errors import UsageError
+from harness.parameters import build
+from harness.testing import check_reward
+from harness_plugins.rewards.dense import Dense
+
+METRES = st.integers(0, 3072).map(lambda n: n / 1024)
+DISTANCES = st.lists(METRES, min_size=2, max_size=30)
+
+
+def test_contract():
+    """It keeps the contract of rewards."""
+    check_reward(Dense())
+
+
+@pytest.mark.parametrize(("scale", "distance", "expected"), [(1.0, 0.25, -0.25), (2.0, 1.5, -3.0), (1.0, 0.0, 0.0)])
+def test_value_by_hand(episode, scale: float, distance: float, expected: float):
+    """-scale d(t)."""
+    assert episode(Dense(scale), [1.0, distance]) == [expected]
+
+
+def test_example_1_of_the_note(episode):
+    """|(1,1,2) - (0.5,-1,2)| = sqrt(4.25), as a distance to a target."""
+    assert episode(Dense(), [3.0, math.dist((1, 1, 2), (0.5, -1, 2))]) == [-math.sqrt(4.25)]
+
+
+@given(DISTANCES, st.floats(0.01, 10.0))
+def test_bounds(episode, distances: list[float], scale: float):
+    """Between minus scale times the largest distance and 0."""
+    values = episode(Dense(scale), distances)
+    assert (values <= 0.0).all()
+    assert (values >= -scale * max(distances)).all()
+
+
+@given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
+def test_scaling_the_workspace_scales_the_reward(episode, distances: list[float], factor: float):
+    """So does the parameter scale, by as much."""
+    values = factor * episode(Dense(), distances)
+    np.testing.assert_array_equal(episode(Dense(), [factor * distance for distance in distances]), values)
+    np.testing.assert_array_equal(episode(Dense(scale=factor), distances), values)
+
+
+def test_scale_is_positive():
+    """Paying for distance is refused."""
+    with pytest.raises(UsageError, match="scale=-1: Input should be greater than 0"):
+        build(Dense, {"scale": -1}, "reward 'dense'")

@@ -1,0 +1,60 @@
+"""A null control: another reward plus a constant."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.choice import choose
+from harness.errors import UsageError
+from harness.plugins import load_registry
+from harness.testing import check_reward
+from harness_plugins.rewards.aarp import Aarp
+from harness_plugins.rewards.shifted import Shifted
+
+REGISTRY = load_registry()
+OTHERS = [name for name in REGISTRY.names("rewards") if name != "shifted"]
+DISTANCES = st.lists(st.floats(0.0, 3.0), min_size=2, max_size=20)
+
+
+@pytest.mark.parametrize("reward", OTHERS)
+def test_contract(reward: str):
+    """It keeps the contract of rewards, whatever it adds to."""
+    check_reward(Shifted(reward=reward, offset=-0.5))
+
+
+@given(DISTANCES, st.floats(-10.0, 10.0))
+def test_value_is_moved(episode, distances: list[float], offset: float):
+    """Every step pays `offset` more, of a reward with a carry too."""
+    reward = Shifted(reward="aarp:growth=2", offset=offset)
+    np.testing.assert_array_equal(episode(reward, distances), episode(Aarp(growth=2.0), distances) + offset)
+
+
+@pytest.mark.parametrize("reward", OTHERS)
+def test_offset_of_zero_changes_nothing(episode, reward: str):
+    """It pays what the named reward pays."""
+    named, same = choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards"), Shifted(reward=reward, offset=0.0)
+    distances = [1.0, 0.5, 0.75, 0.25, 0.25, 0.0, 1.5]
+    np.testing.assert_array_equal(episode(same, distances), episode(named, distances))
+
+
+def test_named_reward_comes_with_its_parameters():
+    """`shifted:reward=arp:k1=2,k2=3,offset=1` on the command line is the table of a file."""
+    typed = choose(REGISTRY, "rewards", "shifted:reward=arp:k1=2,k2=3,offset=1")
+    assert typed.params == (("reward", "arp:k1=2,k2=3"), ("offset", 1.0))
+    assert typed == choose(REGISTRY, "rewards", {"name": "shifted", "reward": "arp:k1=2,k2=3", "offset": 1})
+    assert typed == choose(REGISTRY, "rewards", typed.label)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("shifted:reward=apr", "No reward 'apr'"),
+        ("shifted:offset=nan", "Reward 'shifted': offset=nan: Input should be a finite number"),
+        ("shifted:reward=scaled:reward=shifted", "'shifted' .* cannot stand inside itself"),
+    ],
+)
+def test_what_cannot_be_named_is_refused_at_once(text: str, message: str):
+    """In one line, when it is typed."""
+    with pytest.raises(UsageError, match=message):
+        choose(REGISTRY, "rewards", text)

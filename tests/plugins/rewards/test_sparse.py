@@ -1,0 +1,19 @@
+"""Nothing is shaped."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.testing import check_reward
+from harness_plugins.rewards.sparse import Sparse
+
+
+def test_contract():
+    """It keeps the contract of rewards."""
+    check_reward(Sparse())
+
+
+@given(st.lists(st.floats(0.0, 3.0), min_size=2, max_size=30))
+def test_every_step_pays_nothing(episode, distances: list[float]):
+    """0, whatever happens."""
+    np.testing.assert_array_equal(episode(Sparse(), distances), 0.0)
