@@ -13,7 +13,6 @@ from harness.results import Results
 from harness.store import Store
 
 DEFAULT_FOLDER = Path("results") / "runs"
-LISTS = ("sim", "algo", "reward")
 
 
 def run(*, out: str | Path | None = None, jobs: int | None = None, **experiment: Any) -> Results:
@@ -23,7 +22,7 @@ def run(*, out: str | Path | None = None, jobs: int | None = None, **experiment:
         out: The experiment's folder; by default one under ``results/runs/`` named for the plan, so that the same call
             goes on where an earlier one stopped.
         jobs: How many cells at once; by default as many as there are cores.
-        **experiment: The fields of `harness.plan.Experiment`; the lists may be single names.
+        **experiment: The fields of `harness.plan.Experiment`; the lists may be single names, or text with commas.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
@@ -31,10 +30,7 @@ def run(*, out: str | Path | None = None, jobs: int | None = None, **experiment:
     if jobs is not None and jobs < 1:
         raise UsageError(f"jobs={jobs}: must be at least 1")
     registry = load_registry()
-    listed = {
-        key: [value] if key in LISTS and isinstance(value, str | dict) else value for key, value in experiment.items()
-    }
-    plan = expand(check_experiment(listed), registry)
+    plan = expand(check_experiment(experiment), registry)
     store = Store.create(Path(out) if out else default_folder(plan), plan)
     run_plan(plan, store, registry, jobs or core_count())
     return Results(store.folder, registry)

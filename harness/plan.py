@@ -12,7 +12,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.cell import Cell
-from harness.choice import Choice, choose
+from harness.choice import Choice, choose, split_list
 from harness.errors import UsageError
 from harness.make import load_robot
 from harness.parameters import build
@@ -22,6 +22,7 @@ Given: TypeAlias = str | dict[str, Any]
 Names: TypeAlias = Annotated[list[Given], Field(min_length=1)]
 Count: TypeAlias = Annotated[int, Field(gt=0)]
 Seed: TypeAlias = Annotated[int, Field(ge=0)]
+LISTS = ("sim", "algo", "reward")
 
 
 def _arp() -> list[Given]:
@@ -62,12 +63,14 @@ class Plan:
         cells: What to run, in this order.
         skipped: Combinations that cannot work, each with the reason.
         resolved: The experiment with every default filled in, as an experiment file holds it.
+        a_a: Whether the baseline is compared with itself too, the null control that has to give 1.
     """
 
     baseline: str
     cells: tuple[Cell, ...]
     skipped: tuple[tuple[Cell, str], ...]
     resolved: dict[str, Any]
+    a_a: bool = False
 
     @property
     def id(self) -> str:
@@ -87,9 +90,6 @@ def read_experiment(path: Path, overrides: Mapping[str, Any]) -> Experiment:
         raise UsageError(f"No experiment file '{path}'") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise UsageError(f"Experiment file '{path}' cannot be read: {error}") from None
-    for key in ("sim", "algo", "reward"):
-        if key in data and not isinstance(data[key], list):
-            data[key] = [data[key]]
     return check_experiment({**data, **overrides}, f"experiment file '{path}'")
 
 
@@ -103,7 +103,8 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
         if not data.get(key):
             subject = noun[:1].upper() + noun[1:]  # a path in it keeps its capitals
             raise UsageError(f"{subject} names no {key}: give --{key} NAME, or the key '{key}' in a file")
-    experiment: Experiment = build(Experiment, data, noun)
+    listed = {key: _split_names(value) if key in LISTS else value for key, value in data.items()}
+    experiment: Experiment = build(Experiment, listed, noun)
     return experiment
 
 
@@ -111,22 +112,19 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     """All cells of an experiment: simulator x algorithm x reward x seed.
 
     Raises:
-        UsageError: A name or parameter is unknown, a library is missing, or there is nothing to compare.
+        UsageError: A name or parameter is unknown, a library is missing, or the robot cannot do the task.
     """
     simulators = _choose_each(registry, "simulators", experiment.sim)
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
     baseline = choose(registry, "rewards", experiment.baseline)
-    proposed = [reward for reward in _choose_each(registry, "rewards", experiment.reward) if reward != baseline]
-    if not proposed:
-        raise UsageError(f"Only the baseline '{baseline.label}' is named: name a --reward to compare with it")
+    rewards = _choose_each(registry, "rewards", experiment.reward)
     task = choose(registry, "tasks", experiment.task)
-    task.build(registry, "tasks").check(load_robot(experiment.robot, registry))
+    robot = _locate(experiment.robot, registry)
+    task.build(registry, "tasks").check(load_robot(robot, registry))
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
-    matrix = itertools.product(experiment.seed_list, simulators, algorithms, [baseline, *proposed])
+    matrix = itertools.product(experiment.seed_list, simulators, algorithms, dict.fromkeys([baseline, *rewards]))
     cells = [
-        Cell(
-            simulator, experiment.robot, task, algorithm, reward, seed, experiment.steps, experiment.evaluation_episodes
-        )
+        Cell(simulator, robot, task, algorithm, reward, seed, experiment.steps, experiment.evaluation_episodes)
         for seed, simulator, algorithm, reward in matrix
     ]
     reasons = {algorithm: _why_not(algorithm, registry, experiment.steps) for algorithm in algorithms}
@@ -134,8 +132,22 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         baseline.label,
         tuple(cell for cell in cells if not reasons[cell.algorithm]),
         tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
-        _resolve(experiment, simulators, algorithms, baseline, proposed, task),
+        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot),
+        a_a=baseline in rewards,
     )
+
+
+def _split_names(given: Any) -> Any:
+    """Names one by one: ``"a,b:x=1"`` and ``["a", "b:x=1"]`` are the same; tables stand as they are."""
+    if not isinstance(given, list):
+        given = [given]
+    parts = [split_list(item) if isinstance(item, str) else [item] for item in given]
+    return [name for part in parts for name in part]
+
+
+def _locate(robot: str, registry: Registry) -> str:
+    """A registered name as it is, a folder by its full path: a cell means the same from any working directory."""
+    return robot if robot in registry.names("robots") or not Path(robot).is_dir() else str(Path(robot).resolve())
 
 
 def _choose_each(registry: Registry, kind: str, given: list[Given]) -> list[Choice]:
@@ -157,8 +169,9 @@ def _resolve(
     simulators: list[Choice],
     algorithms: list[Choice],
     baseline: Choice,
-    proposed: list[Choice],
+    rewards: list[Choice],
     task: Choice,
+    robot: str,
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
     values = {field.name: getattr(experiment, field.name) for field in fields(experiment)}
@@ -166,9 +179,10 @@ def _resolve(
         **values,
         "sim": [_table(choice) for choice in simulators],
         "algo": [_table(choice) for choice in algorithms],
-        "reward": [_table(choice) for choice in proposed],
+        "reward": [_table(choice) for choice in rewards],
         "baseline": _table(baseline),
         "task": _table(task),
+        "robot": robot,
         "seeds": experiment.seed_list,
     }
 

@@ -1,102 +1,34 @@
 """What an experiment's folder says: combinations compared, cells, behaviour. Reads results only."""
 
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
 
 from harness.cell import Cell
 from harness.cell_folder import EVALUATION, RANDOM, TRACE
+from harness.change import Change, change_of
 from harness.choice import Choice
-from harness.index import Index, Ratio, stack_runs
+from harness.combination import Combination, Group
+from harness.curve import GroupCurve, curve_of
+from harness.decompose import BB, BK, KB, KK, Pair, decompose
+from harness.errors import HarnessError
 from harness.manifest import Manifest
 from harness.metric import Metric
 from harness.plugins import Registry, load_registry
-from harness.statistics import compare_runs
+from harness.reward import Reward
+from harness.score import score_trace
+from harness.statistics import holm
 from harness.store import RESULTS, Store
-from harness.trace import read_trace
+from harness.trace import Trace, read_trace
 
-Float = NDArray[np.float64]
 Values = dict[str, float | None]
-
-
-class Group(NamedTuple):
-    """What the cells of one combination share, their rewards and seeds apart."""
-
-    simulator: Choice
-    robot: str
-    task: Choice
-    algorithm: Choice
-    steps: int
-    evaluation_episodes: int
-
-
-@dataclass(frozen=True)
-class Behaviour:
-    """One metric of a combination's evaluation, means over seeds; no reward enters it."""
-
-    name: str
-    unit: str
-    better: str
-    baseline: float | None
-    proposed: float | None
-    random: float | None
-
-
-@dataclass(frozen=True, eq=False)
-class Combination:
-    """One proposed reward against the baseline, on one simulator, robot, task and algorithm.
-
-    Attributes:
-        group: What both share.
-        baseline: Label of the baseline reward.
-        proposed: Label of the proposed reward.
-        seeds: Those that are done under both rewards, and compared.
-        eta_n: NOTE eq. 43.
-        eta_p: NOTE eq. 44.
-        baseline_index: None without a seed.
-        proposed_index: None without a seed.
-        behaviour: Of the trained policies and of random actions, by metric.
-        baseline_runs: Accumulated reward of each run, (seeds, rows).
-        proposed_runs: The same.
-    """
-
-    group: Group
-    baseline: str
-    proposed: str
-    seeds: tuple[int, ...]
-    eta_n: Ratio
-    eta_p: Ratio
-    baseline_index: Index | None
-    proposed_index: Index | None
-    behaviour: tuple[Behaviour, ...]
-    baseline_runs: Float
-    proposed_runs: Float
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, the runs left out."""
-        success = next((metric for metric in self.behaviour if metric.name == "success_rate"), None)
-        return {
-            "simulator": self.group.simulator.label,
-            "algorithm": self.group.algorithm.label,
-            "robot": self.group.robot,
-            "task": self.group.task.label,
-            "steps": self.group.steps,
-            "baseline": self.baseline,
-            "proposed": self.proposed,
-            "seeds": list(self.seeds),
-            "eta_n": asdict(self.eta_n),
-            "eta_p": asdict(self.eta_p),
-            "baseline_index": self.baseline_index and asdict(self.baseline_index),
-            "proposed_index": self.proposed_index and asdict(self.proposed_index),
-            "success": {who: success and getattr(success, who) for who in ("baseline", "proposed", "random")},
-            "behaviour": [asdict(metric) for metric in self.behaviour],
-        }
+CORRECTED = ("eta_n", "eta_p", "success")
 
 
 class Results:
@@ -106,7 +38,7 @@ class Results:
         self.folder = folder
         self.store = Store.open(folder)
         self._registry = registry
-        self.baseline, planned = self.store.read_plan()
+        self.baseline, self._a_a, planned = self.store.read_plan()
         ended = {manifest.cell.id: manifest for manifest in self.store.manifests()}
         self.manifests = [ended.get(cell.id) or Manifest(cell, "pending", "not run yet") for cell in planned]
 
@@ -123,18 +55,23 @@ class Results:
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
-        """Every proposed reward against the baseline."""
-        proposed = dict.fromkeys(
-            (_group(manifest.cell), manifest.cell.reward)
+        """Every proposed reward against the baseline; a baseline that is its own proposed reward is A/A."""
+        compared = dict.fromkeys(
+            (Group.of(manifest.cell), manifest.cell.reward)
             for manifest in self.manifests
-            if manifest.cell.reward.label != self.baseline and manifest.status != "skipped"
+            if (manifest.cell.reward.label != self.baseline or self._a_a) and manifest.status != "skipped"
         )
-        return tuple(self._combine(group, reward) for group, reward in proposed)
+        return _correct([self._combine(group, reward) for group, reward in compared])
 
     @property
     def failed(self) -> list[Manifest]:
         """Cells that failed."""
         return [manifest for manifest in self.manifests if manifest.status == "failed"]
+
+    @property
+    def done_cells(self) -> list[Cell]:
+        """Cells that left a trace."""
+        return [manifest.cell for manifest in self._done]
 
     def to_json(self) -> dict[str, Any]:
         """What ``harness report --json`` prints."""
@@ -176,47 +113,51 @@ class Results:
         return values
 
     def _combine(self, group: Group, proposed: Choice) -> Combination:
-        members = [manifest.cell for manifest in self._done if _group(manifest.cell) == group]
+        members = [manifest.cell for manifest in self._done if Group.of(manifest.cell) == group]
         by_seed_b = {cell.seed: cell for cell in members if cell.reward.label == self.baseline}
         by_seed_k = {cell.seed: cell for cell in members if cell.reward == proposed}
         seeds = tuple(sorted(by_seed_b.keys() & by_seed_k.keys()))
         if not seeds:
-            empty = f"no seed is done under both {self.baseline} and {proposed.label}"
-            nothing, none = Ratio(None, note=empty), np.empty((0, 0))
-            return Combination(group, self.baseline, proposed.label, (), nothing, nothing, None, None, (), none, none)
+            return Combination(group, self.baseline, proposed.label, (), None, (), {})
         cells_b, cells_k = [by_seed_b[seed] for seed in seeds], [by_seed_k[seed] for seed in seeds]
-        runs_b, runs_k = self._read_runs(cells_b), self._read_runs(cells_k)
-        compared = compare_runs(runs_b, runs_k)
-        return Combination(
-            group,
-            self.baseline,
-            proposed.label,
-            seeds,
-            compared.eta_n,
-            compared.eta_p,
-            compared.baseline,
-            compared.proposed,
-            tuple(self._compare_behaviour(name, metric, cells_b, cells_k) for name, metric in self.metrics.items()),
-            runs_b,
-            runs_k,
-        )
+        curves, missing = self._score(cells_b, cells_k)
+        changes = tuple(self._change(name, metric, cells_b, cells_k) for name, metric in self.metrics.items())
+        split = decompose(curves, missing=missing)
+        return Combination(group, self.baseline, proposed.label, seeds, split, changes, curves)
 
-    def _read_runs(self, cells: list[Cell]) -> Float:
-        return stack_runs([read_trace(self.store.cell_folder(cell) / TRACE, ["reward"])["reward"] for cell in cells])
+    def _score(self, baseline: list[Cell], proposed: list[Cell]) -> tuple[dict[Pair, GroupCurve], str]:
+        """The curves of both trainings under both rewards; under their own alone, with the reason, if need be."""
+        traces_b, traces_k = self._traces(baseline), self._traces(proposed)
+        curves = {BB: _recorded_curve(traces_b), KK: _recorded_curve(traces_k)}
+        try:
+            curves[BK] = self._scored_curve(baseline[0].reward, traces_b, traces_k)
+            curves[KB] = self._scored_curve(proposed[0].reward, traces_k, traces_b)
+        except HarnessError as error:  # a reward that is not installed any more: the rest can still be said
+            return {BB: curves[BB], KK: curves[KK]}, str(error)
+        except Exception as error:  # one that is, and cannot any more: a plugin may raise anything
+            reason = f"a reward could not score the runs: {type(error).__name__}: {' '.join(str(error).split())}"
+            return {BB: curves[BB], KK: curves[KK]}, reason
+        return curves, ""
 
-    def _compare_behaviour(self, name: str, metric: Metric, baseline: list[Cell], proposed: list[Cell]) -> Behaviour:
-        def mean(cells: list[Cell], column: str) -> float | None:
-            values = [value for cell in cells if (value := self.evaluations[cell.id][column]) is not None]
-            return float(np.mean(values)) if values else None
+    def _scored_curve(self, choice: Choice, own: list[Trace], others: list[Trace]) -> GroupCurve:
+        reward = choice.build(self._registry, "rewards")
+        if not _pays(reward, own[0]):
+            raise HarnessError(f"reward {choice.label} pays its own recorded steps otherwise than then: it has changed")
+        scored = [score_trace(reward, trace) for trace in others]
+        if not all(np.isfinite(values).all() for values in scored):
+            raise HarnessError(f"reward {choice.label} is not finite on the runs of the other reward")
+        return curve_of(scored)
 
-        return Behaviour(
-            name,
-            metric.unit,
-            metric.better,
-            mean(baseline, name),
-            mean(proposed, name),
-            mean([*baseline, *proposed], f"random_{name}"),
-        )
+    def _traces(self, cells: list[Cell]) -> list[Trace]:
+        columns = ["env", "step", "begin_distance", "previous_best", "distance", "reward"]
+        return [read_trace(self.store.cell_folder(cell) / TRACE, columns) for cell in cells]
+
+    def _change(self, name: str, metric: Metric, baseline: list[Cell], proposed: list[Cell]) -> Change:
+        def values(cells: Sequence[Cell], column: str) -> list[float | None]:
+            return [self.evaluations[cell.id][column] for cell in cells]
+
+        random = values([*baseline, *proposed], f"random_{name}")
+        return change_of(name, metric.unit, metric.better, values(baseline, name), values(proposed, name), random)
 
 
 def load_results(folder: str | Path) -> Results:
@@ -229,8 +170,36 @@ def load_results(folder: str | Path) -> Results:
     return Results(Path(folder), load_registry())
 
 
-def _group(cell: Cell) -> Group:
-    return Group(cell.simulator, cell.robot, cell.task, cell.algorithm, cell.steps, cell.evaluation_episodes)
+def _pays(reward: Reward, trace: Trace) -> bool:
+    """Whether the reward pays what is recorded; up to last bits, in which another machine may differ."""
+    return np.allclose(score_trace(reward, trace), trace["reward"], rtol=1e-9, atol=1e-12)
+
+
+def _recorded_curve(traces: list[Trace]) -> GroupCurve:
+    return curve_of([trace["reward"] for trace in traces])
+
+
+def _correct(combinations: list[Combination]) -> tuple[Combination, ...]:
+    """The combinations with their p-values corrected for how many they are."""
+    corrected: list[dict[str, float | None]] = [{} for _ in combinations]
+    for name in CORRECTED:
+        raw = [_p(combination, name) for combination in combinations]
+        known = [i for i, p in enumerate(raw) if p is not None]
+        for i, p in zip(known, holm([p for p in raw if p is not None]), strict=True):
+            corrected[i][name] = p
+    return tuple(
+        replace(combination, corrected={name: values.get(name) for name in CORRECTED})
+        for combination, values in zip(combinations, corrected, strict=True)
+    )
+
+
+def _p(combination: Combination, name: str) -> float | None:
+    if combination.decomposition is None or combination.baseline == combination.proposed:
+        return None  # A/A asks nothing: it must not make the others' corrections stricter
+    if name == "success":
+        return combination.success.p if combination.success else None
+    split = combination.decomposition.negative if name == "eta_n" else combination.decomposition.positive
+    return split.p
 
 
 def _cell_to_json(manifest: Manifest) -> dict[str, Any]:

@@ -1,78 +1,79 @@
-"""How far a ratio can be trusted: bootstrap intervals over seeds."""
+"""How far a difference can be trusted: bootstrap over seeds, noise floor, correction for many comparisons."""
 
-from dataclasses import replace
-from typing import NamedTuple
+import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-
-from harness.index import Index, Ratio, eta_n, eta_p, index_of, mean_curve
 
 Float = NDArray[np.float64]
 
 RESAMPLES = 2_000
 CONFIDENCE = 0.95
-SEED = 1_05
+SEED = 105
 FEW_SEEDS = 5
-_CHUNK = 64
+MANY_SEEDS = 1_000
 
 
-class Comparison(NamedTuple):
-    """Two groups of runs compared."""
-
-    baseline: Index
-    proposed: Index
-    eta_n: Ratio
-    eta_p: Ratio
-
-
-def compare_runs(baseline: Float, proposed: Float) -> Comparison:
-    """Indices of both groups and their ratios with intervals.
+def draw_shares(count: int, stream: int = 0) -> Float:
+    """How often each of `count` seeds is drawn with replacement, as shares, (RESAMPLES, count).
 
     Args:
-        baseline: Accumulated rewards, (seeds, steps).
-        proposed: The same for the proposed reward; row i of both has the same seed. Steps may differ.
+        count: How many seeds there are.
+        stream: The same number gives the same draws: groups whose seeds are paired take the same.
     """
-    index_b, index_k = index_of(mean_curve(baseline)), index_of(mean_curve(proposed))
-    draws = _draw_seeds(len(baseline))
-    negative_b, positive_b = _resampled_sums(baseline, draws)
-    negative_k, positive_k = _resampled_sums(proposed, draws)
-    return Comparison(
-        index_b,
-        index_k,
-        _with_interval(eta_n(index_k, index_b), negative_k, negative_b, "I_N", len(baseline)),
-        _with_interval(eta_p(index_k, index_b), positive_k, positive_b, "I_P", len(baseline)),
-    )
-
-
-def _draw_seeds(count: int) -> Float:
-    """How often each seed is drawn, as shares, (RESAMPLES, count): both groups take the same draw, seeds are paired."""
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng([SEED, stream])
     shares: Float = rng.multinomial(count, np.full(count, 1.0 / count), size=RESAMPLES) / count
     return shares
 
 
-def _resampled_sums(runs: Float, shares: Float) -> tuple[Float, Float]:
-    """I_N and I_P, not rounded, of the mean curve of each resample, (RESAMPLES,) both."""
-    negative, positive = np.empty(len(shares)), np.empty(len(shares))
-    for start in range(0, len(shares), _CHUNK):  # all resampled curves at once would take gigabytes
-        part = slice(start, start + _CHUNK)
-        curves = shares[part] @ runs
-        positive[part] = np.maximum(curves, 0.0).sum(axis=1)
-        negative[part] = curves.sum(axis=1) - positive[part]
-    return negative, positive
-
-
-def _with_interval(ratio: Ratio, proposed: Float, baseline: Float, name: str, seeds: int) -> Ratio:
-    """The ratio with its percentile interval, or with the reason why there is none."""
-    if ratio.value is None:
-        return ratio
-    if seeds < 2:
-        return replace(ratio, note="one seed: no interval")
-    undefined = float(np.mean(np.abs(baseline) < 0.05))  # rounds to 0, as the index itself
-    if undefined:
-        return replace(ratio, note=f"no interval: {name} of the baseline is 0 in {undefined:.0%} of the resamples")
+def percentile_interval(values: Float) -> tuple[float, float]:
+    """The middle CONFIDENCE of resampled values. Of ratios it is that of their logarithms: percentiles keep order."""
     tail = (1.0 - CONFIDENCE) / 2.0
-    low, high = np.quantile(proposed / baseline, [tail, 1.0 - tail])
-    note = f"{seeds} seeds: the interval is rough below {FEW_SEEDS}" if seeds < FEW_SEEDS else ""
-    return replace(ratio, low=float(low), high=float(high), note=note)
+    low, high = np.quantile(values, [tail, 1.0 - tail])
+    return float(low), float(high)
+
+
+def p_value(values: Float, null: float) -> float:
+    """Two-sided bootstrap p-value of `null`, in (0, 1]: twice the share of resamples on its far side."""
+    smaller = min(int((values <= null).sum()), int((values >= null).sum()))
+    return min(1.0, 2.0 * (smaller + 1) / (len(values) + 1))
+
+
+def holm(p_values: Sequence[float]) -> list[float]:
+    """Holm's correction: p-values that hold for all of several comparisons together."""
+    order = sorted(range(len(p_values)), key=lambda i: p_values[i])
+    corrected, largest = [0.0] * len(p_values), 0.0
+    for rank, i in enumerate(order):
+        largest = max(largest, min(1.0, p_values[i] * (len(p_values) - rank)))
+        corrected[i] = largest
+    return corrected
+
+
+def seeds_to_decide(values: Float, ratio: float, seeds: int) -> int | None:
+    """How many seeds would show that a ratio is not 1, if it stays as it is and its spread falls as 1 / sqrt(seeds).
+
+    Args:
+        values: The resampled ratios, (draws,).
+        ratio: The ratio itself.
+        seeds: How many seeds they rest on.
+
+    Returns:
+        At least `seeds`; None where more than MANY_SEEDS would be needed, or no number can be told.
+    """
+    if ratio <= 0.0 or not (values > 0.0).all() or math.log(ratio) == 0.0:
+        return None
+    spread = float(np.std(np.log(values)))
+    needed = math.ceil(seeds * (1.96 * spread / abs(math.log(ratio))) ** 2)
+    return max(seeds, needed) if needed <= MANY_SEEDS else None
+
+
+def split_halves(count: int, splits: int = 200) -> tuple[Float, Float]:
+    """Shares of two disjoint halves of `count` seeds, drawn at random, (splits, count) both; A/A comparisons."""
+    rng = np.random.default_rng([SEED, count])
+    half = count // 2
+    order = rng.permuted(np.tile(np.arange(count), (splits, 1)), axis=1)
+    first, second = np.zeros((splits, count)), np.zeros((splits, count))
+    np.put_along_axis(first, order[:, :half], 1.0 / half, axis=1)
+    np.put_along_axis(second, order[:, half : 2 * half], 1.0 / half, axis=1)
+    return first, second

@@ -80,8 +80,8 @@ class Store:
                 store.record(cell, "skipped", reason)
         return store
 
-    def read_plan(self) -> tuple[str, list[Cell]]:
-        """Label of the baseline, and every cell that was asked for.
+    def read_plan(self) -> tuple[str, bool, list[Cell]]:
+        """Label of the baseline, whether it is compared with itself, and every cell that was asked for.
 
         Raises:
             SchemaError: The file is damaged.
@@ -89,7 +89,7 @@ class Store:
         path = self.folder / PLAN
         try:
             data = json.loads(path.read_text())
-            return data["baseline"], [Cell.from_json(cell) for cell in data["cells"]]
+            return data["baseline"], bool(data["a_a"]), [Cell.from_json(cell) for cell in data["cells"]]
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise SchemaError(f"{path} is no readable plan: {error!r}") from error
 
@@ -140,9 +140,9 @@ class Store:
         """Add the plan's cells to those that are there: a folder grows, nothing is lost."""
         (self.folder / EXPERIMENT).write_text(tomli_w.dumps(_without_none(plan.resolved)))
         path = self.folder / PLAN
-        known = self.read_plan()[1] if path.exists() else []
+        known = self.read_plan()[2] if path.exists() else []
         cells = dict.fromkeys([*known, *plan.cells, *(cell for cell, _ in plan.skipped)])
-        data = {"baseline": plan.baseline, "cells": [cell.to_json() for cell in cells]}
+        data = {"baseline": plan.baseline, "a_a": plan.a_a, "cells": [cell.to_json() for cell in cells]}
         path.write_text(json.dumps(data, indent=1) + "\n")
 
 

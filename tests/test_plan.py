@@ -100,10 +100,11 @@ def test_steps_that_do_not_fit_the_envs_are_skipped_with_the_reason(toys: Regist
     assert {cell.algorithm.label for cell in plan.cells} == {"wander:num_envs=5"}
 
 
-def test_baseline_alone_compares_nothing(toys: Registry):
-    """A second reward has to be named."""
-    with pytest.raises(UsageError, match="Only the baseline 'baseline' is named: name a --reward to compare with it"):
-        _plan(toys, reward=["baseline"])
+def test_baseline_alone_is_compared_with_itself(toys: Registry):
+    """The baseline as its own proposed reward is the null control A/A: each cell once, and the plan says so."""
+    plan = _plan(toys, reward=["baseline"], seeds=2)
+    assert plan.a_a
+    assert [cell.seed for cell in plan.cells] == [0, 1]
 
 
 def test_any_reward_may_be_the_baseline(toys: Registry):

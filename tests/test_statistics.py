@@ -1,148 +1,203 @@
-"""Intervals over seeds: reproducible, paired, honest about what is not defined."""
+"""How far a difference can be trusted: draws, intervals, p-values and their correction."""
 
+import math
 import random
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from harness.index import index_of, mean_curve
-from harness.statistics import FEW_SEEDS, compare_runs
+from harness.statistics import (
+    CONFIDENCE,
+    MANY_SEEDS,
+    RESAMPLES,
+    draw_shares,
+    holm,
+    p_value,
+    percentile_interval,
+    seeds_to_decide,
+    split_halves,
+)
 
-MakeRuns = Callable[..., np.ndarray]
-
-
-@pytest.fixture
-def make_runs() -> MakeRuns:
-    """Curves that fall below zero and rise again, each a little different, (seeds, steps)."""
-    rng = np.random.default_rng(105)
-
-    def make(seeds: int, steps: int = 60, scale: float = 1.0) -> np.ndarray:
-        x = np.linspace(0.0, 1.0, steps)
-        depth = 10.0 + rng.normal(size=(seeds, 1))
-        height = 30.0 + 3.0 * rng.normal(size=(seeds, 1))
-        return scale * (-depth * np.sin(np.pi * x) * (x < 0.5) + height * (x - 0.4) * (x >= 0.5))
-
-    return make
+P_VALUES = st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8)
 
 
-def _slow_interval(baseline: np.ndarray, proposed: np.ndarray, sign: int) -> list[float]:
-    """A paired bootstrap with loops and Python's own random numbers."""
-    draws, ratios = random.Random(1), []
-    for _ in range(2000):
-        rows = draws.choices(range(len(baseline)), k=len(baseline))
-        sums = [sum(v for v in runs[rows].mean(axis=0) if v * sign > 0) for runs in (proposed, baseline)]
-        ratios.append(sums[0] / sums[1])
-    ratios.sort()
-    return [ratios[49], ratios[1949]]
+# Draws
 
 
-def test_same_runs_give_the_same_interval(make_runs: MakeRuns):
-    """Nothing is drawn from a global generator: bit for bit the same, whatever was drawn before."""
-    baseline, proposed = make_runs(6), make_runs(6, scale=2.0)
-    first = compare_runs(baseline, proposed)
-    np.random.default_rng().random(100)
-    assert compare_runs(baseline, proposed) == first
+@pytest.mark.parametrize("count", [1, 2, 5, 30])
+def test_shares_are_of_draws_with_replacement(count: int):
+    """Each draw takes as many seeds as there are: whole numbers of them, which add up to all."""
+    drawn = draw_shares(count) * count
+    assert drawn.shape == (RESAMPLES, count)
+    np.testing.assert_allclose(drawn, np.round(drawn), atol=1e-9)
+    np.testing.assert_allclose(drawn.sum(axis=1), count)
 
 
-def test_indices_are_those_of_the_mean_curves(make_runs: MakeRuns):
-    """The comparison holds both groups' indices, and the ratios of these."""
-    baseline, proposed = make_runs(3), make_runs(3, steps=50, scale=2.0)
-    compared = compare_runs(baseline, proposed)
-    assert compared.baseline == index_of(mean_curve(baseline))
-    assert compared.proposed == index_of(mean_curve(proposed))
-    assert compared.eta_n.value == compared.proposed.I_N / compared.baseline.I_N
-    assert compared.eta_p.value == compared.proposed.I_P / compared.baseline.I_P
+def test_seeds_are_drawn_equally_often():
+    """No seed counts more than another, and one is left out as often as it has to be."""
+    shares = draw_shares(5)
+    np.testing.assert_allclose(shares.mean(axis=0), 0.2, atol=0.01)
+    np.testing.assert_allclose((shares == 0.0).mean(axis=0), 0.8**5, atol=0.03)
 
 
-def test_seeds_are_paired(make_runs: MakeRuns):
-    """A group against twice itself differs by exactly 2 under every draw of seeds, so the interval has no width."""
-    baseline = make_runs(6)
-    compared = compare_runs(baseline, 2.0 * baseline)
-    for ratio in (compared.eta_n, compared.eta_p):
-        assert (ratio.low, ratio.high) == pytest.approx((2.0, 2.0), rel=1e-9)
+def test_same_stream_draws_the_same():
+    """Paired groups take one stream, others take two; nothing else decides."""
+    np.testing.assert_array_equal(draw_shares(5, 1), draw_shares(5, 1))
+    assert (draw_shares(5, 0) != draw_shares(5, 1)).any()
 
 
-def test_pairs_matter(make_runs: MakeRuns):
-    """With the seeds of one group in another order the pairs are others, and the interval is wider than none."""
-    baseline = make_runs(6)
-    ratio = compare_runs(baseline, 2.0 * baseline[::-1]).eta_p
-    assert ratio.high - ratio.low > 0.01
+def test_halves_are_disjoint_and_equally_large():
+    """Each seed is in one half at most; of an odd number one is in none."""
+    for count in (4, 5, 8):
+        first, second = split_halves(count)
+        assert first.shape == second.shape == (200, count)
+        assert not (first * second).any()
+        for half in (first, second):
+            np.testing.assert_array_equal((half > 0.0).sum(axis=1), count // 2)
+            np.testing.assert_allclose(half.sum(axis=1), 1.0)
 
 
-def test_order_of_the_pairs_hardly_matters(make_runs: MakeRuns):
-    """Shuffling the pairs moves the interval by no more than the draws do."""
-    baseline, proposed = make_runs(8), make_runs(8, scale=2.0)
-    order = np.random.default_rng(7).permutation(8)
-    one, other = compare_runs(baseline, proposed).eta_p, compare_runs(baseline[order], proposed[order]).eta_p
-    assert (one.low, one.high) == pytest.approx((other.low, other.high), rel=0.03)
+def test_halves_differ():
+    """They are drawn at random, every seed now in the one, now in the other, and the same each time."""
+    first, second = split_halves(6)
+    assert (first.any(axis=0) & second.any(axis=0)).all()
+    np.testing.assert_array_equal(first, split_halves(6)[0])
 
 
-def test_interval_agrees_with_a_slow_bootstrap(make_runs: MakeRuns):
-    """Another bootstrap, in loops and with other random numbers, ends at the same places."""
-    baseline, proposed = make_runs(8), make_runs(8, scale=1.5)
-    compared = compare_runs(baseline, proposed)
-    negative, positive = (_slow_interval(baseline, proposed, sign) for sign in (-1, 1))
-    assert [compared.eta_n.low, compared.eta_n.high] == pytest.approx(negative, rel=0.02)
-    assert [compared.eta_p.low, compared.eta_p.high] == pytest.approx(positive, rel=0.02)
+# Intervals
 
 
-def test_interval_contains_the_true_ratio_usually(make_runs: MakeRuns):
-    """Drawn 60 times with 10 seeds, the true ratio of 2 lies inside at least 48 times."""
-    intervals = [compare_runs(make_runs(10), make_runs(10, scale=2.0)).eta_p for _ in range(60)]
-    assert sum(ratio.low <= 2.0 <= ratio.high for ratio in intervals) >= 48
+def test_interval_is_the_middle_of_the_draws():
+    """Between the quantiles that leave out half of the rest on each side."""
+    low, high = percentile_interval(np.arange(1001.0))
+    assert (low, high) == pytest.approx((25.0, 975.0))
+    assert CONFIDENCE == 0.95
 
 
-def test_interval_is_around_the_value(make_runs: MakeRuns):
-    """The value lies between the ends."""
-    compared = compare_runs(make_runs(5), make_runs(5))
-    for ratio in (compared.eta_n, compared.eta_p):
-        assert ratio.low < ratio.value < ratio.high
+def test_interval_does_not_know_the_order_of_the_draws():
+    """Draws are a set."""
+    values = np.random.default_rng(0).normal(size=501)
+    assert percentile_interval(values) == percentile_interval(values[::-1])
 
 
-def test_groups_may_differ_in_length(make_runs: MakeRuns):
-    """Each group's curve is as long as its own shortest run."""
-    compared = compare_runs(make_runs(4, steps=60), make_runs(4, steps=40))
-    assert (compared.baseline.steps, compared.proposed.steps) == (60, 40)
-    assert compared.eta_p.low is not None
+@given(st.lists(st.floats(0.01, 100.0), min_size=1, max_size=50))
+def test_interval_of_ratios_is_nearly_that_of_their_logarithms(values: list[float]):
+    """Percentiles keep order: the logarithm of an end lies between the same two draws' logarithms."""
+    ratios = np.array(values)
+    for end, logarithm in zip(percentile_interval(ratios), percentile_interval(np.log(ratios)), strict=True):
+        below, above = ratios[ratios <= end * (1 + 1e-12)].max(), ratios[ratios >= end * (1 - 1e-12)].min()
+        assert math.log(below) - 1e-9 <= logarithm <= math.log(above) + 1e-9
 
 
-def test_more_steps_than_fit_into_memory_at_once():
-    """The resamples are taken in parts, the last one shorter than the others: the mean of all is the curve's."""
-    runs = np.vstack([np.full(10, -1.0), np.full(10, -3.0)])
-    ratio = compare_runs(np.full((2, 10), -1.0), runs).eta_n
-    assert (ratio.value, ratio.low, ratio.high) == (2.0, 1.0, 3.0)
+# p-values
 
 
-def test_one_seed_has_a_value_and_no_interval(make_runs: MakeRuns):
-    """Nothing can be said about the spread of one run."""
-    runs = make_runs(1)
-    ratio = compare_runs(runs, 2.0 * runs).eta_n
-    assert ratio.value == pytest.approx(2.0, rel=1e-2)
-    assert (ratio.low, ratio.high, ratio.note) == (None, None, "one seed: no interval")
+def test_p_value_counts_the_far_side_twice():
+    """Of 999 draws 24 lie beyond the null: 2 x 25 / 1000, the null itself counted among them."""
+    values = np.concatenate([np.full(24, 0.5), np.full(975, 2.0)])
+    assert p_value(values, 1.0) == pytest.approx(0.05)
+    assert p_value(-values, -1.0) == pytest.approx(0.05)
 
 
-def test_few_seeds_carry_a_note(make_runs: MakeRuns):
-    """An interval over few seeds is given, and called rough."""
-    few, enough = (compare_runs(*[make_runs(seeds)] * 2).eta_p for seeds in (FEW_SEEDS - 1, FEW_SEEDS))
-    assert few.note == "4 seeds: the interval is rough below 5"
-    assert few.low is not None
-    assert enough.note == ""
+def test_p_value_is_never_zero_and_never_above_one():
+    """Draws cannot exclude anything for sure, and a draw on the null counts for both sides."""
+    assert p_value(np.full(1999, 2.0), 1.0) == pytest.approx(0.001)
+    assert p_value(np.full(1999, 1.0), 1.0) == 1.0
 
 
-def test_baseline_that_is_never_negative_has_no_eta_n(make_runs: MakeRuns):
-    """The reason stands in the note, and eta_P is not touched by it."""
-    compared = compare_runs(np.ones((5, 10)), make_runs(5))
-    assert (compared.eta_n.value, compared.eta_n.low, compared.eta_n.high) == (None, None, None)
-    assert compared.eta_n.note.startswith("I_N of the baseline is 0")
-    assert compared.eta_p.low is not None
+def test_p_value_agrees_with_the_interval():
+    """Beyond 5 % means: the null is outside of the 95 % interval."""
+    values = np.random.default_rng(1).normal(size=RESAMPLES)
+    low, high = percentile_interval(values)
+    for null, outside in ((low - 0.05, True), (low + 0.05, False), (high - 0.05, False), (high + 0.05, True)):
+        assert (p_value(values, null) < 0.05) == outside
 
 
-def test_denominator_that_vanishes_in_some_draws_leaves_no_interval(make_runs: MakeRuns):
-    """With one negative run of five, many draws have no I_N: the value stands, the interval does not, never inf."""
-    baseline = np.ones((5, 10))
-    baseline[0] = -9.0
-    ratio = compare_runs(baseline, make_runs(5)).eta_n
-    assert ratio.value is not None
-    assert (ratio.low, ratio.high) == (None, None)
-    assert ratio.note.startswith("no interval: I_N of the baseline is 0 in ")
+# Several comparisons
+
+
+def test_holm_by_hand():
+    """The smallest p-value counts four times, the next three times, and none is smaller than the one before."""
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+
+
+def test_holm_of_one_or_none():
+    """A single comparison needs no correction."""
+    assert holm([0.04]) == [0.04]
+    assert holm([]) == []
+
+
+@given(P_VALUES)
+def test_holm_bounds(p_values: list[float]):
+    """Never smaller than without correction, never larger than Bonferroni's, never above 1."""
+    for raw, corrected in zip(p_values, holm(p_values), strict=True):
+        assert raw <= corrected <= min(1.0, raw * len(p_values))
+
+
+@given(P_VALUES)
+def test_holm_keeps_the_order(p_values: list[float]):
+    """What was smaller stays no larger."""
+    corrected = [value for _, value in sorted(zip(p_values, holm(p_values), strict=True))]
+    assert corrected == sorted(corrected)
+
+
+@given(P_VALUES, st.sampled_from([0.01, 0.05, 0.2]))
+def test_holm_rejects_what_the_step_down_procedure_rejects(p_values: list[float], alpha: float):
+    """Corrected p-values below a level are those that Holm's procedure, written as it is taught, rejects at it."""
+    rejected = set()
+    for rank, i in enumerate(sorted(range(len(p_values)), key=lambda i: p_values[i])):
+        if p_values[i] * (len(p_values) - rank) > alpha:
+            break
+        rejected.add(i)
+    assert {i for i, corrected in enumerate(holm(p_values)) if corrected <= alpha} == rejected
+
+
+# How many seeds
+
+
+def draws_around(ratio: float, spread: float) -> np.ndarray:
+    """Ratios whose logarithms have this mean and this standard deviation."""
+    draws = random.Random(0)
+    logs = np.array([draws.gauss(0.0, 1.0) for _ in range(2000)])
+    return np.exp(math.log(ratio) + spread * (logs - logs.mean()) / logs.std())
+
+
+def test_seeds_to_decide_by_hand():
+    """The interval shrinks as 1 / sqrt(seeds): it has to get 1.96 spreads within log(ratio)."""
+    # 5 seeds, spread 0.5, log(ratio) 0.25: (1.96 x 0.5 / 0.25)^2 = 15.3664 times as many
+    assert seeds_to_decide(draws_around(math.exp(0.25), 0.5), math.exp(0.25), 5) == 77
+
+
+def test_seeds_to_decide_is_the_same_for_a_ratio_and_its_inverse():
+    """Which of the two is the baseline does not matter."""
+    draws = draws_around(1.3, 0.4)
+    assert seeds_to_decide(draws, 1.3, 6) == seeds_to_decide(1.0 / draws, 1.0 / 1.3, 6)
+
+
+def test_seeds_that_decide_already_are_enough():
+    """Never fewer than there are."""
+    assert seeds_to_decide(draws_around(3.0, 0.01), 3.0, 6) == 6
+    assert seeds_to_decide(np.full(100, 2.0), 2.0, 6) == 6
+
+
+@pytest.mark.parametrize(
+    ("draws", "ratio"),
+    [
+        (np.full(100, 1.0), 1.0),
+        (np.array([2.0, 0.0]), 1.5),
+        (np.array([2.0, -1.0]), 1.5),
+        (np.array([-2.0, -1.0]), -1.5),
+        (np.array([0.0, 0.0]), 0.0),
+    ],
+)
+def test_number_of_seeds_that_cannot_be_told(draws: np.ndarray, ratio: float):
+    """A ratio of exactly 1, or one without a logarithm, in the value or in a draw."""
+    assert seeds_to_decide(draws, ratio, 5) is None
+
+
+def test_hopeless_numbers_of_seeds_are_not_told():
+    """Beyond MANY_SEEDS nobody would run them."""
+    assert seeds_to_decide(draws_around(1.001, 0.5), 1.001, 5) is None
+    assert seeds_to_decide(draws_around(1.1, 0.5), 1.1, 5) <= MANY_SEEDS

@@ -32,7 +32,7 @@ def test_new_folder_holds_the_plan(make_cell: MakeCell, make_plan: MakePlan, tmp
     """The cells, in their order, and the label of the baseline are read as they were planned."""
     cells = [make_cell(seed=seed) for seed in (1, 0)]
     store = Store.create(tmp_path / "deep" / "down", make_plan(*cells, baseline="base"))
-    assert Store.open(store.folder).read_plan() == ("base", cells)
+    assert Store.open(store.folder).read_plan() == ("base", False, cells)
 
 
 def test_new_folder_holds_the_experiment(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -45,7 +45,7 @@ def test_new_folder_holds_the_experiment(make_cell: MakeCell, make_plan: MakePla
 
 def test_empty_folder_may_be_used(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
     """A folder that was made beforehand is as good as a new one."""
-    assert Store.create(tmp_path, make_plan(make_cell())).read_plan()[1] == [make_cell()]
+    assert Store.create(tmp_path, make_plan(make_cell())).read_plan()[2] == [make_cell()]
 
 
 def test_foreign_folder_is_left_alone(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -101,14 +101,14 @@ def test_second_plan_is_added(make_cell: MakeCell, make_plan: MakePlan, tmp_path
     one, two, three = (make_cell(seed=seed) for seed in range(3))
     Store.create(tmp_path, make_plan(one, two))
     Store.create(tmp_path, make_plan(two, three))
-    assert Store.open(tmp_path).read_plan()[1] == [one, two, three]
+    assert Store.open(tmp_path).read_plan()[2] == [one, two, three]
 
 
 def test_skipped_cells_are_recorded_with_their_reason(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
     """A combination that cannot work is in the plan and has a manifest that says why."""
     odd = make_cell(seed=9)
     store = Store.create(tmp_path, make_plan(make_cell(), skipped=((odd, "takes discrete actions"),)))
-    assert store.read_plan()[1] == [make_cell(), odd]
+    assert store.read_plan()[2] == [make_cell(), odd]
     assert [(item.cell, item.status, item.reason) for item in store.manifests()] == [
         (odd, "skipped", "takes discrete actions")
     ]
@@ -193,7 +193,7 @@ def test_second_run_in_one_folder_is_refused(make_cell: MakeCell, make_plan: Mak
             pass
         with pytest.raises(UsageError, match="wait for it, or name another --out"):
             Store.create(tmp_path, make_plan(make_cell(seed=1)))
-    assert store.read_plan()[1] == [make_cell()]
+    assert store.read_plan()[2] == [make_cell()]
     with Store.open(tmp_path).locked():
         assert (tmp_path / LOCK).exists()
 
@@ -228,4 +228,8 @@ def test_damaged_plan_is_refused(make_cell: MakeCell, make_plan: MakePlan, tmp_p
 def test_plan_is_plain_json(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
     """Another program can read which cells there are to be."""
     Store.create(tmp_path, make_plan(make_cell()))
-    assert json.loads((tmp_path / PLAN).read_text()) == {"baseline": "baseline", "cells": [make_cell().to_json()]}
+    assert json.loads((tmp_path / PLAN).read_text()) == {
+        "baseline": "baseline",
+        "a_a": False,
+        "cells": [make_cell().to_json()],
+    }

@@ -23,30 +23,33 @@ def run(
     sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...")] = None,
     algo: Annotated[Names, typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...")] = None,
     reward: Annotated[
-        Names, typer.Option(help="Proposed rewards, as arp:k1=1,k2=2. [default: arp]", metavar="NAME,...")
+        Names, typer.Option(help="Proposed rewards, as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...")
     ] = None,
     baseline: Annotated[
-        str | None, typer.Option(help="What they are compared with. [default: baseline]", metavar="NAME")
+        str | None, typer.Option(help="What they are compared with.", show_default="baseline", metavar="NAME")
     ] = None,
     task: Annotated[
-        str | None, typer.Option(help="As fd100-reach:epsilon=0.02. [default: fd100-reach]", metavar="NAME")
+        str | None, typer.Option(help="As fd100-reach:epsilon=0.02.", show_default="fd100-reach", metavar="NAME")
     ] = None,
     robot: Annotated[
-        str | None, typer.Option(help="Robot, or a folder with robot.toml. [default: fd100]", metavar="NAME")
+        str | None, typer.Option(help="Robot, or a folder with robot.toml.", show_default="fd100", metavar="NAME")
     ] = None,
     seeds: Annotated[
-        str | None, typer.Option(help="How many seeds, or a list (3,7,11). [default: 3]", metavar="N")
+        str | None, typer.Option(help="How many seeds, or a list (3,7,11).", show_default="3", metavar="N")
     ] = None,
     steps: Annotated[
-        int | None, typer.Option(help="Environment steps of training per cell. [default: 10000]", metavar="N")
+        int | None, typer.Option(help="Environment steps of training per cell.", show_default="10000", metavar="N")
     ] = None,
     evaluation_episodes: Annotated[
-        int | None, typer.Option(help="Episodes of evaluation after training. [default: 100]", metavar="N")
+        int | None, typer.Option(help="Episodes of evaluation after training.", show_default="100", metavar="N")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="The experiment's folder. [default: one under results/runs/]", metavar="DIR")
+        Path | None,
+        typer.Option(help="The experiment's folder.", show_default="one under results/runs/", metavar="DIR"),
     ] = None,
-    jobs: Annotated[int | None, typer.Option(help="Cells at once. [default: as many as cores]", metavar="N")] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Cells at once.", show_default="as many as cores", metavar="N")
+    ] = None,
     executor: Annotated[str, typer.Option(help="What runs the cells.", metavar="NAME")] = "processes",
 ) -> int:
     """Train every simulator x algorithm x reward x seed and compare the rewards.
@@ -82,12 +85,8 @@ def run(
 
 def _read(path: Path | None, flags: dict[str, Any]) -> Any:
     """The experiment of a file, of flags, or of both."""
-    from harness.choice import split_list
     from harness.plan import check_experiment, read_experiment
 
-    for key in ("sim", "algo", "reward"):
-        if key in flags:
-            flags[key] = split_list(flags[key])
     return check_experiment(flags) if path is None else read_experiment(path, flags)
 
 

@@ -8,8 +8,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.index import Index, mean_curve
-from harness.results import Combination
+from harness.combination import Combination
+from harness.curve import GroupCurve
+from harness.decompose import BB, KK
+from harness.index import Index
 
 Float = NDArray[np.float64]
 Figure: TypeAlias = dict[str, Any]
@@ -31,11 +33,11 @@ def draw_panels(combination: Combination) -> tuple[Figure, Figure] | None:
     baseline, proposed = combination.baseline_index, combination.proposed_index
     if baseline is None or proposed is None:
         return None
-    both = (combination.baseline_runs, combination.proposed_runs)
-    ranges = {"x": _step_range(*both), "y": _reward_range(*both)}
+    curves = (combination.curves[BB], combination.curves[KK])
+    ranges = {"x": _step_range(*curves), "y": _reward_range(*curves)}
     return (
-        _draw_panel(combination.baseline_runs, combination.seeds, baseline, BLUE, ranges),
-        _draw_panel(combination.proposed_runs, combination.seeds, proposed, VERMILION, ranges),
+        _draw_panel(curves[0], combination.seeds, baseline, BLUE, ranges),
+        _draw_panel(curves[1], combination.seeds, proposed, VERMILION, ranges),
     )
 
 
@@ -54,43 +56,46 @@ def select_points(values: Float, points: int = POINTS) -> NDArray[np.int64]:
 
 
 def _draw_panel(
-    runs: Float, seeds: tuple[int, ...], index: Index, colour: str, ranges: dict[str, list[float]]
+    curve: GroupCurve, seeds: tuple[int, ...], index: Index, colour: str, ranges: dict[str, list[float]]
 ) -> Figure:
-    mean = mean_curve(runs)
+    runs, stride = curve.runs, curve.stride
+    mean = runs.mean(axis=0)
     thin = [
-        _curve(run, f"seed {seed}", {"color": colour, "width": 1}, opacity=0.45)
+        _curve(run, stride, f"seed {seed}", {"color": colour, "width": 1}, opacity=0.45)
         for run, seed in zip(runs, seeds, strict=True)
     ]
-    thick = _curve(mean, "mean", {"color": colour, "width": 3.5})
+    thick = _curve(mean, stride, "mean", {"color": colour, "width": 3.5})
     steps = {"first negative": index.first_negative, "cross-over": index.crossover}
     marked = {name: step for name, step in steps.items() if step is not None}
     layout = _layout(ranges)
     layout["shapes"] = [_vertical_line(step) for step in marked.values()]
     layout["annotations"] = [_label(name, step, ranges["x"][1]) for name, step in marked.items()]
-    return {"data": [*thin, thick, _markers(marked, mean, colour)], "layout": layout}
+    return {"data": [*thin, thick, _markers(marked, mean, stride, colour)], "layout": layout}
 
 
-def _curve(values: Float, name: str, line: dict[str, Any], opacity: float = 1.0) -> Figure:
-    steps = select_points(values)
+def _curve(values: Float, stride: int, name: str, line: dict[str, Any], opacity: float = 1.0) -> Figure:
+    """A line through every `stride`-th step's value."""
+    points = select_points(values)
     return {
         "type": "scatter",
         "mode": "lines",
         "name": name,
-        "x": steps.tolist(),
-        "y": [_plain(value) for value in values[steps].tolist()],
+        "x": (points * stride).tolist(),
+        "y": [_plain(value) for value in values[points].tolist()],
         "line": line,
         "opacity": opacity,
         "hovertemplate": f"{name}: %{{y:,.4~g}} at step %{{x:,}}<extra></extra>",
     }
 
 
-def _markers(marked: dict[str, int], mean: Float, colour: str) -> Figure:
-    """A dot on the mean curve at each marked step."""
+def _markers(marked: dict[str, int], mean: Float, stride: int, colour: str) -> Figure:
+    """A dot on the drawn mean curve at each marked step."""
+    heights = np.interp(list(marked.values()), np.arange(len(mean)) * stride, mean)
     return {
         "type": "scatter",
         "mode": "markers",
         "x": list(marked.values()),
-        "y": [_plain(float(mean[step])) for step in marked.values()],
+        "y": [_plain(height) for height in heights.tolist()],
         "text": list(marked),
         "cliponaxis": False,
         "marker": {"color": "#ffffff", "size": 9, "line": {"color": colour, "width": 2.5}},
@@ -161,14 +166,14 @@ def _layout(ranges: dict[str, list[float]]) -> Figure:
     }
 
 
-def _step_range(*groups: Float) -> list[float]:
-    return [0, max(runs.shape[1] for runs in groups) - 1]
+def _step_range(*curves: GroupCurve) -> list[float]:
+    return [0, max(curve.index.steps for curve in curves) - 1]
 
 
-def _reward_range(*groups: Float) -> list[float]:
+def _reward_range(*curves: GroupCurve) -> list[float]:
     """From the lowest to the highest value of both groups, zero always in it, with some air."""
-    low = min(0.0, *(float(runs.min()) for runs in groups))
-    high = max(0.0, *(float(runs.max()) for runs in groups))
+    low = min(0.0, *(float(curve.runs.min()) for curve in curves))
+    high = max(0.0, *(float(curve.runs.max()) for curve in curves))
     air = 0.04 * (high - low) or 1.0
     return [low - air, high + air]
 

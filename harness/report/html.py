@@ -9,25 +9,38 @@ from typing import Any, NamedTuple
 
 from harness.cell import Cell
 from harness.choice import Choice
+from harness.combination import Combination
 from harness.errors import UsageError
+from harness.index import Ratio
 from harness.manifest import Manifest
 from harness.report.figure import draw_panels
-from harness.report.table import (
-    BEHAVIOUR_HEADINGS,
-    INDEX_HEADINGS,
+from harness.report.rows import (
     NOTHING,
-    RATIO_HEADINGS,
+    PATHS,
+    SCALES,
+    SPLIT,
     BehaviourRow,
+    Grid,
+    behaviour_grid,
     behaviour_rows,
     combination_title,
+    corrected_text,
     count_cells,
-    index_rows,
-    ratio_notes,
-    ratio_rows,
+    index_grid,
+    interval_text,
+    is_near_zero,
+    is_split,
+    ratio_grid,
+    ratio_text,
+    rewards_text,
     seeds_text,
+    split_grid,
+    splits,
 )
-from harness.results import Combination, Results
+from harness.report.split_figure import describe_split, draw_split
+from harness.results import Results
 from harness.store import EXPERIMENT
+from harness.verdict import SUCCESS
 
 TEMPLATE = "report.html.j2"
 
@@ -60,7 +73,8 @@ def write_html(results: Results, path: Path) -> None:
 
 def question(results: Results) -> str:
     """What the report answers."""
-    proposed = list(dict.fromkeys(combination.proposed for combination in results.combinations))
+    labels = dict.fromkeys(combination.proposed for combination in results.combinations)
+    proposed = [label for label in labels if label != results.baseline]  # that would be A/A
     verb, subject = ("Does", "a reward") if not proposed else ("Does", f"the reward {proposed[0]}")
     if len(proposed) > 1:
         verb, subject = "Do", f"the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"
@@ -77,7 +91,7 @@ def describe_comparison(combination: Combination) -> str:
         f"{group.steps:,} environment steps per run, {seeds_text(seeds)}: once paid by {combination.baseline}, "
         f"once by {combination.proposed}.",
         f"Of the reward accumulated while learning, {_read_out(combination)}.",
-        "Each eta compares two rewards, each on its own scale, so it does not yet say how the robot behaves.",
+        SCALES,
     ]
     success = _success(combination)
     if success:
@@ -118,7 +132,9 @@ def _render(results: Results) -> str:
     return environment.get_template(TEMPLATE).render(
         question=question(results),
         nothing=NOTHING,
-        sections=[_section(combination) for combination in results.combinations],
+        sections=[_section(combination, len(results.combinations)) for combination in results.combinations],
+        split=SPLIT,
+        paths=PATHS,
         cell_count=count_cells(results),
         manifests=results.manifests,
         facts=shared_facts(results.manifests),
@@ -127,22 +143,38 @@ def _render(results: Results) -> str:
     )
 
 
-def _section(combination: Combination) -> dict[str, Any]:
+def _section(combination: Combination, combinations: int) -> dict[str, Any]:
     """What the template shows of a combination."""
-    grids = [
-        (RATIO_HEADINGS, ratio_rows(combination), ratio_notes(combination)),
-        (INDEX_HEADINGS, index_rows(combination), []),
-        (BEHAVIOUR_HEADINGS, behaviour_rows(combination), []),
-    ]
     return {
         "title": combination_title(combination),
-        "combination": combination,
-        "ratios": ratio_rows(combination),
+        "rewards": rewards_text(combination),
+        "proposed": combination.proposed,
+        "verdict": combination.verdict,
+        "basis": [line for line in (combination.basis, corrected_text(combination, combinations)) if line],
+        "ratios": [(ratio_text(ratio), interval_text(ratio)) for ratio in (combination.eta_n, combination.eta_p)],
         "success": _success(combination),
         "summary": describe_comparison(combination),
+        "split_panels": _split_panels(combination),
+        "eta_grids": _full([ratio_grid(combination), split_grid(combination)]),
         "panels": _label_panels(combination),
-        "grids": [grid for grid in grids if grid[1]],
+        "grids": _full([index_grid(combination), behaviour_grid(combination)]),
     }
+
+
+def _full(grids: list[Grid]) -> list[Grid]:
+    return [grid for grid in grids if grid.rows or grid.notes]
+
+
+def _split_panels(combination: Combination) -> list[dict[str, Any]]:
+    """eta_N and eta_P, each with its parts, and the same in words."""
+    if not is_split(combination):
+        return []
+    drawn = [(name, split, draw_split(name, split)) for name, split in splits(combination).items()]
+    return [
+        {"heading": f"{name} = ruler x behaviour", "figure": figure, "caption": describe_split(name, split)}
+        for name, split, figure in drawn
+        if figure is not None
+    ]
 
 
 def _label_panels(combination: Combination) -> list[dict[str, Any]]:
@@ -150,31 +182,37 @@ def _label_panels(combination: Combination) -> list[dict[str, Any]]:
     panels = draw_panels(combination)
     if panels is None:
         return []
-    first, crossover = index_rows(combination)[:2]
+    first, crossover = index_grid(combination).rows[:2]
     return [
         {
             "heading": f"{role}: {reward}",
             "figure": figure,
-            "caption": f"First negative step: {negative}. Cross-over step: {crossed}.",
+            "caption": f"First negative step: {first[column]}. Cross-over step: {crossover[column]}.",
         }
-        for role, reward, figure, negative, crossed in (
-            ("Baseline", combination.baseline, panels[0], first.baseline, crossover.baseline),
-            ("Proposed", combination.proposed, panels[1], first.proposed, crossover.proposed),
+        for column, role, reward, figure in (
+            (1, "Baseline", combination.baseline, panels[0]),
+            (2, "Proposed", combination.proposed, panels[1]),
         )
     ]
 
 
 def _success(combination: Combination) -> BehaviourRow | None:
     """The row of the success rate, if it was measured."""
-    return next((row for row in behaviour_rows(combination) if row.name == "success rate"), None)
+    return next((row for row in behaviour_rows(combination) if row.name == SUCCESS.replace("_", " ")), None)
 
 
 def _read_out(combination: Combination) -> str:
     """Both ratios in a sentence."""
     return " and ".join(
-        f"{row.name} is {row.value}" + (f" (95% interval {row.interval})" if row.interval != NOTHING else "")
-        for row in ratio_rows(combination)
+        _told(name, ratio) for name, ratio in (("eta_N", combination.eta_n), ("eta_P", combination.eta_p))
     )
+
+
+def _told(name: str, ratio: Ratio) -> str:
+    if is_near_zero(ratio):
+        return f"{name} says little, as an index is near zero"
+    interval = interval_text(ratio)
+    return f"{name} is {ratio_text(ratio)}" + (f" (95% interval {interval})" if interval != NOTHING else "")
 
 
 def _facts(manifest: Manifest) -> dict[str, str]:

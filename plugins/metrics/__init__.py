@@ -10,4 +10,6 @@ def register_metrics(register: harness.Register) -> None:
     register("success_rate", f"{here}.success_rate:SuccessRate", summary="share of episodes that reach the target")
     register("final_distance", f"{here}.final_distance:FinalDistance", summary="distance left when an episode ends")
     register("steps_to_target", f"{here}.steps_to_target:StepsToTarget", summary="steps of the episodes that reach it")
+    register("path_ratio", f"{here}.path_ratio:PathRatio", summary="length of the way to the target over the line")
+    register("smoothness", f"{here}.smoothness:Smoothness", summary="how jerky the joints move")
     register("ground_hits", f"{here}.ground_hits:GroundHits", summary="share of episodes that end on the ground")

@@ -1,5 +1,6 @@
 import json
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -14,7 +15,6 @@ BAD = [
     (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k3=1"], "There is: k1, k2"),
     (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k2=much"], "valid number"),
     (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k2=-1"], "greater than 0"),
-    (["--sim", "ideal", "--algo", "wander", "--reward", "baseline"], "Only the baseline"),
     (["--sim", "ideal", "--algo", "wander", "--steps", "0"], "greater than 0"),
     (["--sim", "ideal", "--algo", "wander", "--steps", "-3"], "greater than 0"),
     (["--sim", "ideal", "--algo", "wander", "--steps", "many"], "valid integer"),
@@ -82,6 +82,15 @@ def test_a_run_prints_both_etas_and_leaves_its_results(harness, quick, tmp_path)
     assert {"experiment.toml", "plan.json", "cells", "results.parquet", "report.html"} <= left
 
 
+def test_a_reward_against_itself_gives_one(harness, quick):
+    """The null control A/A: the baseline as its own proposed reward has both etas at 1, and runs nothing twice."""
+    harness("run", *quick, "--reward", "baseline", "--seeds", "2", "--out", "mine")
+    data = json.loads(harness("report", "mine", "--json").out)
+    assert [entry["proposed"] for entry in data["combinations"]] == ["baseline"]
+    assert [data["combinations"][0]["eta_n"][key] for key in ("value", "low", "high")] == [1.0, 1.0, 1.0]
+    assert len(data["cells"]) == 2
+
+
 def test_the_default_folder_is_named_for_the_plan(harness, quick, tmp_path):
     """Without --out the results go under results/runs, and the same command finds them again."""
     harness("run", *quick)
@@ -129,12 +138,15 @@ def test_combinations_that_cannot_work_are_skipped_with_the_reason(harness, quic
 def test_ctrl_c_keeps_what_is_finished(toys, tmp_path):
     """SIGINT ends with status 130, no worker is left, and finished cells are there."""
     pipe, out = tmp_path / "pid", tmp_path / "mine"
-    os.mkfifo(pipe)  # to read from it waits until the cell that never ends runs
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
     flags = ["--sim", "ideal", "--steps", "12", "--seeds", "1", "--jobs", "1", "--evaluation-episodes", "2"]
     flags += ["--algo", f"wander,wander:then=wait,note={pipe}", "--out", str(out)]
     command = [sys.executable, "-c", "from harness.cli import main; main()", "run", *flags]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
-    worker = int(pipe.read_text())
+    assert select.select([reader], [], [], 60.0)[0], "the cell that never ends was not started"
+    worker = int(os.read(reader, 100))
+    os.close(reader)
     process.send_signal(signal.SIGINT)
     told = process.communicate(timeout=30)[1]
     assert process.returncode == 130

@@ -1,6 +1,6 @@
-"""Small experiment folders, written without training anything."""
+"""Small experiment folders, written without training anything: every reward in them is what its reward really pays."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 
 from harness.cell import Cell
-from harness.choice import Choice
+from harness.cell_folder import EVALUATION, RANDOM, TRACE
+from harness.choice import Choice, choose
+from harness.errors import UsageError
 from harness.manifest import Manifest, Status
 from harness.plan import Plan
+from harness.plugins import load_registry
 from harness.results import Results, load_results
-from harness.run_cell import EVALUATION, RANDOM, TRACE
+from harness.score import score_trace
 from harness.store import Store
-from harness.trace import COLUMN, SCALARS, TraceWriter
+from harness.trace import COLUMN, INTEGERS, SCALARS, Trace, TraceWriter
 
 BASELINE = "baseline"
 ENVIRONMENT = {
@@ -24,9 +27,17 @@ ENVIRONMENT = {
     "command": "harness run --sim mujoco --algo sac",
     "sources": {"rewards": "f" * 64},
 }
+REACHED = (8, 9, 10)
+"""Steps of the episodes of an evaluation that reach the target."""
 
 Build: TypeAlias = Callable[..., Results]
-Rewards: TypeAlias = Callable[[int], np.ndarray]
+Run: TypeAlias = tuple[int, int] | tuple[int, int, float]
+"""(dip, climb, scale): the baseline pays a run 0, then `dip` times -scale, then `climb` times (1 + 0.1 seed) scale."""
+Evaluation: TypeAlias = Callable[[int], Sequence[int]]
+
+
+DIP_AND_CLIMB: Run = (9, 30)
+"""The mean accumulated baseline reward over seeds 0 to 2 is negative from step 1 to step 17, then positive."""
 
 
 @pytest.fixture
@@ -35,64 +46,112 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
     return lambda **given: build_results(tmp_path_factory.mktemp("experiment"), **given)
 
 
-def dip_and_climb(seed: int) -> np.ndarray:
-    """Rewards whose mean running sum over seeds 0 to 2 is negative from step 1 to step 17, then positive, (steps,)."""
-    reward = np.full(40, 1.0 + 0.1 * seed)
-    reward[0], reward[1:10] = 0.0, -1.0
-    return reward
-
-
 def build_results(
     folder: Path,
     *,
-    baseline: Rewards = dip_and_climb,
-    proposed: Mapping[str, Rewards] = {"arp": dip_and_climb},
+    baseline: Run = DIP_AND_CLIMB,
+    proposed: Mapping[str, Run] = {"arp": DIP_AND_CLIMB},
     seeds: int = 3,
     simulators: tuple[str, ...] = ("mujoco",),
     ended: Mapping[tuple[str, int], tuple[Status, str]] = {},
     environment: dict[str, Any] = ENVIRONMENT,
+    reached: Mapping[str, Evaluation] = {},
+    a_a: bool = False,
 ) -> Results:
     """An experiment of `seeds` runs per reward.
 
     Args:
         folder: To write.
-        baseline: The step rewards that the baseline paid, by seed.
-        proposed: The same for each proposed reward, by label.
+        baseline: How the runs went that the baseline taught.
+        proposed: The same for each proposed reward, by label; one that is not installed is left as a name.
         seeds: How many.
         simulators: Labels.
         ended: How the cell of a (reward, seed) ended, with the reason, where it is not done.
         environment: Of every cell that ran.
+        reached: By reward and seed, steps of the evaluation episodes that reach the target, of four in all.
+        a_a: Whether the baseline is compared with itself too.
     """
-    rewards = {BASELINE: baseline, **proposed}
-    cells = [_cell(sim, reward, seed) for seed in range(seeds) for sim in simulators for reward in rewards]
-    store = Store.create(folder, Plan(BASELINE, tuple(cells), (), {"seeds": seeds}))
+    runs = {BASELINE: baseline, **proposed}
+    cells = [_cell(sim, reward, seed) for seed in range(seeds) for sim in simulators for reward in runs]
+    store = Store.create(folder, Plan(BASELINE, tuple(cells), (), {"seeds": seeds}, a_a))
     for cell in cells:
-        status, reason = ended.get((cell.reward.label, cell.seed), ("done", ""))
+        label = cell.reward.label
+        status, reason = ended.get((label, cell.seed), ("done", ""))
         if status == "done":
-            _write_done(store, cell, rewards[cell.reward.label](cell.seed), environment)
+            evaluation = reached.get(label, lambda seed: REACHED)
+            _write_done(store, cell, _distances(runs[label], cell.seed), evaluation(cell.seed), environment)
         elif status != "pending":
             store.record(cell, status, reason)
     return load_results(folder)
 
 
 def _cell(simulator: str, reward: str, seed: int) -> Cell:
-    sim, task, algorithm, paid = (Choice(name, (), name) for name in (simulator, "fd100-reach", "sac", reward))
-    return Cell(sim, "fd100", task, algorithm, paid, seed, 40, 4)
+    sim, task, algorithm = (Choice(name, (), name) for name in (simulator, "fd100-reach", "sac"))
+    return Cell(sim, "fd100", task, algorithm, _reward(reward), seed, 40, 4)
 
 
-def _write_done(store: Store, cell: Cell, reward: np.ndarray, environment: dict[str, Any]) -> None:
+def _reward(label: str) -> Choice:
+    """The reward of that label; if there is none, a choice that no registry knows."""
+    try:
+        return choose(load_registry(), "rewards", label)
+    except UsageError:
+        return Choice(label, (), label)
+
+
+def _write_done(
+    store: Store, cell: Cell, distances: np.ndarray, reached: Sequence[int], environment: dict[str, Any]
+) -> None:
     folder = store.cell_folder(cell)
     folder.mkdir(parents=True)
-    _write_trace(folder / TRACE, reward=reward)
-    _write_trace(folder / EVALUATION, reached=[1, 1, 1, 0], truncated=[0, 0, 0, 1], step=[8, 9, 10, 100], distance=0.04)
-    _write_trace(folder / RANDOM, ground=[1, 1, 1, 1], step=[20, 30, 40, 50], distance=0.9)
+    missed = [_episode(_approach(20), "truncated")] * (4 - len(reached))
+    _write_trace(folder / TRACE, [_episode(distances, "truncated")], cell.reward)
+    _write_trace(folder / EVALUATION, [*(_episode(_approach(steps), "reached") for steps in reached), *missed])
+    _write_trace(folder / RANDOM, [_episode(np.full(steps, 0.9), "ground") for steps in (20, 30, 40, 50)])
     Manifest(cell, "done", started="2026-01-01T00:00:00+00:00", seconds=12.5, environment=environment).write(folder)
 
 
-def _write_trace(path: Path, **columns: Any) -> None:
-    """A trace with these columns; the others are 0."""
-    rows = np.zeros((max(np.size(values) for values in columns.values()), len(SCALARS) + 2))
-    for name, values in columns.items():
+def _distances(run: Run, seed: int) -> np.ndarray:
+    """The arm goes away from its target, then comes nearer than it began and stays there, (1 + dip + climb,)."""
+    dip, climb, *scale = run
+    return (scale[0] if scale else 1.0) * np.array([2.0] + dip * [3.0] + climb * [1.0 - 0.1 * seed])
+
+
+def _approach(steps: int) -> np.ndarray:
+    """Straight to the target, (steps + 1,)."""
+    return np.linspace(1.0, 0.04, steps + 1)
+
+
+def _episode(distances: np.ndarray, end: str) -> np.ndarray:
+    """Rows of an episode, the columns that follow from its distances filled in."""
+    rows = np.zeros((len(distances), len(SCALARS) + 2))
+    best = np.minimum.accumulate(distances)
+    filled = {
+        "step": np.arange(len(distances)),
+        "begin_distance": distances[0],
+        "previous_best": np.concatenate([best[:1], best[:-1]]),
+        "distance": distances,
+        "end_effector_x": -distances,
+    }
+    for name, values in filled.items():
         rows[:, COLUMN[name]] = values
+    rows[:, COLUMN["delta_distance"]] = distances - rows[:, COLUMN["previous_best"]]
+    rows[-1, COLUMN[end]] = 1.0
+    return rows
+
+
+def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None = None) -> None:
+    """A trace of these episodes, its rewards as `paid` pays them; one that nobody knows pays as the baseline."""
+    for number, rows in enumerate(episodes):
+        rows[:, COLUMN["episode"]] = number
+    rows = np.concatenate(episodes)
+    if paid is not None:
+        known = paid if paid.params or paid.name == BASELINE else _reward(BASELINE)
+        reward = known.build(load_registry(), "rewards")
+        rows[:, COLUMN["reward"]] = score_trace(reward, _trace(rows))
     with TraceWriter(path, dof=1, action_size=1) as writer:
         writer.append(rows)
+
+
+def _trace(rows: np.ndarray) -> Trace:
+    """The rows as a trace in memory, whole numbers among them as such."""
+    return Trace({name: rows[:, COLUMN[name]].astype(int if name in INTEGERS else float) for name in SCALARS})

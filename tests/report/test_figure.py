@@ -2,7 +2,7 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from harness.index import mean_curve
+from harness.decompose import BB, KK
 from harness.report.figure import POINTS, draw_panels, select_points
 
 
@@ -42,17 +42,31 @@ def test_short_run_is_drawn_whole():
 def test_every_run_is_thin_and_their_mean_thick(build):
     """A panel holds one thin curve per seed and the mean curve, thicker and last."""
     combination, drawn = panels(build(seeds=3))
-    for panel, runs in zip(drawn, (combination.baseline_runs, combination.proposed_runs), strict=True):
+    for panel, pair in zip(drawn, (BB, KK), strict=True):
+        runs = combination.curves[pair].runs
         *thin, thick = curves(panel)
         assert [trace["name"] for trace in thin] == ["seed 0", "seed 1", "seed 2"]
         np.testing.assert_allclose([trace["y"] for trace in thin], runs, rtol=1e-5)
-        np.testing.assert_allclose(thick["y"], mean_curve(runs), rtol=1e-5, atol=1e-6)
+        np.testing.assert_allclose(thick["y"], runs.mean(axis=0), rtol=1e-5, atol=1e-6)
         assert thick["line"]["width"] > 2 * thin[0]["line"]["width"]
+
+
+def test_long_run_is_drawn_at_its_steps(build):
+    """Of a long run every so many steps are kept; they, and the marks between them, are drawn where they belong."""
+    combination, (panel, _) = panels(build(seeds=1, baseline=(7_001, 12_998)))
+    curve = combination.curves[BB]
+    assert curve.stride > 1
+    (drawn, _), dots = curves(panel), panel["data"][-1]
+    assert drawn["x"][-1] == (curve.runs.shape[1] - 1) * curve.stride
+    assert drawn["y"][drawn["x"].index(drawn["x"][-1])] == pytest.approx(12_998 - 7_001, abs=curve.stride)
+    assert dots["x"] == [1, 14_002]
+    np.testing.assert_allclose(dots["y"], [-1.0, 0.0], atol=1e-6)
 
 
 def test_first_negative_and_crossover_are_marked(build):
     """Both steps have a dot on the mean curve, a line and a label with the step."""
-    _, (panel, _) = panels(build())
+    _, (panel, other) = panels(build())
+    assert other["data"][-1]["x"] == [1, 15]  # k2 lets it climb faster
     dots = panel["data"][-1]
     assert dots["x"] == [1, 18]
     assert [line["x0"] for line in panel["layout"]["shapes"]] == [1, 18]
@@ -64,19 +78,19 @@ def test_first_negative_and_crossover_are_marked(build):
 
 def test_what_never_happens_is_not_marked(build):
     """A curve that is never negative has no mark."""
-    _, (_, panel) = panels(build(proposed={"arp": lambda seed: np.ones(40)}))
+    _, (_, panel) = panels(build(proposed={"arp": (0, 39)}))
     assert panel["layout"]["annotations"] == panel["layout"]["shapes"] == panel["data"][-1]["x"] == []
 
 
 def test_panels_have_equal_axes(build):
     """Both panels span the same steps and rewards, all values and zero among them, and zooming keeps the rewards so."""
-    _, drawn = panels(build(proposed={"arp": lambda seed: np.full(60, 2.0)}))
+    _, drawn = panels(build(proposed={"arp": (0, 59)}))
     layouts = [panel["layout"] for panel in drawn]
     assert layouts[0]["xaxis"]["range"] == layouts[1]["xaxis"]["range"] == [0, 59]
     low, high = layouts[0]["yaxis"]["range"]
     assert [low, high] == layouts[1]["yaxis"]["range"]
     assert low < -9.0
-    assert high > 120.0
+    assert high > 1.5 * 1.2 * 59
     assert all(layout["yaxis"]["fixedrange"] for layout in layouts)
 
 

@@ -4,7 +4,6 @@ import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 
-import numpy as np
 import pytest
 
 from harness.errors import UsageError
@@ -46,11 +45,6 @@ class Page(HTMLParser):
         return " ".join(self.words)
 
 
-def ones(seed):
-    """Rewards whose running sum is never negative."""
-    return np.ones(40)
-
-
 @pytest.fixture
 def write(tmp_path):
     """Writes the report of some results and takes it apart."""
@@ -89,7 +83,7 @@ def test_title_is_the_question(build, write):
 
 def test_question_names_every_proposed_reward(build):
     """Several proposed rewards are all named, each once."""
-    proposed = dict.fromkeys(("arp", "arp:k2=2", "relative"), ones)
+    proposed = dict.fromkeys(("arp", "arp:k2=2", "relative"), (0, 39))
     results = build(seeds=1, simulators=("mujoco", "pybullet"), proposed=proposed)
     assert question(results).startswith("Do the rewards arp, arp:k2=2 and relative make")
 
@@ -99,14 +93,14 @@ def test_paragraph_says_what_eta_does_not(build):
     (combination,) = build().combinations
     text = describe_comparison(combination)
     assert "once paid by baseline, once by arp" in text
-    assert "eta_N is 1.00 (95% interval [1.00, 1.00])" in text
-    assert "each on its own scale, so it does not yet say how the robot behaves" in text
+    assert "eta_P is 1.89 (95% interval [1.84, 1.95])" in text
+    assert "each on its own scale: it does not yet say how the robot behaves" in text
     assert "random actions in 0.0%" in text
 
 
 def test_labels_are_escaped(build, write):
     """A label that looks like HTML is shown, not interpreted."""
-    page = write(build(proposed={"arp<b>bold</b>": ones}))
+    page = write(build(proposed={"arp<b>bold</b>": (0, 39)}))
     assert "arp<b>bold</b> against baseline" in page.text
     assert "b" not in page.tags
 
@@ -123,8 +117,61 @@ def test_crossover_is_marked(build, write):
     """Both panels mark the cross-over of their mean curve, and the text says it too."""
     page = write(build())
     labels = [label["text"] for figure in page.json for label in figure["layout"]["annotations"]]
-    assert labels.count("cross-over: step 18") == 2
-    assert page.text.count("First negative step: 1. Cross-over step: 18.") == 2
+    for step in (18, 15):  # of the baseline, and of arp
+        assert labels.count(f"cross-over: step {step}") == 1
+        assert page.text.count(f"First negative step: 1. Cross-over step: {step}.") == 1
+
+
+def test_verdict_comes_first(build, write):
+    """Under the heading stands the verdict, then what it rests on, then everything else."""
+    results = build()
+    (combination,) = results.combinations
+    text = write(results).text
+    parts = ["arp against baseline", combination.verdict, combination.basis, "The robot fd100 learned", "eta_N = ruler"]
+    places = [text.index(" ".join(part.split())) for part in parts]
+    assert places == sorted(places)
+
+
+def test_split_is_drawn_told_and_explained(build, write):
+    """eta_N and eta_P have a figure each, with the same in words, and a sentence says what the parts are."""
+    page = write(build())
+    assert [figure["layout"]["xaxis"].get("type") for figure in page.json] == ["log", "log", None, None]
+    assert "eta_P 1.89 = ruler 1.89 x behaviour 1.00; other path: ruler 1.89 x behaviour 1.00." in page.text
+    assert page.text.count("the ruler is the same runs scored by the two rewards") == 1
+
+
+def test_what_cannot_be_scored_is_not_drawn(build, write):
+    """A reward whose plugin is gone leaves the curves, and the reason instead of the split."""
+    page = write(build(proposed={"gone": (9, 30)}))
+    assert [figure["layout"]["xaxis"].get("type") for figure in page.json] == [None, None]
+    assert "Not split into ruler x behaviour: No reward 'gone'" in page.text
+
+
+def test_paths_that_disagree_say_so(build, write):
+    """The reader of the page is told, with both paths."""
+    page = write(build(baseline=(9, 12), proposed={"arp": (1, 20)}))
+    assert "eta_P: the two paths disagree: ruler 1.55 and behaviour 20.7" in page.text
+
+
+def test_near_zero_is_no_big_number(build, write):
+    """A ratio with an index near zero is a word, in the table, the sentences and the figure."""
+    page = write(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
+    assert "eta_P near zero n/a above 1" in page.text
+    assert "eta_P says little, as an index is near zero" in page.text
+    assert "e+" not in page.text
+
+
+def test_behaviour_has_its_result(build, write):
+    """A measure that differs in every seed is marked, with the interval of the difference."""
+    page = write(build(reached={"arp": lambda seed: (8,)}))
+    assert "success rate 75.0% 25.0% [-50.0, -50.0] pp 0.0% higher worse" in page.text
+
+
+def test_one_seed_has_a_page(build, write):
+    """One seed gives ratios and figures without intervals."""
+    page = write(build(seeds=1))
+    assert len(page.json) == 4
+    assert "eta_N, eta_P: one seed: no interval" in page.text
 
 
 def test_failed_cell_has_its_reason(build, write):
@@ -136,7 +183,7 @@ def test_failed_cell_has_its_reason(build, write):
 
 def test_missing_ratio_has_its_reason(build, write):
     """A ratio that is not defined is n/a, and the page says why."""
-    page = write(build(baseline=lambda seed: np.full(40, -1.0)))
+    page = write(build(baseline=(39, 0)))
     assert "eta_P n/a n/a above 1" in page.text
     assert "eta_P n/a: I_P of the baseline is 0: its mean accumulated reward is never positive" in page.text
 
@@ -164,6 +211,22 @@ def test_overview_links_to_each_combination(build, write):
     page = write(build(simulators=("mujoco", "pybullet")))
     assert page.links == ["#combination-1", "#combination-2"]
     assert {"combination-1", "combination-2"} <= page.ids
+
+
+def test_overview_has_every_verdict(build, write):
+    """The verdict of each combination stands in the overview and in its section, with its corrected p-values there."""
+    results = build(simulators=("mujoco", "pybullet"), reached={"arp": lambda seed: (8,)})
+    text = write(results).text
+    assert results.combinations[0].verdict == results.combinations[1].verdict
+    assert text.count(results.combinations[0].verdict) == 4
+    assert text.count("p of no change, corrected for 2 combinations:") == 2
+
+
+def test_null_control_is_no_question(build, write):
+    """The baseline against itself has a section, marked as A/A, and is not asked about."""
+    results = build(a_a=True)
+    assert question(results).startswith("Does the reward arp make")
+    assert "baseline against baseline (A/A, the null control)" in write(results).text
 
 
 def test_shared_facts_stand_once(build):

@@ -1,0 +1,26 @@
+"""How jerky the joints move."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from harness.trace import Trace
+
+
+@dataclass(frozen=True)
+class Smoothness:
+    """Root mean square of the second difference of the joint positions, per step squared; 0 is a constant speed.
+
+    Over all finished episodes, each joint by itself, then the mean over joints.
+    """
+
+    unit: ClassVar[str] = "rad/step^2"
+    better: ClassVar[str] = "lower"
+
+    def __call__(self, trace: Trace) -> float | None:
+        """None if no finished episode has two steps."""
+        seconds = [np.diff(trace["qpos"][rows], n=2, axis=0) for rows in trace.episodes if len(rows) > 2]
+        if not seconds:
+            return None
+        return float(np.sqrt(np.mean(np.concatenate(seconds) ** 2, axis=0)).mean())

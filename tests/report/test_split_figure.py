@@ -1,0 +1,83 @@
+import math
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+from harness.report.rows import splits
+from harness.report.split_figure import describe_split, draw_split, ticks
+
+
+def figures(results):
+    """The splits of the only combination, and their figures."""
+    (combination,) = results.combinations
+    both = splits(combination)
+    return both, {name: draw_split(name, split) for name, split in both.items()}
+
+
+def test_every_part_is_drawn_with_its_interval(build):
+    """A point per ratio, bars to both ends of its interval, on a logarithmic axis that holds them and 1."""
+    both, drawn = figures(build())
+    for name, figure in drawn.items():
+        ratios = both[name][:5]
+        assert [point["x"][0] for point in figure["data"]] == [ratio.value for ratio in ratios]
+        bars = [(point["error_x"]["arrayminus"][0], point["error_x"]["array"][0]) for point in figure["data"]]
+        expected = [(ratio.value - ratio.low, ratio.high - ratio.value) for ratio in ratios]
+        np.testing.assert_allclose(bars, expected, atol=1e-12)
+        low, high = figure["layout"]["xaxis"]["range"]
+        assert figure["layout"]["xaxis"]["type"] == "log"
+        assert low < min(0.0, *(math.log10(ratio.low) for ratio in ratios))
+        assert high > max(0.0, *(math.log10(ratio.high) for ratio in ratios))
+        assert figure["layout"]["shapes"][0]["x0"] == figure["layout"]["shapes"][0]["x1"] == 1
+
+
+def test_near_zero_is_a_word_in_the_figure(build):
+    """A ratio that says little is no point: it would stretch the axis."""
+    _, drawn = figures(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
+    figure = drawn["eta_P"]
+    assert [label["text"] for label in figure["layout"]["annotations"]] == ["near zero"] * 4
+    assert len(figure["data"]) == 1
+    assert figure["layout"]["xaxis"]["range"][1] < 1.0
+
+
+def test_missing_part_is_a_word_in_the_figure(build):
+    """What has no value is n/a in its row; what has one is still drawn."""
+    _, drawn = figures(build(baseline=(39, 0)))
+    assert [label["text"] for label in drawn["eta_P"]["layout"]["annotations"]] == ["n/a"] * 4
+    assert [point["text"] for point in drawn["eta_P"]["data"]] == [["1.89"]]
+
+
+def test_one_seed_has_points_without_bars(build):
+    """Without an interval there is no bar."""
+    _, drawn = figures(build(seeds=1))
+    assert not any(point["error_x"]["visible"] for point in drawn["eta_N"]["data"])
+
+
+def test_no_parts_no_figure(build):
+    """What could not be split has no figure."""
+    _, drawn = figures(build(proposed={"gone": (9, 30)}))
+    assert set(drawn.values()) == {None}
+
+
+def test_words_say_the_same(build):
+    """The caption has every number of the figure."""
+    both, drawn = figures(build())
+    text = describe_split("eta_P", both["eta_P"])
+    assert text == "eta_P 1.89 = ruler 1.89 x behaviour 1.00; other path: ruler 1.89 x behaviour 1.00."
+    assert all(point["text"][0] in text for point in drawn["eta_P"]["data"])
+
+
+def test_plotly_accepts_the_split(build):
+    """Every property of the figures is one that plotly knows."""
+    _, drawn = figures(build())
+    assert [len(go.Figure(figure).data) for figure in drawn.values()] == [5, 5]
+
+
+@pytest.mark.parametrize("span", [(0.8, 1.2), (0.5, 2.0), (0.1, 3.0), (0.01, 40.0), (1e-9, 1e9), (0.97, 1.03)])
+def test_ticks_are_few_and_hold_one(span):
+    """Wherever the axis ends, 1 is marked, and the marks are in order and have room."""
+    marks = ticks(*span)
+    assert 1.0 in marks
+    assert marks == sorted(set(marks))
+    assert len(marks) <= 10
+    assert all(span[0] <= mark <= span[1] for mark in marks)
