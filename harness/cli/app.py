@@ -5,12 +5,15 @@ import sys
 import typer
 from typer.exceptions import TyperException
 
+from harness.cli.audit import audit
 from harness.cli.describe import describe
 from harness.cli.doctor import doctor
+from harness.cli.eta import eta
 from harness.cli.names import list_names
 from harness.cli.plugins import plugins
 from harness.cli.report import report
 from harness.cli.run import run
+from harness.cli.score import score
 from harness.errors import HarnessError, UsageError
 
 FAILED, USAGE = 1, 2
@@ -36,6 +39,9 @@ def build_app() -> typer.Typer:
     app.callback()(_root)
     app.command()(run)
     app.command()(report)
+    app.command(context_settings={"allow_extra_args": True})(eta)  # to say what a pattern without quotes becomes
+    app.command()(score)
+    app.command()(audit)
     app.command("list")(list_names)
     app.command()(describe)
     app.command()(plugins)

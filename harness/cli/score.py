@@ -1,0 +1,131 @@
+"""``harness score``: what other rewards would have paid the same runs."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from harness.choice import Choice
+    from harness.plugins import Registry
+    from harness.recording import Recording
+    from harness.results import Results
+    from harness.score_matrix import ScoreMatrix
+
+
+def score(
+    targets: Annotated[
+        list[str], typer.Argument(help="An experiment's folder, or recorded files.", metavar="DIR|FILES")
+    ],
+    reward: Annotated[
+        list[str] | None, typer.Option(help="The rewards that score, as arp:k2=2.", metavar="NAME,...")
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Also every reward that the experiment trained with.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the scores of files.", show_default="beside each file", metavar="DIR"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> None:
+    """Pay recorded runs again under other rewards, exactly; the recordings are not touched."""
+    from harness.choice import choose, split_list
+    from harness.plugins import load_registry
+
+    if not reward and not every:
+        raise UsageError("No reward is named: give --reward NAME, or --all for those of the experiment")
+    registry = load_registry()
+    scoring = [choose(registry, "rewards", name) for name in split_list(reward or [])]
+    if len(targets) == 1 and Path(targets[0]).is_dir():
+        _score_experiment(Path(targets[0]), scoring, every, registry, as_json)
+    elif every:
+        raise UsageError("--all takes an experiment's folder: files do not say which rewards there are")
+    else:
+        _score_files(targets, scoring, out, registry, as_json)
+
+
+def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, registry: "Registry", as_json: bool) -> None:
+    from harness.cell_folder import TRACE
+    from harness.recording import open_recording
+    from harness.rescore import FILE
+    from harness.results import load_results
+    from harness.score_matrix import score_matrices
+
+    results = load_results(folder)
+    if not results.done_cells:
+        raise UsageError(f"'{folder}' has no finished cell to score")
+    trained = [cell.reward for cell in results.done_cells] if every else []
+    rewards = list(dict.fromkeys([*scoring, *trained]))
+    for cell in results.done_cells:
+        place = results.store.cell_folder(cell)
+        _write(open_recording(place / TRACE), rewards, place / FILE, registry)
+    matrices = score_matrices(results, rewards, registry)
+    if as_json:
+        _print_json({"matrices": [matrix.to_json() for matrix in matrices]})
+    else:
+        _print_tables(matrices, results)
+
+
+def _score_files(
+    patterns: Sequence[str], scoring: "list[Choice]", out: Path | None, registry: "Registry", as_json: bool
+) -> None:
+    from harness.recording import match_recordings
+    from harness.rescore import FILE
+
+    recordings = match_recordings(patterns)
+    places = [(out or recording.path.parent) / f"{recording.path.stem}.{FILE}" for recording in recordings]
+    if len(set(places)) < len(places):
+        raise UsageError(
+            f"Several files of one name cannot all be scored into '{out}': leave --out, or name them apart"
+        )
+    written = []
+    for recording, into in zip(recordings, places, strict=True):
+        _write(recording, scoring, into, registry)
+        written.append({"file": str(recording.path), "scores": str(into), "rewards": [item.label for item in scoring]})
+    if as_json:
+        _print_json({"files": written})
+    else:
+        for entry in written:
+            typer.echo(f"{entry['file']} -> {entry['scores']}")
+
+
+def _write(recording: "Recording", rewards: "Iterable[Choice]", into: Path, registry: "Registry") -> None:
+    from harness.rescore import rescore
+
+    rescore(recording, {choice.label: choice.build(registry, "rewards") for choice in rewards}, into)
+
+
+def _print_json(data: object) -> None:
+    import json
+
+    typer.echo(json.dumps(data, indent=1, allow_nan=False))
+
+
+def _print_tables(matrices: "Iterable[ScoreMatrix]", results: "Results") -> None:
+    from rich.console import Console
+
+    console = Console()
+    for matrix in matrices:
+        for name in ("I_N", "I_P"):
+            console.print(_table(matrix, name))
+    console.print(f"Columns: scores.parquet in each folder of {results.store.folder / 'cells'}", soft_wrap=True)
+
+
+def _table(matrix: "ScoreMatrix", name: str) -> "RenderableType":
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    group = matrix.group
+    title = f"{name} · {group.simulator.label} · {group.algorithm.label} · {group.task.label}"
+    table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD)
+    table.add_column(Text("scored by \\ trained on"))
+    for label in matrix.seeds:
+        table.add_column(Text(label), justify="right")
+    for scoring, row in matrix.indices.items():
+        table.add_row(Text(scoring), *(f"{getattr(row[label], name):,.1f}" for label in matrix.seeds))
+    return table

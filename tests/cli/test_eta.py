@@ -1,0 +1,112 @@
+import json
+from pathlib import Path
+
+import pytest
+
+HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward\n"
+BASE = ",1,1,1,0,0\n,1,1,2,,-1\n,1,1,0.5,,0.5\n,1,0.5,0.5,,0.5\n,1,0.5,0.25,,0.75\n"
+K2 = "0,1,1,1,0,0\n1,1,1,1.5,0.5,-0.5\n2,1,0.5,0.5,-0.5,0.75\n3,1,0.25,0.25,-0.25,1.125\n"
+
+
+@pytest.fixture
+def recorded(harness, tmp_path: Path) -> tuple[str, ...]:
+    """Flags that name two groups of two files each, one of either program."""
+    for name, rows in (("base", BASE), ("k2", K2)):
+        (tmp_path / name).mkdir()
+        for number in range(2):
+            (tmp_path / name / f"{number}.csv").write_text(HEADER + rows)
+    return ("--baseline", "base/*.csv", "--proposed", "k2/*.csv")
+
+
+def test_json_is_all_that_goes_to_standard_output(harness, recorded):
+    """`--json` prints one document with the indices, the etas and their parts."""
+    answer = harness("eta", *recorded, "--json")
+    data = json.loads(answer.out)
+    assert (answer.status, answer.err) == (0, "")
+    assert data["baseline"] == {"first_negative": 1, "crossover": 3, "steps": 5, "I_N": -1.5, "I_P": 0.8}
+    assert data["proposed"] == {"first_negative": 1, "crossover": 2, "steps": 4, "I_N": -0.5, "I_P": 1.6}
+    assert data["eta_n"]["value"] == pytest.approx(0.5 / 1.5)
+    assert data["eta_p"]["value"] == pytest.approx((0.25 + 1.375) / 0.75)
+    assert data["behaviour_n"]["value"] == pytest.approx(0.5 / 1.5)
+    assert data["ruler_n"]["value"] == pytest.approx(1.0)
+    assert data["other_path"]["ruler_n"]["value"] == pytest.approx(1.25 / 1.5)
+    assert data["rewards"] == {"baseline": "baseline", "proposed": "arp:k1=1,k2=1.5"}
+    assert {"value", "low", "high", "note"} == set(data["ruler_p"])
+
+
+def test_the_table_is_the_default(harness, recorded):
+    """Verdict, ratios, parts and indices go to standard output."""
+    answer = harness("eta", *recorded)
+    assert answer.status == 0
+    for told in (
+        "proposed arp:k1=1,k2=1.5 against baseline",
+        "eta_N",
+        "eta_P",
+        "ruler",
+        "other path",
+        "cross-over step",
+    ):
+        assert told in answer.out
+    assert "baseline 2 runs, proposed 2 runs" in answer.out
+    assert "accumulated reward" in answer.out
+
+
+def test_the_per_step_curve_is_told_as_such(harness, recorded):
+    """I_N up to and with the cross-over, I_P behind it; the table's heading says which curve it is."""
+    data = json.loads(harness("eta", *recorded, "--curve", "per-step", "--json").out)
+    assert data["curve"] == "per-step"
+    assert data["baseline"] == {"first_negative": 1, "crossover": 2, "steps": 5, "I_N": -0.5, "I_P": 1.2}
+    assert "per-step reward" in harness("eta", *recorded, "--curve", "per-step").out
+
+
+def test_a_flag_may_be_repeated(harness, recorded):
+    """Several patterns make one group; a file that two of them match is one run."""
+    answer = harness("eta", *recorded, "--baseline", "base/0*", "--baseline", "k2/0.csv", "--json")
+    assert json.loads(answer.out)["runs"] == {"baseline": 3, "proposed": 2}
+
+
+def test_rows_behind_the_shortest_run_are_told(harness, recorded, tmp_path: Path):
+    """A reader sees that not all of every file was compared."""
+    with (tmp_path / "base" / "1.csv").open("a") as file:
+        file.write(",1,0.25,0.25,,0.75\n")
+    assert "baseline 2 runs (1 row behind the shortest run left out), proposed 2 runs" in harness("eta", *recorded).out
+
+
+def test_plot_writes_a_page_that_needs_nothing_else(harness, recorded, tmp_path: Path):
+    """Both means and every run are in the page, and so is what draws them."""
+    pytest.importorskip("plotly")
+    answer = harness("eta", *recorded, "--plot", "curves.html")
+    page = (tmp_path / "curves.html").read_text()
+    assert (answer.status, answer.err) == (0, "Figure: curves.html\n")
+    assert "eta_N" in answer.out
+    assert page.count('"type": "scatter", "mode": "lines"') == 2 * (2 + 1)
+    assert '"baseline, mean of 2"' in page
+    assert '<script src="' not in page
+
+
+@pytest.mark.parametrize(
+    ("flags", "told"),
+    [
+        (("--baseline", "none/*.csv", "--proposed", "k2/*.csv"), "No file matches 'none/*.csv'"),
+        (
+            ("--baseline", "base/0.csv", "base/1.csv", "--proposed", "k2/*.csv"),
+            "'base/1.csv' belongs to no flag",
+        ),
+        (("--baseline", "base/*.csv"), "Missing option '--proposed'"),
+        (("--baseline", "base/*.csv", "--proposed", "k2/*.csv", "--plot", "x.png"), "--plot writes .html, not 'x.png'"),
+        (
+            ("--baseline", "base/*.csv", "--proposed", "k2/*.csv", "--plot", "no/x.html"),
+            "'no/x.html' cannot be",
+        ),
+        (("--baseline", "base/*.csv", "--proposed", "k2/*.csv", "--with-events"), "0.csv has no event terms"),
+        (("--baseline", "base/*.csv", "--proposed", "k2/*.csv", "--curve", "odd"), "'odd' is not one of"),
+        (("--baseline", "base/*.csv", "--proposed", "k2/*.csv", "--proposed-reward", "dense"), "not paid by dense: k2"),
+        (("--baseline", "bad.csv", "--proposed", "k2/*.csv"), "bad.csv, line 3, column 'reward': 'two' is no finite"),
+    ],
+)
+def test_what_cannot_be_compared_is_told_in_one_line(harness, recorded, tmp_path: Path, flags, told):
+    """Exit status 2, the reason on standard error, nothing on standard output."""
+    (tmp_path / "bad.csv").write_text("reward\n1\ntwo\n")
+    answer = harness("eta", *flags)
+    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert told in answer.err
