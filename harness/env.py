@@ -157,9 +157,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
         self._qpos = record[:, len(SCALARS) : len(SCALARS) + dof]
         self._action = record[:, len(SCALARS) + dof :]
         self._previous_distance = np.zeros(n)
-        self._sample = Sample(
-            self._begin, self._best, self._previous_distance, self._distance, self._delta, self._step
-        )
+        self._sample = Sample(self._begin, self._best, self._previous_distance, self._distance, self._delta, self._step)
         self._qvel: Float = np.zeros((n, dof))
         self._command = np.zeros((n, dof))
         self._command_speed = np.zeros((n, dof))

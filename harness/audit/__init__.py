@@ -1,0 +1,1 @@
+"""What a reward pays for, found without training anything."""

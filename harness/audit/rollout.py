@@ -1,0 +1,97 @@
+"""Recorded rollouts of the scripted policies: the same starts and targets for all."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from harness.audit.scripted import SCRIPTS, plan_actions
+from harness.env import ReachVectorEnv
+from harness.evaluate import EVALUATION_SEED
+from harness.reward import Array, Carry, Sample
+from harness.robot import Robot
+from harness.simulator import Simulator
+from harness.task import ReachTask
+
+Float = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Unpaid:
+    """The reward that pays nothing: what its env pays are the event terms alone."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        """Remembers nothing."""
+        return ()
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        """Zeros, (num_envs,)."""
+        return carry, 0.0 * sample.distance
+
+
+@dataclass(frozen=True, eq=False)
+class Rollout:
+    """What one script did in n episodes; no reward enters.
+
+    Attributes:
+        script: Its name.
+        distances: End effector to target, (steps + 1, n), [m]; row 0 is the begin distance. An arm whose episode has
+            ended goes on until the last one's has.
+        events: What the task pays at each step, (steps, n); 0 after an episode's end.
+        running: Whether the step belongs to the episode, (steps, n).
+        reached: Whether the episode ended at the target, (n,).
+    """
+
+    script: str
+    distances: Float
+    events: Float
+    running: Mask
+    reached: Mask
+
+    @property
+    def steps(self) -> Float:
+        """How long each episode was, (n,)."""
+        return np.asarray(self.running.sum(axis=0), np.float64)
+
+
+def record_rollouts(simulator: Simulator, robot: Robot, task: ReachTask, episodes: int) -> tuple[Rollout, ...]:
+    """One rollout of each of `SCRIPTS`, in their order; starts and targets are those of every evaluation.
+
+    Raises:
+        UsageError: The robot cannot do the task.
+        SimulationDiverged: The engine left the finite numbers.
+    """
+    task.check(robot)
+    off = AutoresetMode.DISABLED
+    env = ReachVectorEnv(simulator, robot, task, Unpaid(), episodes, autoreset_mode=off)
+    try:
+        return tuple(_record(env, script) for script in SCRIPTS)
+    finally:
+        env.close()
+
+
+def _record(env: ReachVectorEnv, script: str) -> Rollout:
+    observations, infos = env.reset(seed=EVALUATION_SEED)
+    dof = env.robot.dof
+    target = observations[:, 3 * dof : 3 * dof + 3].astype(np.float64)  # where ArmObservation has it
+    start, rng = env.simulation.read().qpos.copy(), np.random.default_rng([EVALUATION_SEED, 2])
+    actions = plan_actions(script, env.robot, env.task, start, target, rng)
+    running, reached = np.ones(env.num_envs, bool), np.zeros(env.num_envs, bool)
+    distances, rows = [infos["distance"]], []
+    for action in actions:
+        _, paid, terminated, truncated, infos = env.step(action)
+        distances.append(infos["distance"])
+        rows.append((np.where(running, paid, 0.0), running))
+        reached |= running & infos["is_success"]
+        running = running & ~(terminated | truncated)
+        if not running.any():
+            break
+    return Rollout(script, np.stack(distances), *_stacked(rows), reached)
+
+
+def _stacked(rows: list[tuple[Any, Any]]) -> tuple[Float, Mask]:
+    events, running = zip(*rows, strict=True)
+    return np.stack(events), np.stack(running)

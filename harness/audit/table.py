@@ -1,0 +1,81 @@
+"""An audit as a terminal shows it."""
+
+from collections.abc import Iterable
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from harness.audit.audit import Audit
+from harness.audit.distance import Distance
+from harness.audit.number import number
+from harness.audit.payoff import Payoff
+from harness.audit.verdict import verdict_of
+from harness.audit.workspace import FACTOR
+
+
+def audit_table(audit: Audit, title: str, setting: str, against: str) -> RenderableType:
+    """What ``harness audit`` prints.
+
+    Args:
+        audit: What was found.
+        title: The reward.
+        setting: Where the scripted policies were recorded.
+        against: The reward that it was compared with.
+    """
+    first, *others = verdict_of(audit)
+    return Group(
+        Text(title, style="bold"),
+        Text(f"{setting}\n"),
+        _payoff_grid(audit),
+        Text(f"\n{first}", style="bold"),
+        *map(Text, others),
+        Text(),
+        _answer_grid(audit, against),
+    )
+
+
+def _payoff_grid(audit: Audit) -> Table:
+    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    grid.add_column("policy", no_wrap=True)
+    for heading in ("return", "shaped alone", f"return, gamma {audit.gamma:g}", "steps", "success"):
+        grid.add_column(heading, justify="right", no_wrap=True)
+    for place, payoff in enumerate(audit.payoffs):
+        name = f"{payoff.policy} (best)" if place == 0 else payoff.policy
+        grid.add_row(name, *_cells(payoff), style="bold" if place == 0 else "")
+    return grid
+
+
+def _cells(payoff: Payoff) -> Iterable[str]:
+    yield from map(number, (payoff.total, payoff.shaped, payoff.total_discounted))
+    yield f"{payoff.steps:.1f}"
+    yield f"{payoff.success:.0%}"
+
+
+def _answer_grid(audit: Audit, against: str) -> Table:
+    """What is asked, the answer, and what that rests on."""
+    grid = Table(box=None, show_header=False, pad_edge=False)
+    grid.add_column(overflow="fold")
+    grid.add_column(no_wrap=True)
+    grid.add_column(overflow="fold")
+    for answer in audit.properties:
+        grid.add_row(answer.name, "yes" if answer.holds else "no", Text(answer.evidence))
+    ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in audit.workspace.items()]
+    evidence = f"shaped return times {', '.join(ratios)}; the event terms stay"
+    grid.add_row(f"all distances times {FACTOR:g}", "", Text(evidence))
+    grid.add_row(Text(f"distance to {against}"), _distance_value(audit.distance), Text(_distance_note(audit.distance)))
+    return grid
+
+
+def _distance_value(distance: Distance) -> str:
+    return "n/a" if distance.value is None else f"{distance.value:.3f}"
+
+
+def _distance_note(distance: Distance) -> str:
+    if distance.value is None:
+        return "one of the two is nothing but an offset and shaping by a potential"
+    return (
+        "apart from scale, offset and shaping by a potential: 0 the same, 0.71 unrelated, 1 opposite; "
+        f"{distance.transitions:,} recorded steps"
+    )

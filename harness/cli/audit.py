@@ -1,0 +1,61 @@
+"""``harness audit``: what a reward pays for."""
+
+from typing import Annotated
+
+import typer
+
+from harness.errors import UsageError
+
+
+def audit(
+    reward: Annotated[str, typer.Option(help="The reward, as arp:k2=2.", metavar="NAME")],
+    task: Annotated[str, typer.Option(help="As fd100-reach:epsilon=0.02.", metavar="NAME")] = "fd100-reach",
+    robot: Annotated[str, typer.Option(help="Robot, or a folder with robot.toml.", metavar="NAME")] = "fd100",
+    sim: Annotated[
+        str | None,
+        typer.Option(help="Simulator; without it no engine: the joints move exactly as told.", metavar="NAME"),
+    ] = None,
+    against: Annotated[
+        str, typer.Option(help="The reward that the distance is measured to.", metavar="NAME")
+    ] = "baseline",
+    episodes: Annotated[int, typer.Option(help="Episodes of each scripted policy.", metavar="N")] = 100,
+    gamma: Annotated[float, typer.Option(help="The learner's discount per step.", metavar="G")] = 0.95,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> None:
+    """Say what a reward pays for: scripted policies are scored under it, and it is tried on numbers. Trains nothing."""
+    from harness.audit.audit import audit_reward
+    from harness.audit.rollout import record_rollouts
+    from harness.choice import choose
+    from harness.make import load_robot
+    from harness.plugins import load_registry
+    from harness.testing import IdealSimulator
+
+    if episodes < 1:
+        raise UsageError(f"--episodes {episodes}: must be at least 1")
+    if not 0.0 < gamma <= 1.0:
+        raise UsageError(f"--gamma {gamma:g}: must be above 0 and at most 1")
+    registry = load_registry()
+    rewards = [choose(registry, "rewards", name) for name in (reward, against)]
+    chosen, where = choose(registry, "tasks", task), sim and choose(registry, "simulators", sim)
+    engine = where.build(registry, "simulators") if where else IdealSimulator()
+    label = where.label if where else "no engine: joints move exactly as told"
+    world = chosen.build(registry, "tasks")
+    rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)
+    judged, other = (choice.build(registry, "rewards") for choice in rewards)
+    found = audit_reward(judged, other, rollouts, gamma)
+    names = [choice.label for choice in rewards]
+    if as_json:
+        import json
+
+        from harness.audit.verdict import verdict_of
+
+        setting = {"simulator": label, "robot": robot, "task": chosen.label, "episodes": episodes}
+        shown = {"reward": names[0], "against": names[1], **setting, "verdict": verdict_of(found), **found.to_json()}
+        typer.echo(json.dumps(shown, indent=1, allow_nan=False))
+        return
+    from rich.console import Console
+
+    from harness.audit.table import audit_table
+
+    text = f"{label} · {robot} · {chosen.label} · {episodes} episodes of at most {world.horizon} steps"
+    Console().print(audit_table(found, names[0], text, names[1]))

@@ -1,0 +1,124 @@
+"""The whole audit: what it says of rewards, in numbers and in words."""
+
+import json
+
+import numpy as np
+import pytest
+
+from harness.audit.audit import audit_reward
+from harness.audit.number import number
+from harness.audit.rollout import Rollout
+from harness.audit.verdict import verdict_of
+from harness.choice import choose
+from harness.errors import SimulationDiverged
+from harness.plugins import load_registry
+from harness_plugins.rewards.arp import Arp
+from harness_plugins.rewards.baseline import Baseline
+
+REGISTRY = load_registry()
+FAIR = ("relative", "potential", "adaptive", "sparse", "dense")
+
+
+@pytest.fixture(scope="module")
+def judge(rollouts):
+    """Audit a reward against the baseline."""
+    return lambda reward: audit_reward(reward, Baseline(), rollouts, 0.95)
+
+
+def test_policies_come_by_return(judge):
+    """The best first."""
+    totals = [payoff.total for payoff in judge(Baseline()).payoffs]
+    assert totals == sorted(totals, reverse=True)
+
+
+@pytest.mark.parametrize("reward", [Baseline(), Arp()], ids=["baseline", "arp"])
+def test_the_verdict_warns_of_not_finishing(judge, reward):
+    """Baseline and ARP pay not finishing more, and the first line says so with both figures."""
+    found = judge(reward)
+    best, finish = (
+        next(payoff for payoff in found.payoffs if payoff.policy == name)
+        for name in (found.payoffs[0].policy, "finish")
+    )
+    line = verdict_of(found)[0]
+    assert line.startswith("Not finishing pays more than finishing: ")
+    assert f"{best.policy} earns {number(best.total)} per episode, finish {number(finish.total)}" in line
+
+
+def test_the_verdict_on_the_relative_reward_is_good(judge, toolbox):
+    """Finishing pays most, and nothing is warned of."""
+    lines = verdict_of(judge(toolbox.relative))
+    assert len(lines) == 1
+    assert lines[0].startswith("Finishing pays most: ")
+
+
+def test_a_potential_is_judged_by_its_discount(judge, toolbox):
+    """At the learner's discount finishing pays most; that holding pays without is explained."""
+    lines = verdict_of(judge(toolbox.potential(0.95)))
+    assert lines[0].startswith("Finishing pays most")
+    assert lines[1].startswith("Holding still pays")
+    assert "the discount takes it back" in lines[1]
+
+
+def test_a_bonus_per_step_is_warned_of_twice(judge, toolbox):
+    """It pays for not finishing, and for holding still."""
+    lines = verdict_of(judge(toolbox.paying(lambda sample: 0.2 + 0.0 * sample.distance)))
+    assert lines[0].startswith("Not finishing pays more")
+    assert lines[1].startswith("Holding still pays")
+    assert "takes it back" not in lines[1]
+
+
+def test_scripts_that_miss_their_aim_are_named(rollouts):
+    """Where finish does not arrive, or hover does, the verdict says how often."""
+    spoilt = {"finish": np.arange(12) < 6, "hover": np.arange(12) < 3}
+    mixed = [
+        Rollout(run.script, run.distances, run.events, run.running, spoilt.get(run.script, run.reached))
+        for run in rollouts
+    ]
+    lines = verdict_of(audit_reward(Baseline(), Baseline(), mixed, 0.95))
+    assert "finish reached the target in 50% of the episodes only." in lines
+    assert any(line.startswith("hover could not keep outside epsilon: 25%") for line in lines)
+
+
+def test_a_larger_workspace_pays_metres_in_proportion(judge):
+    """All returns of the baseline double with the distances; what is 0 has no ratio."""
+    ratios = judge(Baseline()).workspace
+    assert ratios.pop("hold") is None
+    assert list(ratios.values()) == pytest.approx([2.0] * len(ratios))
+
+
+def test_a_larger_workspace_leaves_a_scale_free_reward(judge, toolbox):
+    """The relative gain pays the same."""
+    ratios = judge(toolbox.relative).workspace
+    assert [ratios[name] for name in ("finish", "hover", "random")] == pytest.approx([1.0] * 3)
+
+
+@pytest.mark.parametrize("name", REGISTRY.names("rewards"))
+def test_every_reward_can_be_audited(judge, name):
+    """Each gives plain data with finite numbers, and a verdict."""
+    found = judge(choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards"))
+    data = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    assert data["best"] == data["policies"][0]["policy"]
+    assert data["properties"].keys() == {"bounded", "scale_free", "potential_based"}
+    assert verdict_of(found)
+
+
+@pytest.mark.parametrize("name", [name for name in FAIR if name in REGISTRY.names("rewards")])
+def test_these_rewards_do_not_tempt(judge, name):
+    """At the learner's discount no script earns more than finishing."""
+    assert judge(choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")).discounted == ()
+
+
+def test_the_other_reward_must_be_finite_too(rollouts, toolbox):
+    """A reward to compare with that pays NaN is an error, not a distance."""
+    broken = toolbox.paying(lambda sample: np.nan * sample.distance)
+    with pytest.raises(SimulationDiverged):
+        audit_reward(Baseline(), broken, rollouts, 0.95)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(41.23, "41.2"), (-0.01, "-0.01"), (1e-17, "0"), (7257.9, "7,258"), (0.0, "0"), (2.5e12, "2.5e+12"), (1.0, "1")],
+)
+def test_numbers_read_well(value, text):
+    """Three digits, no needless exponent."""
+    assert number(value) == text

@@ -1,0 +1,134 @@
+"""The distance between rewards: a pseudometric that scale, offset and shaping do not change."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from harness.audit.distance import canonical_values, reward_distance
+from harness.audit.rollout import record_rollouts
+from harness.choice import choose
+from harness.plugins import load_registry
+from harness.task import ReachTask
+from harness.testing import IdealSimulator
+from harness_plugins.rewards.arp import Arp
+from harness_plugins.rewards.baseline import Baseline
+
+REGISTRY = load_registry()
+GAMMA = 0.95
+NAMES = REGISTRY.names("rewards")
+
+
+def build(name):
+    """A registered reward with its defaults."""
+    return choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
+
+
+@pytest.fixture(scope="module")
+def short(robot):
+    """Rollouts of short episodes: pairs of rewards are many."""
+    return record_rollouts(IdealSimulator(), robot, ReachTask(horizon=30), 8)
+
+
+@pytest.fixture(scope="module")
+def between(short):
+    """The distance of two rewards, or None."""
+    return lambda one, other: reward_distance(one, other, short, GAMMA).value
+
+
+@pytest.fixture(scope="module")
+def changed(toolbox):
+    """The baseline times a factor, plus an offset and shaping by a potential."""
+
+    def change(factor, offset=0.0, phi=lambda distance: 0.0 * distance):
+        def value(sample):
+            shaping = GAMMA * phi(sample.distance) - phi(sample.previous_distance)
+            return factor * Baseline()((), sample)[1] + offset + shaping
+
+        return toolbox.paying(value)
+
+    return change
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_distance_to_itself(between, name):
+    """Every reward is at 0 from itself, exactly."""
+    assert between(build(name), build(name)) == 0.0
+
+
+@settings(max_examples=15)
+@given(st.floats(0.01, 100.0))
+def test_scale_does_not_count(between, changed, factor):
+    """A positive factor changes nothing."""
+    assert between(changed(factor), Baseline()) == pytest.approx(0.0, abs=1e-9)
+
+
+@settings(max_examples=15)
+@given(st.floats(-10.0, 10.0))
+def test_an_offset_does_not_count(between, changed, offset):
+    """A constant per step changes nothing."""
+    assert between(changed(1.0, offset), Baseline()) == pytest.approx(0.0, abs=1e-9)
+
+
+@settings(max_examples=15)
+@given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
+def test_shaping_does_not_count(between, changed, slope, bend):
+    """A potential of the distance changes nothing."""
+    shaped = changed(1.0, 0.0, lambda distance: slope * distance + bend * np.sin(3.0 * distance))
+    assert between(shaped, Baseline()) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_opposite_is_farthest(between, changed):
+    """A negative factor gives 1."""
+    assert between(changed(-1.0), Baseline()) == pytest.approx(1.0)
+
+
+def test_the_order_does_not_count(between):
+    """For every pair of rewards the distance is symmetric, and in [0, 1] where there is one."""
+    for one, other in itertools.combinations([build(name) for name in NAMES], 2):
+        value = between(one, other)
+        assert value == between(other, one)
+        assert value is None or 0.0 <= value <= 1.0
+
+
+def test_a_detour_is_no_shorter(between, toolbox):
+    """The triangle inequality."""
+    rewards = [Baseline(), Arp(), toolbox.relative, toolbox.dense, toolbox.counting()]
+    apart = np.array([[between(one, other) for other in rewards] for one in rewards])
+    assert (apart[:, None, :] <= apart[:, :, None] + apart[None, :, :] + 1e-12).all()
+
+
+def test_other_rewards_are_apart(between, toolbox):
+    """ARP differs from the baseline, and the relative gain differs more."""
+    assert 0.01 < between(Arp(), Baseline()) < between(toolbox.relative, Baseline())
+
+
+def test_shaping_alone_is_at_no_distance(between, toolbox):
+    """Canonically shaped, a potential is constant: it correlates with nothing, and equals another one."""
+    assert between(toolbox.potential(GAMMA), Baseline()) is None
+    assert between(toolbox.potential(GAMMA), toolbox.potential(GAMMA, lambda distance: distance**2)) == 0.0
+
+
+def test_the_distance_is_pearsons(rollouts):
+    """sqrt((1 - rho) / 2), with rho from numpy."""
+    values = [canonical_values(reward, rollouts, GAMMA)[0] for reward in (Arp(), Baseline())]
+    rho = np.corrcoef(*values)[0, 1]
+    assert reward_distance(Arp(), Baseline(), rollouts, GAMMA).value == pytest.approx(np.sqrt((1.0 - rho) / 2.0))
+
+
+def test_canonical_values_by_hand(by_script, toolbox):
+    """C = R + gamma E[R(s', D)] - E[R(s, D)], here with R = d d' and so E[R(s, D)] = d times the mean of D."""
+    product = toolbox.paying(lambda sample: sample.previous_distance * sample.distance)
+    rollout = by_script["oscillate"]
+    ahead = np.quantile(rollout.distances[1:].ravel(), (np.arange(64) + 0.5) / 64).mean()
+    before, after = rollout.distances[:-1], rollout.distances[1:]
+    values, _ = canonical_values(product, [rollout], GAMMA)
+    assert values == pytest.approx((before * after + GAMMA * ahead * after - ahead * before).ravel())
+
+
+def test_all_running_steps_count(rollouts):
+    """The coverage is every step of every episode, and none after its end."""
+    found = reward_distance(Arp(), Baseline(), rollouts, GAMMA)
+    assert found.transitions == sum(int(rollout.steps.sum()) for rollout in rollouts)

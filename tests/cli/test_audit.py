@@ -1,0 +1,125 @@
+"""`harness audit`: what one types and sees."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+FEW = ("--episodes", 6)
+
+
+def test_the_table_names_all_policies_and_marks_the_best(harness):
+    """One row for each scripted policy, the best marked."""
+    answer = harness("audit", "--reward", "baseline", *FEW)
+    assert answer.status == 0
+    assert "creep (best)" in answer.out
+    for policy in ("finish", "hover", "oscillate", "hold", "random"):
+        assert f"\n{policy} " in answer.out
+
+
+def test_the_verdict_is_in_plain_words(harness):
+    """The baseline is said to pay for not finishing."""
+    out = harness("audit", "--reward", "baseline", *FEW).out
+    assert "Not finishing pays more than finishing: creep earns" in out
+
+
+def test_it_says_that_no_engine_was_used(harness):
+    """Without --sim joints move exactly as told."""
+    assert "no engine: joints move exactly as told" in harness("audit", "--reward", "baseline", *FEW).out
+
+
+def test_properties_and_distance_are_shown(harness):
+    """Each with its evidence."""
+    out = " ".join(harness("audit", "--reward", "arp:k2=2", *FEW).out.split())
+    for text in (
+        "bounded no",
+        "scale-free no",
+        "potential-based no",
+        "all distances times 2",
+        "distance to baseline 0.",
+    ):
+        assert text in out
+
+
+def test_json_is_one_object(harness):
+    """Everything on standard output is the object, and holds what the table shows."""
+    answer = harness("audit", "--reward", "baseline", "--json", *FEW)
+    data = json.loads(answer.out)
+    assert (data["reward"], data["against"], data["task"], data["robot"]) == (
+        "baseline", "baseline", "fd100-reach", "fd100",
+    )  # fmt: skip
+    assert data["episodes"] == 6
+    assert data["best"] == "creep"
+    assert data["distance"]["value"] == 0.0
+    assert data["verdict"][0].startswith("Not finishing pays more")
+    assert {row["gamma"] for row in data["not_finishing_pays"]} == {1.0, 0.95}
+
+
+def test_a_simulator_can_be_named(harness):
+    """--sim takes what is registered."""
+    data = json.loads(harness("audit", "--reward", "baseline", "--sim", "ideal", "--json", *FEW).out)
+    assert data["simulator"] == "ideal"
+    assert data["best"] == "creep"
+
+
+def test_the_baseline_pays_for_creeping_in_an_engine_too(harness):
+    """With MuJoCo, where nothing holds quite still, not finishing pays more all the same."""
+    pytest.importorskip("mujoco")
+    data = json.loads(harness("audit", "--reward", "baseline", "--sim", "mujoco", "--json", *FEW).out)
+    assert data["best"] == "creep"
+    assert data["verdict"][0].startswith("Not finishing pays more")
+
+
+def test_the_task_can_be_another(harness):
+    """--task takes overrides, and they change what is earned."""
+    call = ("audit", "--reward", "baseline", "--json", *FEW)
+    short = json.loads(harness(*call, "--task", "fd100-reach:horizon=30").out)
+    assert short["task"] == "fd100-reach:horizon=30"
+    assert {row["policy"]: row["steps"] for row in short["policies"]}["hover"] == 30.0
+
+
+def test_the_discount_can_be_another(harness):
+    """--gamma is the learner's."""
+    data = json.loads(harness("audit", "--reward", "baseline", "--gamma", "0.9", "--json", *FEW).out)
+    assert data["gamma"] == 0.9
+
+
+def test_a_scaled_reward_is_no_other(harness):
+    """The distance to --against ignores a gain on everything."""
+    data = json.loads(harness("audit", "--reward", "arp:k1=2,k2=2", "--against", "baseline", "--json", *FEW).out)
+    assert data["distance"]["value"] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ((), "--reward"),
+        (("--reward", "baselin"), "Did you mean 'baseline'?"),
+        (("--reward", "baseline", "--against", "arpp"), "Did you mean 'arp'?"),
+        (("--reward", "baseline", "--sim", "idea"), "Did you mean 'ideal'?"),
+        (("--reward", "baseline", "--task", "reach"), "No task 'reach'"),
+        (("--reward", "baseline", "--robot", "fd10"), "Did you mean 'fd100'?"),
+        (("--reward", "arp:k2=0"), "k2"),
+        (("--reward", "baseline", "--episodes", "0"), "--episodes 0: must be at least 1"),
+        (("--reward", "baseline", "--gamma", "1.5"), "--gamma 1.5"),
+        (("--reward", "baseline", "--gamma", "nan"), "--gamma nan"),
+        (("--reward", "baseline", "--task", "fd100-reach:target_center=9x9x9"), "reaches next to no target"),
+    ],
+)
+def test_usage_errors_are_one_line(harness, arguments, text):
+    """Status 2, one line that says what was given, nothing on standard output."""
+    answer = harness("audit", *arguments)
+    assert answer.status == 2
+    assert answer.out == ""
+    assert text in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_the_command_loads_no_engine():
+    """Without --sim neither an engine nor torch is imported."""
+    code = (
+        "import sys; from harness.cli.app import _run; _run(['audit', '--reward', 'baseline', '--episodes', '2']);"
+        "assert not {'mujoco', 'pybullet', 'torch', 'stable_baselines3'} & sys.modules.keys()"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
