@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from harness.carry import replace_where
 from harness.errors import SimulationDiverged, UsageError
 from harness.reward import Reward, Sample
 from harness.robot import Robot
@@ -212,7 +213,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
         for column in (self._begin, self._best, self._distance, self._previous_distance):
             column[mask] = distance[mask]
         fresh = self.reward.initial_carry(self._begin.copy())
-        self._carry = fresh if self._carry is None else _where(mask, fresh, self._carry)
+        self._carry = fresh if self._carry is None else replace_where(mask, fresh, self._carry)
 
     def _next_target(self, k: int, end_effector: Float) -> Float:
         """The env's next target; one that the end effector starts in is skipped."""
@@ -282,10 +283,3 @@ def _length(vectors: Float) -> Float:
     """Euclidean length along the last axis."""
     length: Float = np.sqrt(np.vecdot(vectors, vectors))
     return length
-
-
-def _where(mask: Mask, fresh: Any, kept: Any) -> Any:
-    """Envs of `mask` from `fresh`, the others from `kept`; both an array with a leading num_envs axis, or a tuple."""
-    if isinstance(fresh, tuple):
-        return tuple(_where(mask, new, old) for new, old in zip(fresh, kept, strict=True))
-    return np.where(mask.reshape(-1, *[1] * (fresh.ndim - 1)), fresh, kept)

@@ -5,6 +5,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.carry import put, take
 from harness.reward import Carry, Reward, Sample
 from harness.trace import Trace
 
@@ -71,15 +72,19 @@ class Scorer:
         return Sample(begin, rows.previous_best, previous, distance, distance - rows.previous_best, step)
 
     def _score_in_order(self, start: NDArray[np.bool_], sample: Sample) -> Float:
-        """Row by row, as a batch of one env: what a reward remembers comes from the rows before."""
+        """What a reward remembers comes from the rows before: all episodes of the block side by side, step by step."""
+        row, ends = np.flatnonzero(_begins(start)), np.append(np.flatnonzero(start[1:]) + 1, len(start))
+        carry = self._reward.initial_carry(sample.begin_distance[row])
+        if self._carry is not None and not start[0]:  # the first goes on from the block before
+            carry = put(carry, np.array([0]), self._carry)
         values = np.zeros(len(start))
-        for row in range(len(start)):
-            one = Sample(*(column[row : row + 1] for column in sample))
-            if start[row] or self._carry is None:
-                self._carry = self._reward.initial_carry(one.begin_distance)
-            if not start[row]:
-                self._carry, value = self._reward(self._carry, one)
-                values[row] = value[0]
+        row = row + start[row]  # a start row is paid nothing, and remembered as no step
+        while (running := row < ends).any():
+            rows = row[running]
+            after, values[rows] = self._reward(take(carry, running), Sample(*(column[rows] for column in sample)))
+            carry = put(carry, running, after)
+            row = row + running
+        self._carry = take(carry, np.array([len(ends) - 1]))
         return values
 
 
@@ -113,8 +118,15 @@ def score_trace(reward: Reward, trace: Trace) -> Float:
     return values
 
 
+def _begins(start: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The first row of each episode, or of what is left of one."""
+    begins = start.copy()
+    begins[0] = True
+    return begins
+
+
 def _steps_since_start(start: NDArray[np.bool_], before: float) -> Float:
-    """T of each row: 0 in a start row, one more in each row after it."""
+    """`t` of each row: 0 in a start row, one more in each row after it."""
     row = np.arange(len(start), dtype=np.float64)
     last_start = np.maximum.accumulate(np.where(start, row, -1.0 - before))
     return row - last_start

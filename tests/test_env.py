@@ -569,3 +569,4 @@ def test_close_can_be_called_twice():
     env.reset(seed=0)
     env.close()
     env.close()
+    assert env.closed
