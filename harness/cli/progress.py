@@ -15,27 +15,30 @@ from harness.executor import Event
 class LiveProgress:
     """Call it with every event. Without a terminal it prints a line when a cell starts or ends."""
 
-    def __init__(self, cells: Sequence[Cell], done: Collection[Cell]) -> None:
-        self._console = Console(stderr=True)
+    def __init__(self, cells: Sequence[Cell], done: Collection[Cell], console: Console | None = None) -> None:
+        self._console = console or Console(stderr=True)
         self._progress = Progress(
             TextColumn("{task.description}"), BarColumn(), StepSpeed(), TimeRemainingColumn(), console=self._console
         )
+        waiting = [cell for cell in cells if cell not in set(done)]
+        self._overall = self._progress.add_task("all cells", total=sum(cell.steps for cell in waiting))
         self._tasks: dict[str, TaskID] = {}
+        self._steps: dict[str, int] = {}
         self._started: dict[str, float] = {}
         self._total, self._ended = len(cells), len(done)
-        self._overall: TaskID | None = None
         if done:
             self._console.print(f"{len(done)} of {len(cells)} cells were done before and are not run again")
 
     def __enter__(self) -> "LiveProgress":
-        if self._console.is_terminal:
+        if self._console.is_terminal and self._ended < self._total:
             self._progress.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
-        self._progress.stop()
+        if self._progress.live.is_started:  # to stop what never started would print an empty line
+            self._progress.stop()
 
     def __call__(self, event: Event) -> None:
         """Show an event."""
@@ -44,23 +47,28 @@ class LiveProgress:
 
     def _start(self, event: Event) -> None:
         cell = event.cell
-        self._started[cell.id] = time.perf_counter()
+        self._started[cell.id], self._steps[cell.id] = time.perf_counter(), 0
         self._tasks[cell.id] = self._progress.add_task(cell.title, total=cell.steps)
         if not self._console.is_terminal:
-            self._console.print(f"{cell.title}: started", soft_wrap=True)
+            self._print(f"{cell.title}: started")
 
     def _advance(self, event: Event) -> None:
-        self._progress.update(self._tasks[event.cell.id], completed=event.steps)
+        cell = event.cell
+        self._progress.update(self._tasks[cell.id], completed=event.steps)
+        self._progress.advance(self._overall, event.steps - self._steps[cell.id])
+        self._steps[cell.id] = event.steps
 
     def _end(self, event: Event) -> None:
         cell = event.cell
         self._ended += 1
         self._progress.remove_task(self._tasks.pop(cell.id))
+        self._progress.advance(self._overall, cell.steps - self._steps.pop(cell.id))  # a failed cell is over too
         seconds = time.perf_counter() - self._started.pop(cell.id)
         outcome = f"FAILED: {event.reason}" if event.reason else f"{seconds:.0f} s, {cell.steps / seconds:.0f} steps/s"
-        self._progress.console.print(
-            f"[{self._ended}/{self._total}] {cell.title}: {outcome}", soft_wrap=True, markup=False, highlight=False
-        )
+        self._print(f"[{self._ended}/{self._total}] {cell.title}: {outcome}")
+
+    def _print(self, line: str) -> None:
+        self._progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
 
 
 class StepSpeed(ProgressColumn):

@@ -1,0 +1,66 @@
+import io
+
+import pytest
+from rich.console import Console
+
+from harness.cli.progress import LiveProgress
+from harness.executor import Event
+
+
+@pytest.fixture
+def terminal():
+    """A terminal that keeps what it shows."""
+    return Console(file=io.StringIO(), force_terminal=True, width=120)
+
+
+@pytest.fixture
+def pipe():
+    """No terminal."""
+    return Console(file=io.StringIO(), width=120)
+
+
+def play(progress, cell, reason=""):
+    """A cell from its start to its end."""
+    progress(Event("started", cell))
+    progress(Event("progress", cell, steps=6))
+    progress(Event("ended", cell, reason=reason))
+
+
+def test_a_running_cell_has_a_bar_and_so_have_all_cells(make_cell, terminal):
+    """On a terminal each running cell shows its steps, and one bar stands for all."""
+    cell = make_cell()
+    with LiveProgress([cell], [], terminal) as progress:
+        progress(Event("started", cell))
+        progress(Event("progress", cell, steps=6))
+    shown = terminal.file.getvalue()
+    assert cell.title in shown
+    assert "all cells" in shown
+    assert "6/12" in shown
+
+
+def test_without_a_terminal_lines_are_printed(make_cell, pipe):
+    """In a log a cell has a line when it starts and one when it ends, and nothing moves."""
+    cell = make_cell()
+    with LiveProgress([cell], [], pipe) as progress:
+        play(progress, cell)
+    lines = pipe.file.getvalue().splitlines()
+    assert lines[0] == f"{cell.title}: started"
+    assert lines[1].startswith(f"[1/1] {cell.title}: ")
+    assert len(lines) == 2
+
+
+def test_a_failed_cell_says_why(make_cell, pipe):
+    """The reason stands in the line that ends the cell."""
+    cell = make_cell()
+    with LiveProgress([cell], [], pipe) as progress:
+        play(progress, cell, reason="RuntimeError: the [arm] fell off")
+    assert "FAILED: RuntimeError: the [arm] fell off" in pipe.file.getvalue()
+
+
+def test_cells_that_were_done_are_counted(make_cell, pipe):
+    """What is not run again is told, and the count goes on from there."""
+    done, cell = make_cell(seed=0), make_cell(seed=1)
+    with LiveProgress([done, cell], [done], pipe) as progress:
+        play(progress, cell)
+    assert "1 of 2 cells were done before" in pipe.file.getvalue()
+    assert "[2/2]" in pipe.file.getvalue()
