@@ -10,6 +10,9 @@ Float = NDArray[np.float64]
 DAMPING = 0.05
 """Of the least squares, [m]: small beside an arm's reach, large enough to pass a singular pose."""
 
+STRIDE = 0.15
+"""Of one step, as a share of the arm's reach: the Jacobian says nothing about far away, and arms overshoot."""
+
 
 def reach_position(
     robot: Robot, position: Float, start: Float, tolerance: float = 1e-3, iterations: int = 60
@@ -29,12 +32,14 @@ def reach_position(
     qpos = np.array(start, dtype=np.float64)
     for _ in range(iterations):
         error = position - robot.end_effector(qpos)
-        if (np.sqrt((error * error).sum(axis=-1)) <= tolerance).all():
+        distance = np.linalg.norm(error, axis=-1, keepdims=True)
+        if (distance <= tolerance).all():
             break
+        error *= np.minimum(1.0, STRIDE * robot.reach / np.maximum(distance, tolerance))
         jacobian = robot.jacobian(qpos)
         transposed = np.swapaxes(jacobian, -1, -2)
         damped = jacobian @ transposed + DAMPING**2 * np.eye(3)
         step = (transposed @ np.linalg.solve(damped, error[..., None]))[..., 0]
         qpos = np.minimum(np.maximum(qpos + step, robot.lower), robot.upper)
     error = position - robot.end_effector(qpos)
-    return qpos, np.sqrt((error * error).sum(axis=-1)) <= tolerance
+    return qpos, np.linalg.norm(error, axis=-1) <= tolerance

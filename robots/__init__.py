@@ -7,8 +7,12 @@ import harness
 FD100 = Path(__file__).parent / "fd100"
 """Folder of the FD100, a six-axis articulated arm."""
 
+UNITY_ARM = Path(__file__).parent / "unity_arm"
+"""Folder of the five-axis arm that the published experiment used."""
+
 
 @harness.hookimpl
 def register_robots(register: harness.Register) -> None:
     """Announce the robots of this folder."""
     register("fd100", "harness_robots:FD100", summary="FD100, a six-axis arm with nominal link lengths")
+    register("unity-arm", "harness_robots:UNITY_ARM", summary="the published experiment's five-axis arm, exact lengths")

@@ -59,3 +59,12 @@ def test_start_is_left_alone():
     start = np.tile(ROBOT.home, (COUNT, 1))
     reach_position(ROBOT, reachable_points(), start)
     np.testing.assert_array_equal(start, np.tile(ROBOT.home, (COUNT, 1)))
+
+
+def test_a_far_target_does_not_throw_the_arm():
+    """From its home the unity-arm finds the published target, whose error points far beyond what the Jacobian knows."""
+    robot = harness.load_robot("unity-arm")
+    qpos, reached = reach_position(robot, np.array([[0.45, -0.45, 0.2]]), robot.home[None])
+    assert reached.all()
+    assert (qpos >= robot.lower).all()
+    assert (qpos <= robot.upper).all()
