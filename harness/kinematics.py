@@ -8,6 +8,7 @@ continuous) or slides (prismatic) its child link's frame away from it.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +17,19 @@ from harness.errors import UsageError
 from harness.urdf import Joint, JointKind
 
 Array = NDArray[np.float64]
+
+NOTHING = 1e-15
+"""What rounding leaves of a 0 where a URDF turns a frame by 90 degrees."""
+
+
+class StepTerm(NamedTuple):
+    """One number of a T_previous_child: constant + a * first + cos(q) * cosine, a as in `Chain.terms`."""
+
+    row: int
+    column: int
+    constant: float
+    first: float
+    cosine: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +74,17 @@ class Chain:
         generators[:, :3, 3] = np.where(self.slides[:, None], self.axes, 0.0)
         first = self.T_previous_joint @ generators
         return _read_only(first), _read_only(first @ generators)  # D D = 0
+
+    @cached_property
+    def sparse_steps(self) -> tuple[tuple["StepTerm", ...], ...]:
+        """Each joint's T_previous_child as those of its numbers that are not 0, dof entries."""
+        first, second = self.terms
+        weights = np.stack([self.T_previous_joint + second, first, -second], axis=-1)[:, :3]  # (dof, 3, 4, 3)
+        weights[np.abs(weights) < NOTHING] = 0.0
+        return tuple(
+            tuple(StepTerm(int(row), int(column), *joint[row, column].tolist()) for row, column in _places(joint))
+            for joint in weights
+        )
 
 
 def build_chain(joints: Sequence[Joint]) -> Chain:
@@ -127,6 +152,57 @@ def position_jacobian(chain: Chain, qpos: ArrayLike) -> Array:
     return np.swapaxes(columns, -1, -2)
 
 
+def link_frames(chain: Chain, qpos: ArrayLike) -> Array:
+    """T_world_child of each joint, without the last row, as a structure of arrays: quick for many poses.
+
+    Each pose's numbers are, bit for bit, the same whatever the poses beside it.
+
+    Args:
+        chain: The chain, dof joints.
+        qpos: Joint positions, [rad] or, for a prismatic joint, [m], shape (n, dof).
+
+    Returns:
+        Joint, row, column, pose: shape (dof, 3, 4, n), translation in [m].
+
+    Raises:
+        UsageError: The last axis of qpos is not dof long.
+    """
+    positions = np.ascontiguousarray(_checked(chain, qpos).T)  # (dof, n)
+    first, cosine = np.sin(positions), np.cos(positions)
+    first[chain.slides] = positions[chain.slides]
+    frames = np.empty((chain.dof, 3, 4, positions.shape[1]))
+    previous = np.eye(3, 4)[..., None]
+    for joint, frame in enumerate(frames):
+        _take_step(previous, chain.sparse_steps[joint], first[joint], cosine[joint], frame)
+        previous = frame
+    return frames
+
+
+def _take_step(previous: Array, terms: Sequence[StepTerm], first: Array, cosine: Array, frame: Array) -> None:
+    """Write the next child frame, `previous` times the matrix of `terms`, into `frame`, (3, 4, n)."""
+    sums: list[Array | None] = [None, None, None, previous[:, 3]]
+    for row, column, constant, by_first, by_cosine in terms:
+        number = _weighted(by_cosine, cosine, _weighted(by_first, first, constant))
+        product = previous[:, row] if isinstance(number, float) and number == 1.0 else previous[:, row] * number
+        total = sums[column]
+        sums[column] = product if total is None else total + product
+    for column, total in enumerate(sums):
+        frame[:, column] = total
+
+
+def _weighted(weight: float, values: Array, start: Array | float) -> Array | float:
+    """The sum of start and weight * values, (n,), without the operations that change nothing."""
+    if weight == 0.0:
+        return start
+    product = values if weight == 1.0 else weight * values
+    return product if isinstance(start, float) and start == 0.0 else start + product
+
+
+def _places(matrices: Array) -> NDArray[np.intp]:
+    """Rows and columns where not all numbers of the last axis are 0, shape (count, 2)."""
+    return np.argwhere(matrices.any(axis=-1))
+
+
 def _child_frames(chain: Chain, qpos: ArrayLike) -> list[Array]:
     """T_world_child of each joint, dof arrays of shape (..., 4, 4)."""
     steps = _steps(chain, qpos)
@@ -138,21 +214,40 @@ def _child_frames(chain: Chain, qpos: ArrayLike) -> list[Array]:
 
 def _steps(chain: Chain, qpos: ArrayLike) -> Array:
     """T_previous_child of each joint, shape (..., dof, 4, 4): from its child frame to the child frame before it."""
-    positions = np.asarray(qpos, dtype=np.float64)
-    if positions.shape[-1:] != (chain.dof,):
-        raise UsageError(f"qpos has shape {positions.shape}, allowed is (..., {chain.dof}). Give one value per joint.")
+    positions = _checked(chain, qpos)
     first, second = chain.terms
     a = np.where(chain.slides, positions, np.sin(positions))
     b = 1.0 - np.cos(positions)  # unused where the joint slides: `second` is 0 there
     return chain.T_previous_joint + a[..., None, None] * first + b[..., None, None] * second
 
 
+def _checked(chain: Chain, qpos: ArrayLike) -> Array:
+    """Joint positions as numbers, shape (..., dof)."""
+    positions = np.asarray(qpos, dtype=np.float64)
+    if positions.shape[-1:] != (chain.dof,):
+        raise UsageError(f"qpos has shape {positions.shape}, allowed is (..., {chain.dof}). Give one value per joint.")
+    return positions
+
+
 def _constant_step(joint: Joint) -> Array:
     """T_parent_joint, the joint's frame in its parent link's frame, shape (4, 4)."""
-    T_parent_joint = np.eye(4)
-    T_parent_joint[:3, :3] = _rotation_from_rpy(joint.rpy)
-    T_parent_joint[:3, 3] = joint.xyz
-    return T_parent_joint
+    return transform(joint.xyz, joint.rpy)
+
+
+def transform(xyz: tuple[float, float, float], rpy: tuple[float, float, float]) -> Array:
+    """T_parent_child of a URDF's <origin>.
+
+    Args:
+        xyz: The child frame's origin in the parent's frame [m].
+        rpy: Its orientation: turns about the parent's fixed x, then y, then z axis [rad].
+
+    Returns:
+        Shape (4, 4), translation in [m].
+    """
+    T_parent_child = np.eye(4)
+    T_parent_child[:3, :3] = _rotation_from_rpy(rpy)
+    T_parent_child[:3, 3] = xyz
+    return T_parent_child
 
 
 def _rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:

@@ -1,0 +1,76 @@
+"""No dynamics: joints are exactly where they are driven, and ground contact is that of the links' shapes."""
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from harness.errors import UsageError
+from harness.kinematics import link_frames
+from harness.robot import Robot
+from harness.shapes import attach_shapes, build_solids
+from harness.simulator import State
+
+Float = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Kinematic:
+    """Arms without mass: no delay, no error, no force of the ground.
+
+    Ground contact is exact for the boxes, cylinders, capsules and spheres of the moving links' collision shapes. A
+    mesh is no shape: it touches nothing.
+    """
+
+    def open(self, robot: Robot, num_envs: int, control_period: float) -> "KinematicSimulation":
+        """See `harness.simulator.Simulator`."""
+        return KinematicSimulation(robot, num_envs)
+
+
+class KinematicSimulation:
+    """See `harness.simulator.Simulation`."""
+
+    def __init__(self, robot: Robot, num_envs: int) -> None:
+        self._chain = robot.chain
+        self._solids = build_solids(attach_shapes(robot.urdf, robot.joint_names))
+        joints = (num_envs, robot.dof)
+        self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
+        self.place(np.tile(robot.home, (num_envs, 1)))
+
+    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+        """See `harness.simulator.Simulation`."""
+        state = self._state
+        state.qpos[mask], state.qvel[mask] = qpos[mask], 0.0
+        state.end_effector[mask], state.ground_contact[mask] = self._place_links(state.qpos[mask])
+        return state
+
+    def place(self, qpos: Float) -> State:
+        """See `harness.simulator.Simulation`."""
+        return self.reset(qpos, np.ones(len(qpos), bool))
+
+    def drive(self, qpos: Float, duration: float) -> State:
+        """See `harness.simulator.Simulation`."""
+        state = self._state
+        np.subtract(qpos, state.qpos, out=state.qvel)
+        state.qvel[...] /= duration
+        state.qpos[...] = qpos
+        state.end_effector[...], state.ground_contact[...] = self._place_links(state.qpos)
+        return state
+
+    def read(self) -> State:
+        """See `harness.simulator.Simulation`."""
+        return self._state
+
+    def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        """Raises UsageError, always."""
+        raise UsageError("The simulator kinematic does not render: take mujoco to see the arm")
+
+    def close(self) -> None:
+        """Does nothing: there is no engine."""
+
+    def _place_links(self, qpos: Float) -> tuple[Float, NDArray[np.bool_]]:
+        """End effectors, (n, 3), [m], and ground contacts, (n,), of arms at `qpos`, (n, dof)."""
+        frames = link_frames(self._chain, qpos)
+        x, y, z = self._chain.T_last_tip[:3, 3]
+        last = frames[-1]
+        tip = last[:, 0] * x + last[:, 1] * y + last[:, 2] * z + last[:, 3]
+        return tip.T, self._solids.touch_ground(frames)
