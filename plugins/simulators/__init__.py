@@ -7,9 +7,21 @@ import harness
 def register_simulators(register: harness.Register) -> None:
     """Announce the built-in simulators."""
     register(
+        "kinematic",
+        "harness_plugins.simulators.kinematic:Kinematic",
+        summary="no dynamics: joints exactly where they are driven, many arms at once",
+    )
+    register(
         "mujoco",
         "harness_plugins.simulators.mujoco:Mujoco",
         summary="MuJoCo, many arms through mujoco.rollout threads",
         requires=("mujoco",),
         extra="mujoco",
+    )
+    register(
+        "pybullet",
+        "harness_plugins.simulators.pybullet:PyBullet",
+        summary="Bullet, every arm in a physics client of its own",
+        requires=("pybullet",),
+        extra="pybullet",
     )
