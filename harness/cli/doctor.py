@@ -14,7 +14,8 @@ env.reset(seed=0)
 frame = env.render()[0]
 assert numpy.ptp(frame) > 0, "the frame is empty"
 """
-BACKENDS = ("egl", "osmesa")
+BACKENDS = {"egl": "libegl1", "osmesa": "libosmesa6"}
+"""What MUJOCO_GL may be without a display, and the system package that it takes."""
 
 
 def doctor() -> None:
@@ -50,16 +51,18 @@ def _rendering(registry: Registry) -> list[str]:
     spec = registry.specs.get(("simulators", "mujoco"))
     if spec is None or spec[0].missing:
         return ["rendering not tried: it takes the simulator mujoco"]
-    return [f"rendering MUJOCO_GL={backend}: {_try_rendering(backend)}" for backend in BACKENDS]
+    return [
+        f"rendering MUJOCO_GL={backend}: {_try_rendering(backend) or f'fails here: install {package} to have it'}"
+        for backend, package in BACKENDS.items()
+    ]
 
 
 def _try_rendering(backend: str) -> str:
+    """``works``, or nothing: each backend that is not there fails in its own words, none of which says what to do."""
     import os
 
     command = [sys.executable, "-c", RENDER]
     tried = subprocess.run(
         command, env={**os.environ, "MUJOCO_GL": backend}, capture_output=True, text=True, check=False
     )
-    if tried.returncode == 0:
-        return "works"
-    return (tried.stderr.strip().splitlines() or [f"exit status {tried.returncode}"])[-1]
+    return "works" if tried.returncode == 0 else ""

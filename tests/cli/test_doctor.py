@@ -14,6 +14,14 @@ def test_versions_machine_and_rendering_are_told(harness, without_rendering):
         assert text in out
 
 
+def test_rendering_that_fails_says_what_to_install(harness, monkeypatch):
+    """A way of rendering that is not there names the system package that brings it."""
+    monkeypatch.setattr("harness.cli.doctor._try_rendering", lambda backend: "")
+    out = harness("doctor").out
+    assert "rendering MUJOCO_GL=egl: fails here: install libegl1" in out
+    assert "rendering MUJOCO_GL=osmesa: fails here: install libosmesa6" in out
+
+
 def test_missing_libraries_come_with_their_extra(harness, without_rendering, monkeypatch):
     """What is missing says what to install."""
     monkeypatch.setattr("harness.plugins._is_installed", lambda module: module != "stable_baselines3")
