@@ -28,6 +28,16 @@ class Group(NamedTuple):
         """The group that a cell belongs to."""
         return cls(cell.simulator, cell.robot, cell.task, cell.algorithm, cell.steps, cell.evaluation_episodes)
 
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, by label."""
+        return {
+            "simulator": self.simulator.label,
+            "algorithm": self.algorithm.label,
+            "robot": self.robot,
+            "task": self.task.label,
+            "steps": self.steps,
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Combination:
@@ -99,11 +109,7 @@ class Combination:
         negative = self.decomposition.negative if self.decomposition else nothing
         positive = self.decomposition.positive if self.decomposition else nothing
         return {
-            "simulator": self.group.simulator.label,
-            "algorithm": self.group.algorithm.label,
-            "robot": self.group.robot,
-            "task": self.group.task.label,
-            "steps": self.group.steps,
+            **self.group.to_json(),
             "baseline": self.baseline,
             "proposed": self.proposed,
             "seeds": list(self.seeds),

@@ -101,7 +101,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
         """One control period in every env."""
         if self._starting:
             self._record_starts()
-        elif self._ended_before:  # autoreset is off, and a finished env is stepped on
+        if self._ended_before and not self._same_step:  # a finished env may be stepped on
             self._forget_events()
         self._action[...] = actions
         self._command, self._command_speed = self._motion.advance(self._command, self._command_speed, self._action)

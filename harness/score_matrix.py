@@ -35,11 +35,7 @@ class ScoreMatrix:
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         return {
-            "simulator": self.group.simulator.label,
-            "algorithm": self.group.algorithm.label,
-            "robot": self.group.robot,
-            "task": self.group.task.label,
-            "steps": self.group.steps,
+            **self.group.to_json(),
             "seeds": {label: list(seeds) for label, seeds in self.seeds.items()},
             "indices": {
                 scoring: {training: index.to_json() for training, index in row.items()}

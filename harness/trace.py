@@ -78,7 +78,7 @@ class TraceWriter:
             action_size: Length of the action.
             episodes: Keep the first so many episodes of each env only; all if None.
         """
-        self._dof, self._action_size, self._episodes = dof, action_size, episodes
+        self._dof, self._episodes = dof, episodes
         self._block = np.empty((self.BLOCK, len(SCALARS) + dof + action_size))
         self._filled = 0
         self.schema = trace_schema(dof, action_size)

@@ -570,3 +570,29 @@ def test_close_can_be_called_twice():
     env.close()
     env.close()
     assert env.closed
+
+
+def test_an_end_is_not_told_twice_without_autoreset(tmp_path: Path):
+    """A finished env that is stepped on beside a restarted one is recorded as it is then, not as it ended."""
+    away = np.zeros((2, 6), np.float32)
+    away[1] = [0, -1, -1, 0, 0, 0]  # env 1 rises out of the reach of its target
+    env = harness.make_env(
+        num_envs=2, task="fd100-reach:epsilon=0.3,horizon=200", autoreset_mode=AutoresetMode.DISABLED
+    )
+    with TraceWriter(tmp_path / "trace.parquet", 6, 6) as recorder:
+        env.recorder = recorder
+        env.reset(seed=3)
+        reached = np.zeros(2, bool)
+        for action in np.random.default_rng(0).uniform(-1.0, 1.0, (200, 2, 6)).astype(np.float32):
+            reached = env.step(action)[4]["is_success"]
+            if reached[1]:
+                break
+        assert reached[1]
+        env.reset(options={"reset_mask": np.array([True, False])})
+        for _ in range(15):
+            infos = env.step(away)[4]
+    env.close()
+    assert not infos["is_success"][1]
+    trace = read_trace(tmp_path / "trace.parquet")
+    assert not trace["reached"][trace["env"] == 1][-1]
+    assert trace["reward_target"][trace["env"] == 1][-1] == 0.0

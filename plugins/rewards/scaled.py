@@ -1,16 +1,16 @@
 """A null control: another reward times a constant."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.choice import build_named
-from harness.reward import Array, Carry, Reward, Sample
+from harness.reward import Array, Carry, Sample
+from harness.wrapped_reward import WrappedReward
 
 
 @dataclass(frozen=True)
-class Scaled:
+class Scaled(WrappedReward):
     """Pays `factor` times what another reward pays: a change of ruler, and of nothing else.
 
         r = factor r_named
@@ -24,22 +24,9 @@ class Scaled:
     bonuses are tuned to the size of a reward.
     """
 
-    reward: Annotated[str, Field(description="the reward to multiply, name or name:key=value")] = "baseline"
+    registered_name: ClassVar[str] = "scaled"
+
     factor: Annotated[float, Field(gt=0, description="what to multiply it by")] = 2.0
-
-    def __post_init__(self) -> None:
-        label, named = build_named("rewards", self.reward, within="scaled")
-        object.__setattr__(self, "reward", label)  # one text for one reward, however it was typed
-        object.__setattr__(self, "_named", named)
-
-    @property
-    def named(self) -> Reward:
-        """The reward that `reward` names."""
-        return self._named
-
-    def initial_carry(self, begin_distance: Array) -> Carry:
-        """That of the named reward."""
-        return self.named.initial_carry(begin_distance)
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
         """The named reward's carry, and its value times `factor`, (num_envs,)."""

@@ -1,16 +1,16 @@
 """A null control: another reward plus a constant."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.choice import build_named
-from harness.reward import Array, Carry, Reward, Sample
+from harness.reward import Array, Carry, Sample
+from harness.wrapped_reward import WrappedReward
 
 
 @dataclass(frozen=True)
-class Shifted:
+class Shifted(WrappedReward):
     """Pays `offset` more than another reward does, at every step.
 
         r = r_named + offset
@@ -24,22 +24,9 @@ class Shifted:
     pays for going on and one below 0 for ending soon.
     """
 
-    reward: Annotated[str, Field(description="the reward to add to, name or name:key=value")] = "baseline"
+    registered_name: ClassVar[str] = "shifted"
+
     offset: Annotated[float, Field(description="what to add at every step, in the unit of the named reward")] = 0.1
-
-    def __post_init__(self) -> None:
-        label, named = build_named("rewards", self.reward, within="shifted")
-        object.__setattr__(self, "reward", label)  # one text for one reward, however it was typed
-        object.__setattr__(self, "_named", named)
-
-    @property
-    def named(self) -> Reward:
-        """The reward that `reward` names."""
-        return self._named
-
-    def initial_carry(self, begin_distance: Array) -> Carry:
-        """That of the named reward."""
-        return self.named.initial_carry(begin_distance)
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
         """The named reward's carry, and its value plus `offset`, (num_envs,)."""
