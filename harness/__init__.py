@@ -9,7 +9,8 @@ from harness.hookspecs import Register, hookimpl
 
 if TYPE_CHECKING:
     from harness.experiment import run
-    from harness.make import load_robot, make_env
+    from harness.robot_by_name import load_robot
+    from harness.make import make_env
     from harness.results import load_results
 
 __version__ = "0.1.0"
@@ -18,7 +19,7 @@ __all__ = ["Register", "__version__", "hookimpl", "load_results", "load_robot", 
 # Looked up when first used: `import harness` has to stay light, for `harness --help` and for every plugin.
 _HOMES = {
     "load_results": "harness.results",
-    "load_robot": "harness.make",
+    "load_robot": "harness.robot_by_name",
     "make_env": "harness.make",
     "run": "harness.experiment",
 }

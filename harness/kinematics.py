@@ -126,6 +126,19 @@ def end_effector_position(chain: Chain, qpos: ArrayLike) -> Array:
     return forward(chain, qpos)[..., :3, 3]
 
 
+def chain_length(chain: Chain, lower: Array, upper: Array) -> float:
+    """No tip position is farther than this from the first joint's origin: the chain stretched out, slides too [m].
+
+    Args:
+        chain: The chain, dof joints.
+        lower: Smallest joint positions, [rad] or [m], shape (dof,).
+        upper: Likewise.
+    """
+    segments = np.vstack([chain.T_previous_joint[1:, :3, 3], chain.T_last_tip[:3, 3]])
+    slides = np.where(chain.slides, np.maximum(np.abs(lower), np.abs(upper)), 0.0)
+    return float(np.linalg.norm(segments, axis=-1).sum() + slides.sum())
+
+
 def position_jacobian(chain: Chain, qpos: ArrayLike) -> Array:
     """How the tip link's origin moves with each joint: d position / d qpos in the world frame.
 
@@ -148,8 +161,16 @@ def position_jacobian(chain: Chain, qpos: ArrayLike) -> Array:
     # A joint's own motion leaves its axis where it is, and a turning joint's origin: the child frame gives both.
     axes = (T_world_child[..., :3, :3] @ chain.axes[..., None])[..., 0]  # (..., dof, 3)
     levers = tip[..., None, :] - T_world_child[..., :3, 3]
-    columns = np.where(chain.slides[:, None], axes, np.cross(axes, levers))
+    columns = np.where(chain.slides[:, None], axes, _cross(axes, levers))
     return np.swapaxes(columns, -1, -2)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """a x b along the last axis; numpy's own takes several times as long for a few vectors."""
+    x = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
+    y = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
+    z = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return np.stack([x, y, z], axis=-1)
 
 
 def link_frames(chain: Chain, qpos: ArrayLike) -> Array:

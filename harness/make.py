@@ -1,4 +1,4 @@
-"""From names to things: robots and environments."""
+"""From names to environments."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,41 +9,23 @@ from gymnasium.vector import AutoresetMode
 from harness.choice import Choice, choose
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
+from harness.robot_by_name import load_robot
 from harness.plugins import Registry, load_registry
-from harness.robot import Robot, read_robot
+from harness.task import Task
 
 Given: TypeAlias = str | Mapping[str, Any]
 """``"arp:k2=2"`` or ``{"name": "arp", "k2": 2}``."""
-
-
-def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Robot:
-    """A registered robot, or the one in a folder.
-
-    Args:
-        name_or_path: ``fd100``, or the path of a folder that holds ``robot.toml`` and the URDF it names.
-        registry: The plugins; loaded if None.
-
-    Raises:
-        UsageError: No such robot, or its files say something that cannot be.
-    """
-    text = str(name_or_path)
-    if isinstance(name_or_path, Path) or "/" in text or "\\" in text:
-        if not Path(text).is_dir():
-            raise UsageError(f"No robot folder '{text}': name a folder that holds robot.toml, or a registered robot")
-        return read_robot(Path(text))
-    folder: Path = (registry or load_registry()).get("robots", text).load()
-    return read_robot(folder)
 
 
 def make_env(
     simulator: Given = "mujoco",
     task: Given = "fd100-reach",
     reward: Given = "baseline",
-    robot: str | Path = "fd100",
+    robot: str | Path | None = None,
     num_envs: int = 1,
     autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
 ) -> ReachVectorEnv:
-    """The vector env of one combination.
+    """The vector env of one combination; the robot is by default the one that the task was made for.
 
     Raises:
         UsageError: A name or a parameter is not known.
@@ -63,13 +45,14 @@ def make_env(
 
 
 def build_env(
-    registry: Registry, simulator: Choice, task: Choice, reward: Choice, robot: str | Path, **options: Any
+    registry: Registry, simulator: Choice, task: Choice, reward: Choice, robot: str | Path | None = None, **options: Any
 ) -> ReachVectorEnv:
     """The vector env of resolved choices; `options` go to `ReachVectorEnv`."""
+    built: Task = task.build(registry, "tasks")
     return ReachVectorEnv(
         simulator.build(registry, "simulators"),
-        load_robot(robot, registry),
-        task.build(registry, "tasks"),
+        load_robot(robot or built.robot, registry),
+        built,
         reward.build(registry, "rewards"),
         **options,
     )

@@ -1,39 +1,39 @@
-"""One robot arm: its URDF, and the few numbers beside it in `robot.toml` that a URDF has no place for.
+"""One robot arm: its URDF, and the few numbers beside it in `robot.toml` that a URDF has no place for."""
 
-A robot is a folder. Its `robot.toml` has exactly the keys in `KEYS`; angles there are in degrees, in Python in radians.
-"""
-
-import math
-import tomllib
-from collections.abc import Sequence
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.errors import UsageError
-from harness.kinematics import Chain, build_chain, end_effector_position, position_jacobian
+from harness.joint_numbers import origin, read_numbers
+from harness.kinematics import Chain, build_chain, chain_length, end_effector_position, position_jacobian
+from harness.plain_urdf import plain_urdf
+from harness.robot_file import FILE, JOINT_KEYS, RobotFile, read_robot_file, read_text
+from harness.shapes import attach_shapes
+from harness.tip import find_tip
 from harness.urdf import Joint, read_chain
 
 Array = NDArray[np.float64]
 
-TEXT_KEYS = ("name", "urdf", "end_effector")
-JOINT_KEYS = ("home_deg", "max_speed_deg_s", "max_acceleration_deg_s2")
-KEYS = TEXT_KEYS + JOINT_KEYS
+FEWEST_JOINTS, MOST_JOINTS = 3, 8
 
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """One arm with `dof` turning joints, standing on the world's origin.
+    """One arm with `dof` joints that turn or slide, standing on the world's origin.
 
-    All arrays are read-only float64 of shape (dof,), in the order of the chain from the root link.
+    All arrays are read-only float64 of shape (dof,), in the order of the chain from the root link. Where a joint
+    slides, read m for rad.
 
     Attributes:
         name: What the robot calls itself.
-        urdf: The URDF's text.
-        folder: Where relative mesh paths in the URDF resolve.
+        urdf: Text of a URDF with nothing left to guess, for all simulators; see `harness.plain_urdf`.
+        folder: Of the URDF's file.
         end_effector_link: The link whose origin is the end effector.
         joint_names: Names of the driven joints in the URDF.
         lower: Smallest joint positions [rad]; -pi where the URDF has a continuous joint.
@@ -42,6 +42,7 @@ class Robot:
         max_acceleration: Largest joint accelerations, positive [rad/s^2].
         home: A resting pose within the limits [rad].
         chain: The kinematic chain from the root link to the end effector.
+        origins: Where the end effector, home, speeds and accelerations come from, in words.
     """
 
     name: str
@@ -55,6 +56,14 @@ class Robot:
     max_acceleration: Array
     home: Array
     chain: Chain = field(repr=False)
+    origins: Mapping[str, str] = field(repr=False)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all that decides how the arm moves: the URDF with its meshes' paths, and the numbers beside it."""
+        numbers = np.stack([self.lower, self.upper, self.max_speed, self.max_acceleration, self.home])
+        parts = (self.urdf.encode(), self.end_effector_link.encode(), numbers.tobytes())
+        return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
     @property
     def dof(self) -> int:
@@ -64,14 +73,13 @@ class Robot:
     @property
     def reach(self) -> float:
         """No end effector position is farther than this from the first joint's origin: the chain stretched out [m]."""
-        segments = np.vstack([self.chain.T_previous_joint[1:, :3, 3], self.chain.T_last_tip[:3, 3]])
-        return float(np.linalg.norm(segments, axis=-1).sum())
+        return chain_length(self.chain, self.lower, self.upper)
 
     def end_effector(self, qpos: ArrayLike) -> Array:
         """The end effector's position in the world frame.
 
         Args:
-            qpos: Joint positions [rad], shape (..., dof).
+            qpos: Joint positions [rad] or [m], shape (..., dof).
 
         Returns:
             [m], shape (..., 3).
@@ -85,10 +93,10 @@ class Robot:
         """The derivative of the end effector's position by the joint positions, world frame.
 
         Args:
-            qpos: Joint positions [rad], shape (..., dof).
+            qpos: Joint positions [rad] or [m], shape (..., dof).
 
         Returns:
-            [m/rad], shape (..., 3, dof).
+            [m/rad], for a sliding joint [m/m], shape (..., 3, dof).
 
         Raises:
             UsageError: The last axis of qpos is not dof long.
@@ -96,11 +104,12 @@ class Robot:
         return position_jacobian(self.chain, qpos)
 
 
-def read_robot(folder: Path) -> Robot:
-    """The robot that `folder` holds.
+def read_robot(path: Path) -> Robot:
+    """The robot of a folder or a URDF.
 
     Args:
-        folder: Holds `robot.toml` and the URDF that it names.
+        path: A folder whose `robot.toml` names the URDF; or a URDF, beside which a `robot.toml` may lie that names it
+            or none. Of one that names another URDF nothing is taken.
 
     Returns:
         The robot, every number checked.
@@ -108,104 +117,68 @@ def read_robot(folder: Path) -> Robot:
     Raises:
         UsageError: A file cannot be read or says something that cannot be; the message starts with the file.
     """
-    path = folder / "robot.toml"
-    settings = _read_settings(path)
-    urdf_path = folder / settings["urdf"]
-    urdf = _read_text(urdf_path)
-    try:
-        joints = read_chain(urdf, settings["end_effector"])
-    except UsageError as error:
-        raise UsageError(f"{urdf_path}: {error}") from error
-
-    driven = [joint for joint in joints if joint.kind != "fixed"]
-    home, max_speed, max_acceleration = (_read_joint_values(path, settings, key, len(driven)) for key in JOINT_KEYS)
-    robot = Robot(
-        name=settings["name"],
+    file, urdf_path = _find_files(path)
+    text, folder = read_text(urdf_path), urdf_path.parent
+    with _naming(urdf_path):
+        tip = file.text("end_effector") or find_tip(text)
+        joints = read_chain(text, tip)
+        driven = [joint for joint in joints if joint.kind != "fixed"]
+        _check_count(driven, tip)
+        names = tuple(joint.name for joint in driven)
+        urdf = plain_urdf(text, names, folder)
+        shapes = attach_shapes(urdf, names)
+    chain = build_chain(joints)
+    numbers = read_numbers(file, urdf_path, driven, chain, shapes)
+    return Robot(
+        name=file.text("name") or urdf_path.stem,
         urdf=urdf,
         folder=folder,
-        end_effector_link=settings["end_effector"],
-        joint_names=tuple(joint.name for joint in driven),
-        lower=_read_only([-math.pi if joint.kind == "continuous" else joint.lower for joint in driven]),
-        upper=_read_only([math.pi if joint.kind == "continuous" else joint.upper for joint in driven]),
-        max_speed=max_speed,
-        max_acceleration=max_acceleration,
-        home=home,
-        chain=build_chain(joints),
+        end_effector_link=tip,
+        joint_names=names,
+        lower=numbers.lower,
+        upper=numbers.upper,
+        max_speed=numbers.max_speed,
+        max_acceleration=numbers.max_acceleration,
+        home=numbers.home,
+        chain=chain,
+        origins=_origins(file, driven),
     )
-    _check_joints_turn(urdf_path, driven)
-    _check_home(path, robot)
-    _check_positive(path, robot)
-    _check_speed(path, robot, driven)
-    return robot
 
 
-def _read_settings(path: Path) -> dict[str, Any]:
-    """The contents of a robot.toml: exactly the keys in KEYS, text where text belongs."""
+def _find_files(path: Path) -> tuple[RobotFile, Path]:
+    """The robot.toml, empty where there is none, and the URDF's path."""
+    if path.is_dir():
+        file = read_robot_file(path / FILE)
+        if file.text("urdf") is None:
+            raise UsageError(
+                f"{file.path}: missing urdf. Name the URDF's file, or give its path instead of the folder."
+            )
+        return file, path / file.settings["urdf"]
+    beside = path.parent / FILE
+    if beside.is_file():
+        file = read_robot_file(beside)
+        if file.text("urdf") in {None, path.name}:
+            return file, path
+    return RobotFile(beside), path
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Put the file before what is wrong with it."""
     try:
-        settings = tomllib.loads(_read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{path}: not well-formed TOML ({error}). Correct it at that place.") from error
-    for what, keys in (("unknown", settings.keys() - set(KEYS)), ("missing", set(KEYS) - settings.keys())):
-        if keys:
-            raise UsageError(f"{path}: {what} {', '.join(sorted(keys))}. Give exactly the keys {', '.join(KEYS)}.")
-    for key in TEXT_KEYS:
-        if not isinstance(settings[key], str) or not settings[key]:
-            raise UsageError(f"{path}: {key} is {settings[key]!r}. Give a text that is not empty, in quotes.")
-    return settings
+        yield
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from error
 
 
-def _read_text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read ({error.strerror}). A robot is a robot.toml and its URDF.") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: is not UTF-8 text ({error.reason}). Save it as UTF-8.") from error
+def _check_count(driven: Sequence[Joint], tip: str) -> None:
+    if not FEWEST_JOINTS <= len(driven) <= MOST_JOINTS:
+        raise UsageError(
+            f"{len(driven)} joints move between the root link and '{tip}'; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. "
+            f"Fix some, or name another end_effector in a {FILE}."
+        )
 
 
-def _read_joint_values(path: Path, settings: dict[str, Any], key: str, dof: int) -> Array:
-    """One value per driven joint, degrees turned into radians, read-only, shape (dof,)."""
-    values = settings[key]
-    if not isinstance(values, list) or not all(_is_finite_number(value) for value in values):
-        raise UsageError(f"{path}: {key} is {values!r}. Give a list of {dof} finite numbers, one per driven joint.")
-    if len(values) != dof:
-        raise UsageError(f"{path}: {key} has {len(values)} values for {dof} driven joints. Give one per joint.")
-    return _read_only([math.radians(value) for value in values])
-
-
-def _is_finite_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def _check_joints_turn(path: Path, driven: Sequence[Joint]) -> None:
-    for joint in driven:
-        if joint.kind == "prismatic":
-            raise UsageError(f"{path}: driven joint '{joint.name}' is prismatic. A robot's joints turn: make it fixed.")
-
-
-def _check_home(path: Path, robot: Robot) -> None:
-    for name, low, home, high in zip(robot.joint_names, robot.lower, robot.home, robot.upper, strict=True):
-        if not low <= home <= high:
-            allowed = f"{math.degrees(low):g} to {math.degrees(high):g}"
-            raise UsageError(f"{path}: home_deg of '{name}' is {math.degrees(home):g}; allowed: {allowed}. Correct it.")
-
-
-def _check_positive(path: Path, robot: Robot) -> None:
-    for key, values in (("max_speed_deg_s", robot.max_speed), ("max_acceleration_deg_s2", robot.max_acceleration)):
-        for name, value in zip(robot.joint_names, values, strict=True):
-            if value <= 0.0:
-                raise UsageError(f"{path}: {key} of '{name}' is {math.degrees(value):g}. Give a positive value.")
-
-
-def _check_speed(path: Path, robot: Robot, driven: Sequence[Joint]) -> None:
-    """Raises where robot.toml allows more than the URDF; equal up to rounding is fine."""
-    for joint, speed in zip(driven, robot.max_speed, strict=True):
-        if joint.velocity is not None and speed > joint.velocity * (1.0 + 1e-6):
-            given, allowed = math.degrees(speed), math.degrees(joint.velocity)
-            raise UsageError(f"{path}: max_speed_deg_s of '{joint.name}' is {given:g}; the URDF allows {allowed:g}.")
-
-
-def _read_only(values: Sequence[float]) -> Array:
-    array = np.array(values, dtype=np.float64)
-    array.flags.writeable = False
-    return array
+def _origins(file: RobotFile, driven: Sequence[Joint]) -> Mapping[str, str]:
+    tip = FILE if file.text("end_effector") else "the end of the chain"
+    return {"end_effector": tip, **{quantity: origin(file, quantity, driven) for quantity in JOINT_KEYS}}

@@ -33,7 +33,13 @@ class Simulation(Protocol):
         """Put the robots in `mask` at rest at joint positions `qpos`, (num_envs, dof); leave the others alone."""
 
     def drive(self, qpos: Float, duration: float) -> State:
-        """Drive each joint at constant speed towards its target `qpos`, (num_envs, dof), for `duration` [s]."""
+        """Drive each joint at constant speed towards its target `qpos`, (num_envs, dof), for `duration` [s].
+
+        The duration is the control period or, for a way in several pieces, a whole part of it.
+
+        Raises:
+            UsageError: The engine cannot divide the control period so.
+        """
 
     def place(self, qpos: Float) -> State:
         """Put all robots at `qpos`, (num_envs, dof), without dynamics: at rest, engine state overwritten."""
@@ -61,5 +67,5 @@ class Simulator(Protocol):
         Args:
             robot: The arm; its URDF is the single source of truth.
             num_envs: How many, >= 1.
-            control_period: The duration that `drive` will be called with, [s].
+            control_period: The longest duration that `drive` will be called with, [s].
         """

@@ -1,11 +1,10 @@
-"""The serial chain of joints that a URDF describes, from its root link to a named tip link.
+"""The tree of links that a URDF describes, and the serial chain of joints from its root link to a named tip link.
 
-Only what kinematics needs is read: joints, their frames, axes and limits. Shapes and masses are left to the simulators,
-which read the same text with their own parsers. Reference: http://wiki.ros.org/urdf/XML/joint
+Only what kinematics needs is read: joints, their frames, axes and limits. Reference: http://wiki.ros.org/urdf/XML/joint
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, cast, get_args
 from xml.etree import ElementTree
@@ -14,6 +13,8 @@ from xml.etree.ElementTree import Element
 from harness.errors import UsageError
 
 JointKind = Literal["fixed", "revolute", "continuous", "prismatic"]
+KINDS = (*get_args(JointKind), "planar", "floating")
+"""All that a URDF has; the last two move in several ways at once and cannot be on a chain."""
 Vector = tuple[float, float, float]
 
 
@@ -59,19 +60,46 @@ def read_chain(urdf: str, tip: str) -> tuple[Joint, ...]:
     Raises:
         UsageError: The text is no URDF, its links are no tree, or a joint of the chain cannot be computed with.
     """
+    robot = parse_urdf(urdf)
+    links = [_name(link) for link in robot.findall("link")]
+    if tip not in links:
+        raise UsageError(f"No link '{tip}' in the URDF. Name one of its links as the tip: {_quoted(links)}.")
+    chain = tuple(_read_joint(joint) for joint in _path_to(tip, carriers(robot)))
+    if all(joint.kind == "fixed" for joint in chain):
+        raise UsageError(f"No joint moves between the root link and '{tip}'. Name a tip beyond a joint that moves.")
+    return chain
+
+
+def parse_urdf(urdf: str) -> Element:
+    """The outermost element of a URDF.
+
+    Args:
+        urdf: Text of the URDF.
+
+    Returns:
+        `<robot>`; names are unique, each joint has a known type and joins two links, the links are one tree.
+
+    Raises:
+        UsageError: The text is no such URDF.
+    """
     robot = _parse(urdf)
     links = [_name(link) for link in robot.findall("link")]
     joints = robot.findall("joint")
     _check_unique("link", links)
     _check_unique("joint", [_name(joint) for joint in joints])
+    for joint in joints:
+        if joint.get("type") not in KINDS:
+            raise _joint_error(joint, f"is of type '{joint.get('type')}'; allowed: {', '.join(KINDS)}. Change it.")
     _check_tree(links, joints)
-    if tip not in links:
-        raise UsageError(f"No link '{tip}' in the URDF. Name one of its links as the tip: {_quoted(links)}.")
+    carrier = carriers(robot)
+    for link in links:
+        _path_to(link, carrier)  # raises where joints form a loop
+    return robot
 
-    chain = tuple(_read_joint(joint) for joint in _path_to(tip, joints))
-    if all(joint.kind == "fixed" for joint in chain):
-        raise UsageError(f"No joint moves between the root link and '{tip}'. Name a tip beyond a joint that moves.")
-    return chain
+
+def carriers(robot: Element) -> dict[str, Element]:
+    """The joint that carries each link, by the link's name; all links of `robot` but the root have one."""
+    return {linked(joint, "child"): joint for joint in robot.findall("joint")}
 
 
 def _parse(urdf: str) -> Element:
@@ -92,8 +120,8 @@ def _check_unique(what: str, names: Sequence[str]) -> None:
 
 def _check_tree(links: Sequence[str], joints: Sequence[Element]) -> None:
     """Raises unless each joint joins two links of the URDF, no link has two parents, and exactly one has none."""
-    children = [_linked(joint, "child") for joint in joints]
-    parents = [_linked(joint, "parent") for joint in joints]
+    children = [linked(joint, "child") for joint in joints]
+    parents = [linked(joint, "parent") for joint in joints]
     unknown = sorted({*children, *parents} - set(links))
     if unknown:
         raise UsageError(f"Joints name links that the URDF does not define: {_quoted(unknown)}. Define or rename them.")
@@ -106,17 +134,28 @@ def _check_tree(links: Sequence[str], joints: Sequence[Element]) -> None:
         raise UsageError(f"A URDF has one root link, carried by no joint; found: {found}. Join all links in one tree.")
 
 
-def _path_to(tip: str, joints: Sequence[Element]) -> list[Element]:
+def _path_to(tip: str, carrier: Mapping[str, Element]) -> list[Element]:
     """The joints from the root to `tip`; found upwards from the tip, where the way is unique."""
-    carrier = {_linked(joint, "child"): joint for joint in joints}
     path: list[Element] = []
     link = tip
     while link in carrier:
         if carrier[link] in path:
             raise UsageError(f"The joints above link '{tip}' form a loop. Remove one: a URDF is a tree.")
         path.append(carrier[link])
-        link = _linked(carrier[link], "parent")
+        link = linked(carrier[link], "parent")
     return path[::-1]
+
+
+def linked(joint: Element, end: Literal["parent", "child"]) -> str:
+    """Name of the link at one end of a joint.
+
+    Raises:
+        UsageError: The joint names none.
+    """
+    link = _text(joint, end, "link")
+    if link is None:
+        raise _joint_error(joint, f"names no {end} link. Give it <{end} link=.../>.")
+    return link
 
 
 def _read_joint(joint: Element) -> Joint:
@@ -125,11 +164,11 @@ def _read_joint(joint: Element) -> Joint:
     return Joint(
         name=_name(joint),
         kind=kind,
-        parent=_linked(joint, "parent"),
-        child=_linked(joint, "child"),
-        xyz=_vector(joint, "origin", "xyz", default=(0.0, 0.0, 0.0)),
-        rpy=_vector(joint, "origin", "rpy", default=(0.0, 0.0, 0.0)),
-        axis=_axis(joint),
+        parent=linked(joint, "parent"),
+        child=linked(joint, "child"),
+        xyz=read_vector(joint, "origin", "xyz", default=(0.0, 0.0, 0.0)),
+        rpy=read_vector(joint, "origin", "rpy", default=(0.0, 0.0, 0.0)),
+        axis=(1.0, 0.0, 0.0) if kind == "fixed" else read_axis(joint),
         lower=lower,
         upper=upper,
         velocity=_velocity(joint),
@@ -145,8 +184,13 @@ def _kind(joint: Element) -> JointKind:
     return cast(JointKind, kind)
 
 
-def _axis(joint: Element) -> Vector:
-    x, y, z = _vector(joint, "axis", "xyz", default=(1.0, 0.0, 0.0))  # the default of the URDF reference
+def read_axis(joint: Element) -> Vector:
+    """Unit vector along which the joint slides or about which it turns, in the joint's frame.
+
+    Raises:
+        UsageError: It has no length.
+    """
+    x, y, z = read_vector(joint, "axis", "xyz", default=(1.0, 0.0, 0.0))  # the default of the URDF reference
     length = math.hypot(x, y, z)
     if length == 0.0:
         raise _joint_error(joint, "has an axis of zero length. Give one that has a direction.")
@@ -156,7 +200,7 @@ def _axis(joint: Element) -> Vector:
 def _limits(joint: Element, kind: JointKind) -> tuple[float, float]:
     if kind in ("fixed", "continuous"):
         return -math.inf, math.inf
-    lower, upper = _number(joint, "limit", "lower"), _number(joint, "limit", "upper")
+    lower, upper = read_number(joint, "limit", "lower"), read_number(joint, "limit", "upper")
     if lower is None or upper is None:
         raise _joint_error(joint, f"is {kind} and has no limits. Give it <limit lower=... upper=.../>.")
     if lower >= upper:
@@ -165,13 +209,18 @@ def _limits(joint: Element, kind: JointKind) -> tuple[float, float]:
 
 
 def _velocity(joint: Element) -> float | None:
-    velocity = _number(joint, "limit", "velocity")
+    velocity = read_number(joint, "limit", "velocity")
     if velocity is not None and velocity <= 0.0:
         raise _joint_error(joint, f"has the velocity limit {velocity:g}. Give a positive one, or leave it out.")
     return velocity
 
 
-def _vector(joint: Element, tag: str, attribute: str, default: Vector) -> Vector:
+def read_vector(joint: Element, tag: str, attribute: str, default: Vector) -> Vector:
+    """Three numbers in an attribute of the joint's element `tag`.
+
+    Raises:
+        UsageError: They are not three finite numbers.
+    """
     text = _text(joint, tag, attribute)
     if text is None:
         return default
@@ -181,7 +230,12 @@ def _vector(joint: Element, tag: str, attribute: str, default: Vector) -> Vector
     return numbers[0], numbers[1], numbers[2]
 
 
-def _number(joint: Element, tag: str, attribute: str) -> float | None:
+def read_number(joint: Element, tag: str, attribute: str) -> float | None:
+    """An attribute of the joint's element `tag`; None where it is missing.
+
+    Raises:
+        UsageError: It is no finite number.
+    """
     text = _text(joint, tag, attribute)
     return None if text is None else _finite(joint, text)
 
@@ -200,13 +254,6 @@ def _text(joint: Element, tag: str, attribute: str) -> str | None:
     """The attribute of the joint's element `tag`; None where either is missing."""
     element = joint.find(tag)
     return None if element is None else element.get(attribute)
-
-
-def _linked(joint: Element, end: Literal["parent", "child"]) -> str:
-    link = _text(joint, end, "link")
-    if link is None:
-        raise _joint_error(joint, f"names no {end} link. Give it <{end} link=.../>.")
-    return link
 
 
 def _name(element: Element) -> str:

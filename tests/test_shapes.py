@@ -1,14 +1,14 @@
-"""Collision shapes of a URDF, the joints that move them, and how low they reach."""
+"""Collision shapes of a URDF and the joints that move them."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.kinematics import Chain, build_chain, forward, link_frames, transform
-from harness.shapes import Shape, Solids, attach_shapes, build_solids, read_shapes
-from harness.urdf import read_chain
+from harness.kinematics import transform
+from harness.shapes import attach_shapes, read_shapes
 
 ARM = """
 <robot name="arm">
@@ -22,7 +22,6 @@ ARM = """
   </link>
   <link name="slider">
     <collision><origin rpy="1 0 0"/><geometry><capsule radius="0.04" length="0.2"/></geometry></collision>
-    <collision><geometry><mesh filename="nowhere.stl"/></geometry></collision>
   </link>
   <link name="bracket"/> <link name="flange"/>
   <link name="tip"><collision><origin xyz="0 0.1 0"/><geometry><sphere radius="0.07"/></geometry></collision></link>
@@ -48,28 +47,10 @@ ARM = """
 </robot>
 """
 JOINTS = ("turn", "slide", "spin")
-CHAIN = build_chain(read_chain(ARM, "tip"))
-SOLIDS = build_solids(attach_shapes(ARM, JOINTS))
-
-
-def random_joints(count: int, dof: int = 3) -> np.ndarray:
-    """Joint positions, (count, dof)."""
-    return np.random.default_rng(3).uniform(-3.0, 3.0, (count, dof))
-
-
-def rotations(count: int) -> np.ndarray:
-    """Frames with random orientation at the origin, as of one joint, (1, 3, 4, count)."""
-    matrices, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(count, 3, 3)))
-    return np.concatenate([matrices, np.zeros((count, 3, 1))], axis=2).transpose(1, 2, 0)[None]
-
-
-def one(kind: str, *size: float) -> Solids:
-    """A shape alone, at the origin of the only joint's frame."""
-    return build_solids([[Shape(kind, size, np.eye(4))]])
 
 
 def test_all_kinds_are_read():
-    """Each link has its shapes in the order of the file, with kind and size; meshes are skipped."""
+    """Each link has its shapes in the order of the file, with kind and size."""
     found = {link: [(shape.kind, shape.size) for shape in shapes] for link, shapes in read_shapes(ARM).items()}
     assert found == {
         "base": [("sphere", (9.0,))],
@@ -86,8 +67,8 @@ def test_all_kinds_are_read():
 def test_origin_is_the_transform():
     """A shape's origin is read as a joint's; without one the shape sits in the link's frame."""
     box, cylinder = read_shapes(ARM)["upper"]
-    turn = CHAIN.T_previous_joint[0]
-    np.testing.assert_allclose(box.T_link_shape[:3, :3], turn[:3, :3], atol=1e-15)
+    expected = transform((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
+    np.testing.assert_allclose(box.T_link_shape, expected, atol=1e-15)
     np.testing.assert_array_equal(box.T_link_shape[:3, 3], [0.1, 0.2, 0.3])
     np.testing.assert_array_equal(cylinder.T_link_shape, np.eye(4))
 
@@ -136,95 +117,31 @@ def test_malformed_fixed_joint_is_a_usage_error():
         attach_shapes(ARM.replace('xyz="1 0 0"', 'xyz="1 0"'), JOINTS)
 
 
-def test_frames_are_those_of_the_kinematics():
-    """The last frame, with the constant step to the tip, is the tip's pose; each other one that of a shorter chain."""
-    qpos = random_joints(50)
-    frames = link_frames(CHAIN, qpos)
-    assert frames.shape == (3, 3, 4, 50)
-    for count in (1, 2, 3):
-        part = Chain(CHAIN.T_previous_joint[:count], CHAIN.axes[:count], CHAIN.kinds[:count], np.eye(4))
-        expected = forward(part, qpos[:, :count])[:, :3]
-        np.testing.assert_allclose(frames[count - 1].transpose(2, 0, 1), expected, atol=1e-14)
+def _with_mesh(mesh: str) -> str:
+    return ARM.replace('<cylinder radius="0.05" length="0.4"/>', mesh)
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 7, 16])
-def test_frames_do_not_depend_on_the_batch(count: int):
-    """A pose's frames are, bit for bit, those that it has among a thousand others."""
-    qpos = random_joints(1000)
-    many = link_frames(CHAIN, qpos)
-    for start in range(0, 900, 131):
-        few = link_frames(CHAIN, qpos[start : start + count])
-        np.testing.assert_array_equal(few, many[..., start : start + count])
-
-
-def test_frames_of_the_wrong_number_of_joints_are_refused():
-    """One value too many is a UsageError."""
-    with pytest.raises(UsageError, match="Give one value per joint"):
-        link_frames(CHAIN, np.zeros((5, 4)))
+def test_mesh_is_its_points_scaled(tmp_path: Path):
+    """A mesh collides as the points of its file, times the scale, each once; its origin is read as of other shapes."""
+    (tmp_path / "part.obj").write_text("v 1 2 3\nv 0 0 0\nv 1 2 3\nf 1 2 3\n")
+    mesh = read_shapes(_with_mesh(f'<mesh filename="{tmp_path}/part.obj" scale="0.1 1 -2"/>'))["upper"][1]
+    assert (mesh.kind, mesh.size) == ("mesh", ())
+    np.testing.assert_array_equal(mesh.points, [[0, 0, 0], [0.1, 2, -6]])
 
 
 @pytest.mark.parametrize(
-    ("solids", "flat", "upright"),
+    ("mesh", "message"),
     [
-        (one("box", 0.2, 0.4, 0.6), 0.1, 0.3),
-        (one("cylinder", 0.2, 0.6), 0.2, 0.3),
-        (one("capsule", 0.2, 0.6), 0.2, 0.5),
-        (one("sphere", 0.2), 0.2, 0.2),
+        ('<mesh filename="part.dae"/>', "Link 'upper' has a collision mesh: 'part.dae' is no STL or OBJ file. Convert"),
+        ('<mesh filename="none.stl"/>', "'none.stl' cannot be read as a mesh"),
+        ('<mesh filename="part.obj" scale="1 1"/>', "'1 1' in <mesh scale=...>, where 3 finite numbers belong"),
+        ('<mesh filename="part.obj" scale="1 0 1"/>', "'1 0 1' in <mesh scale=...>. Give factors that are not 0."),
     ],
 )
-def test_lowest_point_where_it_is_known(solids: Solids, flat: float, upright: float):
-    """Upright, and lying with its x axis down, each shape reaches as low as its size says, below its height of 1 m."""
-    lying = [[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 1.0]]
-    standing = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1.0]]
-    frames = np.moveaxis(np.array([lying, standing]), 0, -1)[None]
-    np.testing.assert_allclose(solids.lowest(frames), [1.0 - flat, 1.0 - upright], atol=1e-15)
-
-
-def test_lowest_point_of_a_box_is_a_corner():
-    """In any orientation of the link, wherever in the link the box is."""
-    frames, pose = rotations(200), transform((0.5, -0.6, 0.7), (0.4, 0.5, 0.6))
-    corners = np.stack(np.meshgrid([-0.1, 0.1], [-0.2, 0.2], [-0.3, 0.3])).reshape(3, -1)
-    in_link = pose[:3, :3] @ corners + pose[:3, 3:]
-    heights = np.einsum("kn,kc->nc", frames[0, 2, :3], in_link).min(axis=1)
-    box = build_solids([[Shape("box", (0.2, 0.4, 0.6), pose)]])
-    np.testing.assert_allclose(box.lowest(frames), heights, atol=1e-14)
-
-
-@pytest.mark.parametrize(("kind", "ball"), [("cylinder", 0.0), ("capsule", 0.2)])
-def test_lowest_point_of_a_round_shape_is_on_its_rims(kind: str, ball: float):
-    """In any orientation: on a cylinder's rims, and a ball's radius below the ends of a capsule."""
-    frames, angle = rotations(200), np.linspace(0.0, 2.0 * np.pi, 2000)
-    rim = (0.2 - ball) * np.array([np.cos(angle), np.sin(angle)])
-    ends = np.concatenate([np.vstack([rim, np.full_like(angle, end)]) for end in (-0.3, 0.3)], axis=1)
-    heights = np.einsum("kn,kc->nc", frames[0, 2, :3], ends).min(axis=1) - ball
-    np.testing.assert_allclose(one(kind, 0.2, 0.6).lowest(frames), heights, atol=1e-6)
-
-
-def test_chain_reaches_as_low_as_the_lowest_of_its_shapes():
-    """All shapes together reach as low as the lowest one alone, each on its own joint."""
-    frames = link_frames(CHAIN, random_joints(300))
-    attached = attach_shapes(ARM, JOINTS)
-    alone = [
-        build_solids([[shape] if number == frame else [] for number in range(3)]).lowest(frames)
-        for frame, shapes in enumerate(attached)
-        for shape in shapes
-    ]
-    np.testing.assert_array_equal(SOLIDS.lowest(frames), np.min(alone, axis=0))
-    assert set(np.argmin(alone, axis=0)) >= {1, 2, 3}  # one at least of each joint
-
-
-def test_bounds_skip_nothing_that_touches():
-    """The ground is touched exactly where the lowest point is below it, at any height of the arm."""
-    frames = link_frames(CHAIN, random_joints(2000))
-    frames[:, 2, 3] += np.random.default_rng(7).uniform(-0.5, 1.5, 2000)
-    touching = SOLIDS.touch_ground(frames)
-    np.testing.assert_array_equal(touching, SOLIDS.lowest(frames) < 0.0)
-    assert 200 < touching.sum() < 1800
-
-
-def test_without_shapes_nothing_touches():
-    """An arm of meshes alone has no lowest point."""
-    solids = build_solids([[], [], []])
-    frames = link_frames(CHAIN, random_joints(4))
-    assert not solids.touch_ground(frames).any()
-    np.testing.assert_array_equal(solids.lowest(frames), np.inf)
+def test_mesh_that_cannot_collide_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mesh: str, message: str):
+    """One line names the link, the file, and what to do."""
+    monkeypatch.chdir(tmp_path)
+    Path("part.obj").write_text("v 1 2 3\n")
+    with pytest.raises(UsageError, match=re.escape(message)) as caught:
+        read_shapes(_with_mesh(mesh))
+    assert "\n" not in str(caught.value)

@@ -96,11 +96,12 @@ def test_defaults_are_those_of_the_urdf_reference():
         ('<child link="finger"/>', "", "Joint 'grip' names no child link."),
         ('<parent link="base"/>', "", "Joint 'turn' names no parent link."),
         ('<link name="finger"/>', '<link name="finger"/> <link name="car"/>', "one root link, .*: 'base', 'car'."),
-        ('<parent link="base"/>', '<parent link="tip"/>', "The joints above link 'tip' form a loop."),
+        ('<parent link="base"/>', '<parent link="tip"/>', "The joints above link 'upper' form a loop."),
         ('"tip"', '"tool"', "No link 'tip' in the URDF. .*: 'base', 'upper', 'lower', 'slider', 'tool', 'finger'."),
         ('"revolute"', '"floating"', "Joint 'bend' is of type 'floating'; allowed .*: fixed, revolute, cont"),
         ('"revolute"', '"planar"', "Joint 'bend' is of type 'planar'; allowed"),
-        (' type="revolute"', "", "Joint 'bend' is of type 'None'; allowed"),
+        (' type="revolute"', "", "Joint 'bend' is of type 'None'; allowed: fixed, .*, floating. Change it."),
+        ('"planar"', '"hinge"', "Joint 'grip' is of type 'hinge'; allowed"),
         (BEND, BEND + '<mimic joint="turn"/>', "Joint 'bend' mimics another one"),
         ("0 0 -2", "0 0 0", "Joint 'bend' has an axis of zero length."),
         ("0 0 -2", "0 0", "Joint 'bend' has 2 numbers in <axis xyz=...>. Give three."),
@@ -135,6 +136,23 @@ def test_no_root_is_refused():
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="a"/></joint>'
     with pytest.raises(UsageError, match="one root link, carried by no joint; found: none"):
         read_chain(f'<robot name="ring"><link name="a"/>{joint}</robot>', "a")
+
+
+def test_fixed_joint_needs_no_axis():
+    """Exporters write an axis of no length where there is nothing to turn about."""
+    urdf = ARM.replace('<origin xyz="0 0 1"/>', '<origin xyz="0 0 1"/> <axis xyz="0 0 0"/>')
+    assert urdf != ARM
+    assert read_chain(urdf, "tip") == read_chain(ARM, "tip")
+
+
+def test_loop_beside_the_chain_is_refused():
+    """Two links that carry one another hang nowhere, and an engine would stop at them."""
+    ring = "".join(
+        f'<link name="{a}"/><joint name="{a}" type="fixed"><parent link="{a}"/><child link="{b}"/></joint>'
+        for a, b in ("pq", "qp")
+    )
+    with pytest.raises(UsageError, match="The joints above link 'p' form a loop"):
+        read_chain(ARM.replace("</robot>", ring + "</robot>"), "tip")
 
 
 @pytest.mark.parametrize("tip", ["base", "tool"])

@@ -7,8 +7,9 @@ from pydantic.dataclasses import dataclass
 from harness.errors import UsageError
 from harness.kinematics import link_frames
 from harness.robot import Robot
-from harness.shapes import attach_shapes, build_solids
+from harness.shapes import attach_shapes
 from harness.simulator import State
+from harness.solids import build_solids
 
 Float = NDArray[np.float64]
 
@@ -17,8 +18,7 @@ Float = NDArray[np.float64]
 class Kinematic:
     """Arms without mass: no delay, no error, no force of the ground.
 
-    Ground contact is exact for the boxes, cylinders, capsules and spheres of the moving links' collision shapes. A
-    mesh is no shape: it touches nothing.
+    Ground contact is exact for the moving links' collision shapes: boxes, cylinders, capsules, spheres and meshes.
     """
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "KinematicSimulation":

@@ -12,6 +12,7 @@ from pydantic.dataclasses import dataclass
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import State
+from harness.substeps import Substeps
 from harness_plugins.mujoco_model import build_model
 
 Float = NDArray[np.float64]
@@ -44,17 +45,18 @@ class MujocoSimulation:
     def __init__(self, settings: Mujoco, robot: Robot, num_envs: int, control_period: float) -> None:
         self.model = build_model(robot, control_period / settings.substeps, settings.bandwidth)
         n, dof = num_envs, robot.dof
-        self._substeps, self._num_envs, self._dof = settings.substeps, n, dof
+        self._num_envs, self._dof = n, dof
+        self._substeps = Substeps(settings.substeps, control_period)
         self._data = data = mujoco.MjData(self.model)
-        tip = data.xpos[self.model.body(robot.end_effector_link).id]  # a view, as all of MjData's arrays
-        self._tip = tip
-        self._controls = np.zeros((n, 1, 2 * dof))
+        seen = data.sensordata  # a view, as all of MjData's arrays
+        # What the actuators are fed: the joint speeds twice. One arm's are MjData's own.
+        self._controls = np.zeros((n, 1, 2 * dof)) if n > 1 else data.ctrl[None, None]
         self._speeds = self._controls.reshape(n, 2, dof)
         self._rollout: Any = None
         self._renderer: Any = None
         if n == 1:
-            self._held, self._touch = data.act[None], data.sensordata[:1]
-            self._state = State(data.qpos[None], data.qvel[None], tip[None], np.zeros(1, bool))
+            self._held, self._touch = data.act[None], seen[:1]
+            self._state = State(data.qpos[None], data.qvel[None], seen[None, 1:], np.zeros(1, bool))
         else:
             self._open_rollout(min(settings.threads, n))
 
@@ -67,10 +69,7 @@ class MujocoSimulation:
         self._held = states[:, 1 + 2 * dof : 1 + 3 * dof]  # what the position servos hold
         qpos, qvel = states[:, 1 : 1 + dof], states[:, 1 + dof : 1 + 2 * dof]
         self._state = State(qpos, qvel, np.zeros((n, 3)), np.zeros(n, bool))
-        self._outputs = {
-            "state": np.zeros((n, self._substeps, states.shape[1])),
-            "sensordata": np.zeros((n, self._substeps, model.nsensordata)),
-        }
+        self._outputs: dict[int, dict[str, Float]] = {}  # by the number of physics steps
 
     def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
         """See `harness.simulator.Simulation`."""
@@ -81,7 +80,7 @@ class MujocoSimulation:
             mujoco.mj_forward(self.model, data)
             if self._rollout is not None:
                 mujoco.mj_getState(self.model, data, self._states[k], FULL)
-                self._touch[k], self._state.end_effector[k] = data.sensordata[0], self._tip
+                self._touch[k], self._state.end_effector[k] = data.sensordata[0], data.sensordata[1:]
         return self.read()
 
     def place(self, qpos: Float) -> State:
@@ -91,26 +90,42 @@ class MujocoSimulation:
     def drive(self, qpos: Float, duration: float) -> State:
         """See `harness.simulator.Simulation`."""
         # From where the servos hold now to the target: rounding cannot add up over periods.
-        np.divide(qpos - self._held, duration, out=self._speeds[:, 0])
-        self._speeds[:, 1] = self._speeds[:, 0]
+        np.divide((qpos - self._held)[:, None], duration, out=self._speeds)
         if self._rollout is None:
-            self._data.ctrl = self._controls[0, 0]
-            mujoco.mj_step(self.model, self._data, self._substeps)
-            mujoco.mj_kinematics(self.model, self._data)  # mj_step leaves the links one substep behind
+            self._drive_one(self._substeps.within(duration))
         else:
-            self._drive_many()
+            self._drive_many(self._substeps.within(duration))
         return self.read()
 
-    def _drive_many(self) -> None:
-        self._rollout.rollout(
-            self.model, self._thread_data, self._states, self._controls, nstep=self._substeps, **self._outputs
-        )
-        self._states[:] = self._outputs["state"][:, -1]
-        self._touch[:] = self._outputs["sensordata"][:, -1, 0]
-        for k in range(self._num_envs):
-            self._data.qpos = self._state.qpos[k]
-            mujoco.mj_kinematics(self.model, self._data)
-            self._state.end_effector[k] = self._tip
+    def _drive_one(self, steps: int) -> None:
+        """So many physics steps, shifted by half a step: links and contacts are those of the end, not of one before."""
+        model, data = self.model, self._data
+        mujoco.mj_step2(model, data)
+        if steps > 1:
+            mujoco.mj_step(model, data, steps - 1)
+        mujoco.mj_step1(model, data)
+
+    def _drive_many(self, steps: int) -> None:
+        outputs = self._outputs_of(steps)
+        self._rollout.rollout(self.model, self._thread_data, self._states, self._controls, nstep=steps, **outputs)
+        self._states[:] = outputs["state"][:, -1]
+        self._look()
+
+    def _look(self) -> None:
+        """Links and contacts of the states as they are: what one more physics step, that is forgotten, starts from."""
+        outputs = self._outputs_of(1)
+        self._rollout.rollout(self.model, self._thread_data, self._states, self._controls, nstep=1, **outputs)
+        seen = outputs["sensordata"][:, 0]
+        self._touch[:], self._state.end_effector[...] = seen[:, 0], seen[:, 1:]
+
+    def _outputs_of(self, steps: int) -> dict[str, Float]:
+        """Where `mujoco.rollout` writes so many physics steps; allocated once."""
+        if steps not in self._outputs:
+            self._outputs[steps] = {
+                "state": np.zeros((self._num_envs, steps, self._states.shape[1])),
+                "sensordata": np.zeros((self._num_envs, steps, self.model.nsensordata)),
+            }
+        return self._outputs[steps]
 
     def read(self) -> State:
         """See `harness.simulator.Simulation`."""

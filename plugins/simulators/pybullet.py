@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
-from xml.etree import ElementTree
 
 import numpy as np
 import pybullet
@@ -20,17 +19,16 @@ from pydantic.dataclasses import dataclass
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import State
+from harness.substeps import Substeps
 
 Float = NDArray[np.float64]
 Count = Annotated[int, Field(gt=0)]
 
 GRAVITY = -9.81
 """Along z, [m/s^2]."""
-UNLIMITED = 1e6
-"""Force of a motor whose joint has no effort in the URDF, [N m] or [N]."""
+FORCE = 1e6
+"""Of a motor at most, [N m] or [N]: drives are strong enough, whatever a URDF has as effort."""
 LOAD_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
-NO_MASS = """<inertial><mass value="1e-6"/>
-<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial>"""
 BASE = -1
 """Bullet's number of the root link."""
 DISTANCE, NORMAL_FORCE = 8, 9
@@ -41,8 +39,8 @@ DISTANCE, NORMAL_FORCE = 8, 9
 class PyBullet:
     """Bullet with velocity motors that track a joint ramp.
 
-    Over a control period each motor holds the speed that leads from where the joint is to its target, with no more
-    force than the URDF's effort. The motors are constraints of the solver: they carry the arm against gravity.
+    Over a control period each motor holds the speed that leads from where the joint is to its target. The motors are
+    constraints of the solver: they carry the arm against gravity.
     A client takes about 28 MB of memory, and a process has at most 1,024 of them.
     """
 
@@ -59,6 +57,7 @@ class PyBulletSimulation:
 
     def __init__(self, settings: PyBullet, robot: Robot, num_envs: int, control_period: float) -> None:
         self._robot, self._num_envs = robot, num_envs
+        self._substeps, self._duration = Substeps(settings.substeps, control_period), control_period
         self._clients: list[int] = []
         self._close = weakref.finalize(self, _disconnect, self._clients)
         self._scene: Scene | None = None
@@ -88,12 +87,20 @@ class PyBulletSimulation:
 
     def drive(self, qpos: Float, duration: float) -> State:
         """See `harness.simulator.Simulation`."""
+        if duration != self._duration:
+            self._set_duration(duration)
         # From where the joints are to their targets: errors cannot add up over periods.
         speeds = ((qpos - self._state.qpos) / duration).tolist()
         for k, arm in enumerate(self.arms):
             arm.turn(speeds[k])
             arm.read(self._state, k)
         return self._state
+
+    def _set_duration(self, duration: float) -> None:
+        steps = self._substeps.within(duration)
+        for arm in self.arms:
+            _set_steps(arm.client, exact_timestep(self._substeps.period, self._substeps.count), steps)
+        self._duration = duration
 
     def read(self) -> State:
         """See `harness.simulator.Simulation`."""
@@ -117,7 +124,8 @@ class Arm:
         self.client = client
         _set_options(client, period, substeps, iterations)
         self.body = load_body(client, robot, LOAD_FLAGS | pybullet.URDF_IGNORE_VISUAL_SHAPES)
-        links, self.joints, self.forces = _numbers(client, self.body, robot)
+        links, self.joints = _numbers(client, self.body, robot)
+        self.forces = [FORCE] * robot.dof
         self.tip = links[robot.end_effector_link]
         self.ground = _add_ground(client, self.body, self.joints)
         pybullet.changeDynamics(self.body, BASE, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
@@ -159,7 +167,7 @@ class Scene:
     def __init__(self, client: int, robot: Robot) -> None:
         self.client = client
         self.body = load_body(client, robot, LOAD_FLAGS)
-        _, self.joints, _ = _numbers(client, self.body, robot)
+        _, self.joints = _numbers(client, self.body, robot)
         _add_shape(client, [0.0, 0.0, -0.01], pybullet.GEOM_BOX, halfExtents=[3, 3, 0.01], rgbaColor=[0.8, 0.8, 0.8, 1])
         red = [0.85, 0.2, 0.15, 1]
         self.target = _add_shape(client, [0.0, 0.0, 0.0], pybullet.GEOM_SPHERE, radius=0.03, rgbaColor=red)
@@ -198,7 +206,7 @@ def load_body(client: int, robot: Robot, flags: int) -> int:
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "robot.urdf")
-        path.write_text(_complete_urdf(robot), encoding="utf-8")
+        path.write_text(robot.urdf, encoding="utf-8")
         try:
             with _c_prints_on_stderr():
                 return int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
@@ -218,35 +226,23 @@ def exact_timestep(period: float, substeps: int) -> float:
 def _set_options(client: int, period: float, substeps: int, iterations: int) -> None:
     pybullet.setGravity(0.0, 0.0, GRAVITY, physicsClientId=client)
     pybullet.setPhysicsEngineParameter(
-        fixedTimeStep=exact_timestep(period, substeps) * substeps, numSubSteps=substeps,
-        numSolverIterations=iterations, deterministicOverlappingPairs=1, physicsClientId=client,
-    )  # fmt: skip
+        numSolverIterations=iterations, deterministicOverlappingPairs=1, physicsClientId=client
+    )
+    _set_steps(client, exact_timestep(period, substeps), substeps)
 
 
-def _complete_urdf(robot: Robot) -> str:
-    """The robot's URDF with nothing left to guess: absolute mesh paths, and next to no mass where none is given.
-
-    Bullet would give such a link 1 kg.
-    """
-    tree = ElementTree.fromstring(robot.urdf)
-    for link in tree.iter("link"):
-        if link.find("inertial") is None:
-            link.append(ElementTree.fromstring(NO_MASS))
-    for mesh in tree.iter("mesh"):
-        filename = mesh.get("filename", "")
-        if "://" not in filename:
-            mesh.set("filename", str(robot.folder.absolute() / filename))
-    return ElementTree.tostring(tree, encoding="unicode")
+def _set_steps(client: int, timestep: float, steps: int) -> None:
+    """Let every `stepSimulation` do so many physics steps."""
+    pybullet.setPhysicsEngineParameter(fixedTimeStep=timestep * steps, numSubSteps=steps, physicsClientId=client)
 
 
-def _numbers(client: int, body: int, robot: Robot) -> tuple[dict[str, int], list[int], list[float]]:
-    """Bullet's numbers of the links by name; of the driven joints in the robot's order; the force limits of these."""
+def _numbers(client: int, body: int, robot: Robot) -> tuple[dict[str, int], list[int]]:
+    """Bullet's numbers of the links by name, and of the driven joints in the robot's order."""
     count = pybullet.getNumJoints(body, physicsClientId=client)
     infos = [pybullet.getJointInfo(body, number, physicsClientId=client) for number in range(count)]
     links = {info[12].decode(): info[0] for info in infos}
-    joints = {info[1].decode(): info for info in infos}
-    driven = [joints[name] for name in robot.joint_names]
-    return links, [info[0] for info in driven], [info[10] or UNLIMITED for info in driven]
+    joints = {info[1].decode(): info[0] for info in infos}
+    return links, [joints[name] for name in robot.joint_names]
 
 
 def _add_ground(client: int, body: int, joints: list[int]) -> int:

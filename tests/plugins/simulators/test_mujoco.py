@@ -52,7 +52,7 @@ def wander(simulation: Simulation, num_envs: int, periods: int, same: bool = Fal
     for period in range(periods):
         if period % 4 == 0:
             action = np.repeat(rng.uniform(-2.0, 2.0, (1 if same else num_envs, ROBOT.dof)), num_envs if same else 1, 0)
-        target, speed = MOTION.advance(target, speed, action)
+        (target,), speed, _ = MOTION.advance(target, speed, action)
         state = State._make(np.array(array) for array in simulation.drive(target, PERIOD))
         states.append(state._replace(end_effector=target))
         touching = state.ground_contact
@@ -70,7 +70,7 @@ def test_joints_follow_random_moves_at_full_speed(num_envs: int):
     in_the_air = ~np.array([state.ground_contact for state in states])
     speeds = np.array([np.abs(state.qvel) for state in states])[in_the_air]
     assert in_the_air.sum() > 2500
-    assert (speeds.max(axis=0) > 0.95 * MOTION.max_speed).all()
+    assert (speeds.max(axis=0) > 0.95 * MOTION.limits.max_speed).all()
     assert np.degrees(errors[in_the_air].max()) < 0.5
 
 

@@ -14,6 +14,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.motion import MoveJ
+from harness.plain_urdf import plain_urdf
 from harness.robot import Robot
 from harness.simulator import Simulation, State
 from harness_plugins.simulators.pybullet import PyBullet, exact_timestep
@@ -59,7 +60,7 @@ def wander(simulation: Simulation, num_envs: int, periods: int, same: bool = Fal
     for period in range(periods):
         if period % 4 == 0:
             action = np.repeat(rng.uniform(-2.0, 2.0, (1 if same else num_envs, ROBOT.dof)), num_envs if same else 1, 0)
-        target, speed = MOTION.advance(target, speed, action)
+        (target,), speed, _ = MOTION.advance(target, speed, action)
         state = copied(simulation.drive(target, PERIOD))
         states.append(state._replace(end_effector=target))
         touching = state.ground_contact
@@ -84,7 +85,7 @@ def test_joints_follow_random_moves_at_full_speed(num_envs: int):
     in_the_air = ~np.array([state.ground_contact for state in states])
     speeds = np.array([np.abs(state.qvel) for state in states])[in_the_air]
     assert in_the_air.sum() > 1800
-    assert (speeds.max(axis=0) > 0.95 * MOTION.max_speed).all()
+    assert (speeds.max(axis=0) > 0.95 * MOTION.limits.max_speed).all()
     assert np.degrees(errors[in_the_air].max()) < 0.05
 
 
@@ -362,15 +363,18 @@ def test_link_without_inertia_weighs_nothing():
     for link in tree.findall("link[@name='tool0']"):
         for inertial in link.findall("inertial"):
             link.remove(inertial)
-    simulation = open_arms(1, with_urdf(tree))
+    plain = plain_urdf(ElementTree.tostring(tree, "unicode"), ROBOT.joint_names, ROBOT.folder)
+    simulation = open_arms(1, replace(ROBOT, urdf=plain))
     (arm,) = simulation.arms
     assert pybullet.getDynamicsInfo(arm.body, arm.tip, physicsClientId=arm.client)[0] < 1e-5
 
 
 def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path: Path):
-    """A relative mesh path starts from the robot's folder: the mesh reaches the ground."""
+    """A mesh whose path starts from the robot's folder reaches the ground."""
     (tmp_path / "long.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 -3\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
-    assert open_arms(1, with_mesh(tmp_path, "long.obj")).read().ground_contact.all()
+    robot = with_mesh(tmp_path, "long.obj")
+    plain = plain_urdf(robot.urdf, robot.joint_names, tmp_path)
+    assert open_arms(1, replace(robot, urdf=plain)).read().ground_contact.all()
 
 
 def test_missing_mesh_is_a_usage_error(tmp_path: Path, capfd: pytest.CaptureFixture[str]):

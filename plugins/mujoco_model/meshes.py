@@ -1,0 +1,114 @@
+"""The meshes of an arm in a MuJoCo model, added by hand.
+
+MuJoCo's own reader of URDFs cuts the folders off mesh paths, takes two files of one name for one mesh, stops at a
+format that it does not know, and draws of an OBJ with several objects only one.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.meshes import is_readable, read_mesh
+from harness.shapes import Array, read_origin, read_scale, read_shapes
+
+GREY = [0.7, 0.7, 0.7, 1.0]
+"""Of a surface without colour."""
+COLOR = re.compile(r"(\s*(\d+\.?\d*|\.\d+)(?=\s|$)){4}\s*")
+"""Four numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Something to see.
+
+    Attributes:
+        vertices: In the mesh's frame, scaled, shape (count, 3), [m].
+        faces: Numbers of each triangle's corners, shape (triangles, 3).
+        pose: T_link_mesh, shape (4, 4).
+        color: Red, green, blue and opacity, 0 to 1.
+    """
+
+    vertices: Array
+    faces: NDArray[np.int32]
+    pose: Array
+    color: list[float]
+
+
+def without_meshes(urdf: str) -> str:
+    """The URDF without the shapes that are meshes."""
+    robot = ElementTree.fromstring(urdf)
+    for link in robot.iter("link"):
+        for shape in [*link.findall("collision"), *link.findall("visual")]:
+            if shape.find("geometry/mesh") is not None:
+                link.remove(shape)
+    return ElementTree.tostring(robot, encoding="unicode")
+
+
+def add_meshes(spec: mujoco.MjSpec, urdf: str) -> None:
+    """Add the shapes that `without_meshes` left out: convex hulls that collide, and surfaces to be seen."""
+    bodies = {body.name: body for body in spec.bodies}
+    surfaces = _read_surfaces(urdf)
+    for link, shapes in read_shapes(urdf).items():
+        body = bodies.get(link, spec.worldbody)  # the root link has become the world
+        for shape in (shape for shape in shapes if shape.kind == "mesh"):
+            mesh = _new_mesh(spec, uservert=shape.points.ravel())
+            geom = _add_geom(body, mesh, shape.T_link_shape)
+            geom.group = 3 if surfaces[link] else 0  # seen only where there is nothing else to see
+        for surface in surfaces[link]:
+            _add_surface(spec, body, surface)
+
+
+def _read_surfaces(urdf: str) -> dict[str, list[Surface]]:
+    """The surfaces of each link; formats beside STL and OBJ are left out."""
+    robot = ElementTree.fromstring(urdf)
+    colors = dict(_colors(robot))
+    return {link.get("name", ""): list(_surfaces(link, colors)) for link in robot.findall("link")}
+
+
+def _surfaces(link: Element, colors: dict[str, list[float]]) -> Iterator[Surface]:
+    owner = f"Link '{link.get('name')}'"
+    for visual in link.findall("visual"):
+        mesh, material = visual.find("geometry/mesh"), visual.find("material")
+        path = Path("" if mesh is None else mesh.get("filename", ""))
+        if mesh is not None and is_readable(path):
+            name = "" if material is None else material.get("name", "")
+            vertices = read_mesh(path).vertices * read_scale(mesh, owner)
+            yield Surface(vertices, read_mesh(path).faces, read_origin(visual, owner), colors.get(name, GREY))
+
+
+def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:
+    """Named materials and their colours, red, green, blue and opacity; a colour that is none is left out."""
+    for material in robot.iter("material"):
+        color = material.find("color")
+        words = "" if color is None else color.get("rgba", "")
+        if COLOR.fullmatch(words):
+            yield material.get("name", ""), [float(word) for word in words.split()]
+
+
+def _add_surface(spec: mujoco.MjSpec, body: Any, surface: Surface) -> None:
+    mesh = _new_mesh(spec, uservert=surface.vertices.ravel(), userface=surface.faces.ravel())
+    spec.mesh(mesh).inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # it need not enclose anything
+    geom = _add_geom(body, mesh, surface.pose)
+    geom.contype = geom.conaffinity = 0
+    geom.group, geom.rgba = 1, surface.color
+
+
+def _new_mesh(spec: mujoco.MjSpec, **settings: Any) -> str:
+    name = f"harness_mesh_{len(spec.meshes)}"
+    spec.add_mesh(name=name, **settings)
+    return name
+
+
+def _add_geom(body: Any, mesh: str, pose: Array) -> Any:
+    """A mesh in the frame `pose` of a link, (4, 4), [m]."""
+    quat = np.zeros(4)
+    mujoco.mju_mat2Quat(quat, pose[:3, :3].ravel())
+    return body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=mesh, pos=pose[:3, 3], quat=quat)

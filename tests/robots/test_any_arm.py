@@ -1,0 +1,205 @@
+"""Arms that the harness does not bring: published ones with meshes, and drawn ones with joints that slide."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pybullet
+import pytest
+
+import harness
+from harness.errors import UsageError
+from harness.robot import Robot, read_robot
+from harness.testing.simulators import SIMULATOR_CHECKS, frames_show_the_target, render_gives_a_frame_or_says_why_not
+from harness_plugins.mujoco_model import build_model
+from harness_plugins.simulators.kinematic import Kinematic
+from harness_plugins.simulators.mujoco import Mujoco
+from harness_plugins.simulators.pybullet import PyBullet
+
+PUBLISHED = {
+    "panda": ("franka_panda/panda.urdf", "panda_hand", 7),
+    "iiwa": ("kuka_iiwa/model.urdf", "lbr_iiwa_link_7", 7),
+    "xarm6": ("xarm/xarm6_robot.urdf", "link6", 6),
+}
+"""File in pybullet_data, end effector and number of joints."""
+SIMULATORS = (Mujoco(), PyBullet(), Kinematic())
+FRAME_CHECKS = {render_gives_a_frame_or_says_why_not, frames_show_the_target}
+CHECKS = [check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS]
+
+SCARA = [
+    ("revolute", "0 0 1", "0 0 0.4", 2.5), ("revolute", "0 0 1", "0.3 0 0", 2.5),
+    ("prismatic", "0 0 1", "0.3 0 0", 0.45),
+]  # fmt: skip
+GANTRY = [
+    ("prismatic", "1 0 0", "0 0 1", 0.6), ("prismatic", "0 1 0", "0 0 0", 0.6), ("prismatic", "0 0 1", "0 0 0", 0.6),
+    ("revolute", "0 0 1", "0 0 -0.1", 3.0), ("revolute", "0 1 0", "0 0 -0.1", 2.0),
+    ("revolute", "0 1 0", "0 0 -0.2", 2.0), ("continuous", "0 0 1", "0 0 -0.1", 0.0),
+    ("revolute", "1 0 0", "0 0 -0.1", 2.0),
+]  # fmt: skip
+"""Kind, axis, origin and range of each joint."""
+
+
+def drawn(joints: list[tuple[str, str, str, float]]) -> str:
+    """A URDF of boxes; every third link has no mass."""
+    text, parent = '<robot name="drawn"><link name="base"/>', "base"
+    for number, (kind, axis, origin, reach) in enumerate(joints):
+        mass = '<mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/>'
+        inertial = f"<inertial>{mass}</inertial>" if (number + 1) % 3 else ""
+        box = '<collision><geometry><box size="0.04 0.04 0.1"/></geometry></collision>'
+        limit = f'<limit lower="{-reach}" upper="{reach}" velocity="{0.5 if kind == "prismatic" else 2}" effort="0"/>'
+        text += (
+            f'<link name="l{number}">{inertial}{box}</link><joint name="j{number}" type="{kind}">{limit}'
+            f'<parent link="{parent}"/><child link="l{number}"/><origin xyz="{origin}"/><axis xyz="{axis}"/></joint>'
+        )
+        parent = f"l{number}"
+    tip = (
+        f'<joint name="mount" type="fixed"><parent link="{parent}"/><child link="tip"/><origin xyz="0 0 -0.1"/></joint>'
+    )
+    return f'{text}<link name="tip"/>{tip}</robot>'
+
+
+@pytest.fixture(scope="module", params=[*PUBLISHED, "scara", "gantry"])
+def robot(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """One arm."""
+    if request.param in PUBLISHED:
+        return published(request.param)
+    path = tmp_path_factory.mktemp("drawn") / f"{request.param}.urdf"
+    path.write_text(drawn({"scara": SCARA, "gantry": GANTRY}[request.param]))
+    return read_robot(path)
+
+
+def published(name: str) -> Robot:
+    """An arm that comes with pybullet."""
+    data = pytest.importorskip("pybullet_data", reason="the published arms come with pybullet's data")
+    return read_robot(Path(data.getDataPath(), PUBLISHED[name][0]))
+
+
+def poses(robot: Robot, count: int) -> np.ndarray:
+    """Joint positions in the whole range, (count, dof)."""
+    return np.random.default_rng(1).uniform(robot.lower, robot.upper, (count, robot.dof))
+
+
+@pytest.fixture
+def bullet() -> Iterator[int]:
+    """A client."""
+    client = pybullet.connect(pybullet.DIRECT)
+    yield client
+    pybullet.disconnect(client)
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_end_effector_and_joints_of_a_published_arm(name: str):
+    """The end is the flange, or the hand where fingers begin; fingers are no joints of the arm."""
+    robot = published(name)
+    assert (robot.end_effector_link, robot.dof) == PUBLISHED[name][1:]
+    assert not robot.chain.slides.any()
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_kinematics_is_that_of_the_published_file(name: str, bullet: int):
+    """Where Bullet, reading the maker's own file, puts the end effector, to 1e-6 m."""
+    robot = published(name)
+    data = pytest.importorskip("pybullet_data")
+    pybullet.setAdditionalSearchPath(data.getDataPath(), physicsClientId=bullet)
+    body = pybullet.loadURDF(PUBLISHED[name][0], useFixedBase=True, physicsClientId=bullet)
+    count = pybullet.getNumJoints(body, physicsClientId=bullet)
+    infos = [pybullet.getJointInfo(body, k, physicsClientId=bullet) for k in range(count)]
+    joints = {info[1].decode(): info[0] for info in infos}
+    (tip,) = (info[0] for info in infos if info[12].decode() == robot.end_effector_link)
+    for qpos in poses(robot, 50):
+        for joint, position in zip(robot.joint_names, qpos, strict=True):
+            pybullet.resetJointState(body, joints[joint], position, physicsClientId=bullet)
+        state = pybullet.getLinkState(body, tip, computeForwardKinematics=1, physicsClientId=bullet)
+        np.testing.assert_allclose(robot.end_effector(qpos), state[4], atol=1e-6)
+
+
+def test_kinematics_is_that_of_the_mujoco_model(robot: Robot):
+    """Where MuJoCo puts the end effector, to 1e-9 m."""
+    model = build_model(robot, 0.005, 100.0)
+    data = mujoco.MjData(model)
+    for qpos in poses(robot, 50):
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(model, data)
+        np.testing.assert_allclose(robot.end_effector(qpos), data.body(robot.end_effector_link).xpos, atol=1e-9)
+
+
+def test_home_is_clear_of_the_ground(robot: Robot):
+    """At home, by the rules, nothing touches the ground in any simulator, and every joint has room to move."""
+    for simulator in SIMULATORS:
+        simulation = simulator.open(robot, 1, 0.1)
+        assert not simulation.place(robot.home[None]).ground_contact.any()
+        simulation.close()
+    assert ((robot.lower < robot.home) & (robot.home < robot.upper)).all()
+
+
+def test_simulators_agree_on_ground_contact(robot: Robot):
+    """Poses touch the ground in all simulators or in none, but for those within 3 mm of it."""
+    qpos = poses(robot, 200)
+    simulations = [
+        simulator.open(robot, len(qpos) if isinstance(simulator, Kinematic) else 1, 0.1) for simulator in SIMULATORS
+    ]
+    kinematic = simulations[-1]
+    touching = kinematic.place(qpos).ground_contact.copy()
+    clear = _height(robot, qpos)
+    certain = np.flatnonzero(np.abs(clear) > 3e-3)
+    assert 5 < touching.sum() < 195
+    for simulation in simulations[:-1]:
+        contacts = [bool(simulation.place(qpos[k : k + 1]).ground_contact[0]) for k in certain]
+        np.testing.assert_array_equal(contacts, touching[certain])
+    for simulation in simulations:
+        simulation.close()
+
+
+def _height(robot: Robot, qpos: np.ndarray) -> np.ndarray:
+    """Of the lowest point of the moving links, (n,), [m]."""
+    from harness.kinematics import link_frames
+    from harness.shapes import attach_shapes
+    from harness.solids import build_solids
+
+    return build_solids(attach_shapes(robot.urdf, robot.joint_names)).lowest(link_frames(robot.chain, qpos))
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=lambda simulator: type(simulator).__name__)
+def test_simulators_keep_the_contract(robot: Robot, simulator: Any):
+    """All checks but those of frames pass for every arm on every simulator."""
+    for check in CHECKS:
+        check(simulator, robot)
+
+
+@pytest.mark.parametrize("simulator", ["mujoco", "pybullet", "kinematic"])
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_episodes_of_a_published_arm(name: str, simulator: str):
+    """The reach task takes the path of a URDF: it starts in the air, moves the arm, and gives numbers."""
+    data = pytest.importorskip("pybullet_data")
+    env = harness.make_env(simulator, robot=Path(data.getDataPath(), PUBLISHED[name][0]), num_envs=2)
+    first, _ = env.reset(seed=0)
+    for _ in range(10):
+        observation, reward, *_ = env.step(env.action_space.sample())
+        assert np.isfinite(observation).all()
+        assert np.isfinite(reward).all()
+    env.close()
+    assert np.abs(observation - first).max() > 0.01
+
+
+def test_what_mujoco_cannot_read_is_refused_in_one_line(tmp_path: Path):
+    """A collision mesh without volume has no hull; the answer names the robot."""
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    shape = '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>'
+    (tmp_path / "flat.urdf").write_text(drawn(SCARA).replace('<link name="l2">', f'<link name="l2">{shape}'))
+    with pytest.raises(UsageError, match="MuJoCo cannot load the URDF of robot 'flat': ") as caught:
+        Mujoco().open(read_robot(tmp_path / "flat.urdf"), 1, 0.1)
+    assert "\n" not in str(caught.value)
+
+
+def test_visual_mesh_that_nobody_draws_does_no_harm(tmp_path: Path):
+    """What is only seen may be of any format, as long as it is there."""
+    shape = '<visual><geometry><mesh filename="nice.dae"/></geometry></visual>'
+    path = tmp_path / "seen.urdf"
+    path.write_text(drawn(SCARA).replace('<link name="l2">', f'<link name="l2">{shape}'))
+    with pytest.raises(UsageError, match=r"seen\.urdf: Link 'l2' has the mesh 'nice\.dae', and there is no file"):
+        read_robot(path)
+    (tmp_path / "nice.dae").write_text("<COLLADA/>")
+    for simulator in SIMULATORS:
+        simulator.open(read_robot(path), 1, 0.1).close()
