@@ -7,6 +7,13 @@ import harness
 def register_simulators(register: harness.Register) -> None:
     """Announce the built-in simulators."""
     register(
+        "dm_control",
+        "harness_plugins.simulators.dm_control:DmControl",
+        summary="dm_control's Physics and control.Environment, one per arm; moves as mujoco does",
+        requires=("dm_control",),
+        extra="dm-control",
+    )
+    register(
         "kinematic",
         "harness_plugins.simulators.kinematic:Kinematic",
         summary="no dynamics: joints exactly where they are driven, many arms at once",

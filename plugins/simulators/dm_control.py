@@ -1,0 +1,229 @@
+"""dm_control: every arm an environment of dm_control's own, with a task that drives its joints."""
+
+import importlib
+import os
+import warnings
+from types import ModuleType
+from typing import Annotated, Any
+
+import numpy as np
+from dm_control.rl import control
+from dm_env import specs
+from numpy.typing import NDArray
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.errors import SimulationDiverged, UsageError
+from harness.robot import Robot
+from harness.simulator import State
+from harness.substeps import Substeps
+from harness_plugins.mujoco_model import TOUCH, build_model
+
+Float = NDArray[np.float64]
+
+
+def _import_engine() -> ModuleType:
+    """`dm_control.mujoco`, which chooses what renders while it is imported.
+
+    A choice that cannot work on this machine must not keep the arms from moving: then nothing renders.
+    """
+    try:
+        with warnings.catch_warnings():
+            # Without a screen GLFW only warns, and dm_control would take it; an error makes it try EGL and OSMesa.
+            warnings.filterwarnings("error", category=UserWarning, module="glfw")
+            return importlib.import_module("dm_control.mujoco")
+    except (AttributeError, ImportError, RuntimeError):  # as the GL libraries please; another cause comes up again
+        return _import_engine_without_renderer()
+
+
+def _import_engine_without_renderer() -> ModuleType:
+    chosen = os.environ.get("MUJOCO_GL")
+    os.environ["MUJOCO_GL"] = "off"
+    try:
+        return importlib.import_module("dm_control.mujoco")
+    finally:
+        del os.environ["MUJOCO_GL"]
+        if chosen is not None:
+            os.environ["MUJOCO_GL"] = chosen
+
+
+engine = _import_engine()
+
+
+@dataclass(frozen=True)
+class DmControl:
+    """dm_control's Physics, with the arm and the servos of simulator `mujoco`.
+
+    With equal settings it moves as `mujoco` does. A state that dm_control calls invalid ends the cell at once.
+    """
+
+    substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
+    bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 100.0
+
+    def open(self, robot: Robot, num_envs: int, control_period: float) -> "DmControlSimulation":
+        """See `harness.simulator.Simulator`."""
+        return DmControlSimulation(self, robot, num_envs, control_period)
+
+
+class JointRamp(control.Task):
+    """An action is where each joint is to be at the end of the period; the joints go there at constant speed.
+
+    Episodes have no end and no reward of their own: these are the harness's.
+
+    Args:
+        physics: Whose arm it is.
+        robot: The arm.
+        duration: Of a step, [s].
+    """
+
+    def __init__(self, physics: Any, robot: Robot, duration: float) -> None:
+        data, named = physics.data, physics.named.data
+        self.start = robot.home.copy()
+        """Where the next episode starts, (dof,)."""
+        self.duration = duration
+        """Of the next step, [s]."""
+        self._robot = robot
+        self._controls = np.zeros(2 * robot.dof)
+        self._speeds = self._controls.reshape(2, robot.dof)  # one row for the position servos, one for the others
+        # Views, looked up once: MuJoCo keeps them up to date, and looking up by name in every period is slow.
+        self._qpos, self._held = data.qpos, data.act
+        self._observation = {
+            "qpos": data.qpos,
+            "qvel": data.qvel,
+            "end_effector": named.xpos[robot.end_effector_link],
+            "touch": named.sensordata[TOUCH],
+        }
+
+    def initialize_episode(self, physics: Any) -> None:
+        """At rest at `start`, the servos holding it."""
+        self._qpos[:] = self._held[:] = self.start
+
+    def before_step(self, action: Float, physics: Any) -> None:
+        """Write the servos' controls, all of them joint speeds."""
+        # From where the servos hold now to the target: rounding cannot add up over periods.
+        np.divide(action - self._held, self.duration, out=self._speeds)
+        physics.set_control(self._controls)
+
+    def action_spec(self, physics: Any) -> Any:
+        """Joint positions, (dof,), within the joints' ranges."""
+        robot = self._robot
+        return specs.BoundedArray((robot.dof,), np.float64, robot.lower, robot.upper, "qpos")
+
+    def get_observation(self, physics: Any) -> dict[str, Float]:
+        """The state as views that hold until the next step; `touch`, (1,), counts contacts with the ground."""
+        return self._observation
+
+    def get_reward(self, physics: Any) -> float:
+        """None of its own."""
+        return 0.0
+
+
+class DmControlSimulation:
+    """See `harness.simulator.Simulation`."""
+
+    def __init__(self, settings: DmControl, robot: Robot, num_envs: int, control_period: float) -> None:
+        timestep = control_period / settings.substeps
+        self._substeps, self._duration = Substeps(settings.substeps, control_period), control_period
+        self._model = engine.wrapper.MjModel(build_model(robot, timestep, settings.bandwidth))
+        self.arms = [self._open_arm(robot, control_period, settings.substeps) for _ in range(num_envs)]
+        self._scene: Scene | None = None
+        joints = (num_envs, robot.dof)
+        self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
+        self.place(np.tile(robot.home, (num_envs, 1)))
+
+    def _open_arm(self, robot: Robot, period: float, substeps: int) -> control.Environment:
+        physics = engine.Physics.from_model(self._model)  # the model is shared, the data its own
+        # The legacy order ends with the links and contacts of the last state, not of one physics step before.
+        return control.Environment(physics, JointRamp(physics, robot, period), n_sub_steps=substeps, legacy_step=True)
+
+    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+        """See `harness.simulator.Simulation`."""
+        for k in np.flatnonzero(mask):
+            self.arms[k].task.start[:] = qpos[k]
+            self._advance(k, self.arms[k].reset)
+        return self._state
+
+    def place(self, qpos: Float) -> State:
+        """See `harness.simulator.Simulation`."""
+        return self.reset(qpos, np.ones(len(self.arms), bool))
+
+    def drive(self, qpos: Float, duration: float) -> State:
+        """See `harness.simulator.Simulation`."""
+        if duration != self._duration:
+            self._set_duration(duration)
+        for k, arm in enumerate(self.arms):
+            self._advance(k, arm.step, qpos[k])
+        return self._state
+
+    def _set_duration(self, duration: float) -> None:
+        steps = self._substeps.within(duration)
+        for arm in self.arms:
+            # A second Environment of the same Physics would begin with an episode of its own.
+            arm._n_sub_steps, arm.task.duration = steps, duration
+        self._duration = duration
+
+    def _advance(self, k: int, call: Any, *action: Float) -> None:
+        """Call arm `k`'s `reset` or `step` and copy what it observes."""
+        try:
+            seen = call(*action).observation
+        except control.PhysicsError as error:
+            raise SimulationDiverged(f"dm_control stops the arm of env {k}: {error}") from error
+        state = self._state
+        state.qpos[k], state.qvel[k], state.end_effector[k] = seen["qpos"], seen["qvel"], seen["end_effector"]
+        state.ground_contact[k] = seen["touch"][0] > 0.0
+
+    def read(self) -> State:
+        """See `harness.simulator.Simulation`."""
+        return self._state
+
+    def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        """See `harness.simulator.Simulation`."""
+        if self._scene is None or self._scene.size != (width, height):
+            self._close_scene()
+            self._scene = Scene(self._model, width, height)
+        return self._scene.frame(self._state.qpos[env], target)
+
+    def close(self) -> None:
+        """See `harness.simulator.Simulation`."""
+        self._close_scene()
+        for arm in self.arms:
+            arm.physics.free()
+        self.arms = []
+
+    def _close_scene(self) -> None:
+        if self._scene is not None:
+            self._scene.close()
+            self._scene = None
+
+
+class Scene:
+    """A world to look at, apart from those that move, for frames of one size.
+
+    Raises:
+        UsageError: This machine cannot render.
+    """
+
+    def __init__(self, model: Any, width: int, height: int) -> None:
+        self.size = (width, height)
+        model = model.copy()
+        model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+        self._physics = engine.Physics.from_model(model)
+        try:
+            self._camera = engine.MovableCamera(self._physics, height, width)
+        except Exception as error:  # the GL backends raise what they like
+            raise UsageError(
+                f"dm_control cannot render here ({error}): "
+                "set MUJOCO_GL=egl or osmesa and install libegl1 or libosmesa6"
+            ) from error
+        self._camera.set_pose([0.4, 0.0, 0.6], 3.0, 130.0, -20.0)
+
+    def frame(self, qpos: Float, target: Float) -> NDArray[np.uint8]:
+        """The arm at `qpos`, (dof,), and a marker at `target`, (3,), [m]; RGB, (height, width, 3)."""
+        with self._physics.reset_context():
+            self._physics.data.qpos[:] = qpos
+            self._physics.data.mocap_pos[0] = target
+        return np.array(self._camera.render(), order="C")  # the camera keeps its buffer
+
+    def close(self) -> None:
+        """Release the renderer."""
+        self._physics.free()
