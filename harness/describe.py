@@ -1,20 +1,23 @@
 """Explains what a name stands for, in plain text."""
 
 import inspect
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from harness.choice import choose
-from harness.make import load_robot
+from harness.choice import choose, parse
+from harness.motion import MODES, Discrete, MoveJ
+from harness.observation import ArmObservation
 from harness.parameters import parameters_of, values_of
 from harness.plugins import Registry
 from harness.robot import Robot
-from harness.task import ReachTask
+from harness.robot_by_name import load_robot
+from harness.task import Task
 
 
-def describe_name(registry: Registry, kind: str, given: str, robot: str) -> str:
+def describe_name(registry: Registry, kind: str, given: str, robot: str | None) -> str:
     """Summary, documentation and parameters of ``name:key=value`` of one kind; a task as its tuple.
 
     Raises:
@@ -22,48 +25,70 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str) -> str:
     """
     if kind == "robots":
         return _describe_robot(load_robot(given, registry))
+    if kind == "commands":
+        command = registry.get(kind, given)
+        return f"command {given}: {command.summary} (plugin '{command.plugin}' of {command.distribution})"
     choice = choose(registry, kind, given)
     spec, thing = registry.get(kind, choice.name), choice.build(registry, kind)
     parts = [f"{kind[:-1]} {choice.label}: {spec.summary} (plugin '{spec.plugin}' of {spec.distribution})"]
     parts.append(inspect.cleandoc(type(thing).__doc__ or ""))
-    if isinstance(thing, ReachTask):
-        parts.append(describe_task(thing, load_robot(robot, registry)))
+    if kind == "tasks":
+        parts.append(describe_task(thing, load_robot(robot or thing.robot, registry)))
     parts.append(_describe_parameters(type(thing), values_of(thing)))
     return "\n\n".join(part for part in parts if part)
 
 
-def describe_task(task: ReachTask, robot: Robot) -> str:
+def describe_task(task: Task, robot: Robot) -> str:
     """The task on a robot as the NOTE's tuple <S, A, T, R>."""
-    return "\n\n".join([_states(robot), _actions(task, robot), _transition(task, robot), _rewards(task)])
+    return "\n\n".join([_states(task, robot), _actions(task, robot), _transition(task, robot), _rewards(task)])
 
 
-def _states(robot: Robot) -> str:
-    dof, rows = robot.dof, []
-    for j, (lower, upper) in enumerate(zip(np.degrees(robot.lower), np.degrees(robot.upper), strict=True), start=1):
-        speed, acceleration = np.degrees(robot.max_speed[j - 1]), np.degrees(robot.max_acceleration[j - 1])
-        rows.append((f"s_j{j}-angle", f"{lower:.4g} .. {upper:.4g} deg", "position in this range, -1 .. 1"))
-        rows.append((f"s_j{j}-speed", f"at most {speed:.4g} deg/s", "fraction of it, -1 .. 1"))
-        rows.append((f"s_j{j}-accel", f"at most {acceleration:.4g} deg/s^2", "fraction of it, -1 .. 1"))
-    more = [
+def _states(task: Task, robot: Robot) -> str:
+    observation = task.observation(robot)
+    head = f"S, the state: {len(observation.low)} numbers."
+    if not isinstance(observation, ArmObservation):
+        return f"{head} {inspect.cleandoc(type(observation).__doc__ or '')}"
+    note = "\nTable I gives angles as 0 .. 350 deg; the published joint ranges differ and are used."
+    return (
+        f"{head} NOTE Table I for each joint, and where the target is; all angles stand first, then all speeds, then "
+        f"all accelerations.\n{_table(_arm_states(robot))}{note if robot.name == 'fd100' else ''}"
+    )
+
+
+def _arm_states(robot: Robot) -> list[tuple[str, str, str]]:
+    rows = []
+    for j, (lower, upper) in enumerate(zip(robot.lower, robot.upper, strict=True)):
+        scale, unit = _unit_of(robot, j)
+        speed, acceleration = robot.max_speed[j] * scale, robot.max_acceleration[j] * scale
+        span = f"{lower * scale:.4g} .. {upper * scale:.4g} {unit}"
+        rows.append((f"s_j{j + 1}-angle", span, "position in this range, -1 .. 1"))
+        rows.append((f"s_j{j + 1}-speed", f"at most {speed:.4g} {unit}/s", "fraction of it, -1 .. 1"))
+        rows.append((f"s_j{j + 1}-accel", f"at most {acceleration:.4g} {unit}/s^2", "fraction of it, -1 .. 1"))
+    return [
+        *rows,
         ("target", "3 numbers", "world frame, m"),
         ("end effector", "3 numbers", "world frame, m"),
         ("offset", "3 numbers", "target - end effector, m"),
         ("distance", "1 number", "length of the offset, NOTE eq. 14, m"),
     ]
-    head = (
-        f"S, the state: {3 * dof} numbers of NOTE Table I and 10 that say where the target is. The observation holds "
-        "all angles first, then all speeds, then all accelerations."
-    )
-    note = "Table I gives angles as 0 .. 350 deg; the published joint ranges differ and are used."
-    return f"{head}\n{_table(rows + more)}\n{note if robot.name == 'fd100' else ''}".rstrip()
 
 
-def _actions(task: ReachTask, robot: Robot) -> str:
+def _unit_of(robot: Robot, joint: int) -> tuple[float, str]:
+    """What a position of this joint is shown in: the factor, and the unit."""
+    return (1.0, "m") if robot.chain.slides[joint] else (math.degrees(1.0), "deg")
+
+
+def _actions(task: Task, robot: Robot) -> str:
     motion = task.motion(robot)
-    rows = [
-        (f"a_j{j}", "-1 .. 1", f"full action {np.degrees(speed):.4g} deg/s, changes by {np.degrees(change):.4g} a step")
-        for j, (speed, change) in enumerate(zip(motion.max_speed, motion.max_change, strict=True), start=1)
-    ]
+    if not isinstance(motion, MoveJ):
+        count = f"{motion.choices} choices" if isinstance(motion, Discrete) else f"{motion.action_size} numbers"
+        mode = MODES[parse(task.action)[0]]
+        return f"A, the actions: {count}, mode {task.action} of NOTE Table II. {inspect.cleandoc(mode.__doc__ or '')}"
+    rows = []
+    for j, (speed, change) in enumerate(zip(motion.limits.max_speed, motion.limits.max_change, strict=True)):
+        scale, unit = _unit_of(robot, j)
+        full = f"full action {speed * scale:.4g} {unit}/s, changes by {change * scale:.4g} a step"
+        rows.append((f"a_j{j + 1}", "-1 .. 1", full))
     head = (
         f"A, the actions: MoveJ of NOTE Table II. One speed per joint, as a fraction of {task.speed:.0%} of its "
         f"maximum, reached with at most {task.acceleration:.0%} of its maximum acceleration; it brakes before the end "
@@ -72,38 +97,45 @@ def _actions(task: ReachTask, robot: Robot) -> str:
     return f"{head}\n{_table(rows)}"
 
 
-def _transition(task: ReachTask, robot: Robot) -> str:
-    home = ", ".join(f"{angle:.4g}" for angle in np.degrees(robot.home))
+def _transition(task: Task, robot: Robot) -> str:
+    reached = f"the end effector is within epsilon = {task.epsilon:g} m of the target (NOTE eq. 20)"
+    decision = f"{task.decision_period} steps under one action, a reward on each"
     rows = [
-        ("step", f"{task.control_period:g} s at constant joint speeds, in the simulator's dynamics"),
-        ("start", f"home ({home}) deg, each joint +- {np.degrees(task.start_noise):.3g} deg, from the seed"),
-        ("target", f"uniform in the box {task.target_center} +- {task.target_half_extent} m where the arm reaches"),
-        ("terminated", f"the end effector is within epsilon = {task.epsilon:g} m of the target (NOTE eq. 20)"),
+        ("step", f"{task.control_period:g} s, in the simulator's dynamics unless the action sets the joints"),
+        *([("decision", decision)] if task.decision_period > 1 else []),
+        ("start", task.start_in_words(robot)),
+        ("target", task.target_in_words(robot)),
+        ("terminated" if task.ends_at_target else "next target", reached),
         ("terminated", "a moving link touches the ground z = 0 (NOTE eq. 18)"),
         ("truncated", f"after {task.horizon} steps"),
     ]
     return f"T, the transition:\n{_table(rows)}"
 
 
-def _rewards(task: ReachTask) -> str:
+def _rewards(task: Task) -> str:
+    task_goes_on = not task.ends_at_target
     rows = [
         ("shaped", "chosen with --reward; recorded apart from the events", ""),
         ("ground", f"{task.ground_reward:+g}", "NOTE eq. 18"),
-        ("target", f"{task.target_reward:+g}", "NOTE eq. 19"),
+        ("target", task.target_reward_in_words(), "NOTE eq. 19" + " differs: +1, and the episode ends" * task_goes_on),
         ("step", f"{task.step_reward:+g}", "the baseline's step penalty"),
     ]
     return f"R, the reward: the sum of\n{_table(rows)}"
 
 
 def _describe_robot(robot: Robot) -> str:
-    limits = zip(robot.joint_names, robot.lower, robot.upper, robot.max_speed, robot.max_acceleration, strict=True)
+    columns = robot.lower, robot.upper, robot.home, robot.max_speed, robot.max_acceleration
+    scales = np.where(robot.chain.slides, 1.0, np.degrees(1.0))
     rows = [
-        (name, *(f"{np.degrees(value):.4g}" for value in (lower, upper, speed, acceleration)))
-        for name, lower, upper, speed, acceleration in limits
+        (name, kind, *(f"{number:.4g}" for number in numbers), "m" if kind == "prismatic" else "deg")
+        for name, kind, numbers in zip(
+            robot.joint_names, robot.chain.kinds, (np.array(columns) * scales).T, strict=True
+        )
     ]
-    head = ("joint", "lower deg", "upper deg", "speed deg/s", "acceleration deg/s^2")
+    head = ("joint", "type", "lower", "upper", "home", "speed /s", "acceleration /s^2", "unit")
     tip = f"end effector {robot.end_effector_link}, reach {robot.reach:.3f} m, files in {robot.folder}"
-    return f"robot {robot.name}: {robot.dof} joints, {tip}\n{_table([head, *rows])}"
+    origins = [(f"{quantity.replace('_', ' ')}:", origin) for quantity, origin in robot.origins.items()]
+    return f"robot {robot.name}: {robot.dof} joints, {tip}\n{_table([head, *rows])}\n\nFrom\n{_table(origins)}"
 
 
 def _describe_parameters(target: Any, values: dict[str, Any]) -> str:

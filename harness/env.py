@@ -1,6 +1,6 @@
 """The environment: a simulator, a task and a reward as a Gymnasium vector env."""
 
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import gymnasium
 import numpy as np
@@ -8,43 +8,65 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.carry import replace_where
-from harness.errors import SimulationDiverged, UsageError
-from harness.reward import Reward, Sample
+from harness.episodes import Episodes
+from harness.errors import UsageError
+from harness.motion import Discrete, Move
+from harness.progress import State as Kept
+from harness.progress import as_state
+from harness.reward import Reward
 from harness.robot import Robot
 from harness.simulator import Simulator, State
-from harness.task import ReachTask
-from harness.trace import COLUMN, SCALARS, TraceWriter
+from harness.streams import Seed, Streams
+from harness.task import Task
+from harness.trace import TraceWriter
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Mask: TypeAlias = NDArray[np.bool_]
 Infos: TypeAlias = dict[str, Any]
+Actions: TypeAlias = NDArray[Any]
 
-TARGETS_AHEAD = 16
-"""Targets are drawn so many at a time: checking that the arm reaches them is cheap in a batch."""
+GROUND, REACHED, HELD, TERMINATED, TRUNCATED = range(5)
+"""Columns of `Episodes.flags`."""
 
 
-class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
+class Outcome(NamedTuple):
+    """What a step brought, (num_envs,) each."""
+
+    paid: Float
+    terminated: Mask
+    truncated: Mask
+    reached: Mask
+    distance: Float
+    shaped: Float
+
+
+class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
     """`num_envs` robots on one reach task, paid by one reward.
 
-    The reward of a step is the shaped reward plus the task's event terms. Each env has its own random stream: what
-    env k meets depends on the seed and k alone, whatever the number of envs, the reward or the actions.
+    A step is a decision: `task.decision_period` environment steps under one action, fewer where the episode ends
+    before. The reward of an environment step is the shaped reward plus the task's event terms; a step pays their sum.
+    Each env has its own random stream: what env k meets depends on the seed and k alone, whatever the number of envs,
+    the reward or the actions.
 
-    `infos` holds, for every env, ``distance`` [m], ``reward_shaped`` and ``is_success``; in the autoreset mode
-    SAME_STEP also ``final_obs``, (num_envs, observation_size), whose rows hold where ``_final_obs`` is True.
+    `infos` holds, for every env, ``distance`` [m], to the target that the step was made for, ``reward_shaped`` and
+    ``is_success``, whether that target was reached; in the autoreset mode SAME_STEP also ``final_obs``, (num_envs,
+    observation_size), whose rows hold where ``_final_obs`` is True.
+
+    Attributes:
+        environment_steps: Taken so far, in all envs together.
+        recorder: Gets one row per env and environment step, and one per episode start.
     """
 
     _command: Float
     _command_speed: Float
     _carry: Any
-    _starting: bool
-    _ended_before: bool
 
     def __init__(
         self,
         simulator: Simulator,
         robot: Robot,
-        task: ReachTask,
+        task: Task,
         reward: Reward,
         num_envs: int = 1,
         recorder: TraceWriter | None = None,
@@ -58,7 +80,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
             task: What it has to do.
             reward: What it is paid for.
             num_envs: How many arms.
-            recorder: Gets one row per env and step, and one per episode start.
+            recorder: Gets one row per env and environment step, and one per episode start.
             autoreset_mode: SAME_STEP starts the next episode in the step that ends one; DISABLED leaves it to
                 `reset` with the option ``reset_mask``.
         """
@@ -71,15 +93,14 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
         self._motion = task.motion(robot)
         self._observation = task.observation(robot)
         self.recorder = recorder
+        self.environment_steps = 0
         self._same_step = autoreset_mode is AutoresetMode.SAME_STEP
         self._define_spaces()
         self._allocate()
-        self._seed_streams(None)
+        self._streams = Streams(task, robot, num_envs, None)
         self.simulation = simulator.open(robot, num_envs, task.control_period)
 
-    def reset(
-        self, *, seed: int | list[int] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Float32, Infos]:
+    def reset(self, *, seed: Seed = None, options: dict[str, Any] | None = None) -> tuple[Float32, Infos]:
         """Start new episodes in all envs, or in those of the option ``reset_mask``, (num_envs,) of bool.
 
         Args:
@@ -87,199 +108,222 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Float32, Float]):
             options: See above.
         """
         if seed is not None:
-            self._seed_streams(seed)
+            self._streams = Streams(self.task, self.robot, self.num_envs, seed)
         mask = np.ones(self.num_envs, bool) if not options else np.asarray(options["reset_mask"], bool)
         self._start_episodes(mask)
+        episodes = self.episodes
         infos = {
-            "distance": self._distance.copy(),
-            "reward_shaped": self._shaped.copy(),
-            "is_success": self._flags[:, 1] > 0.0,
+            "distance": episodes.distance.copy(),
+            "reward_shaped": episodes.shaped.copy(),
+            "is_success": episodes.flags[:, REACHED] > 0.0,
         }
-        return self._observations.astype(np.float32), infos
+        return self._observation.observe(episodes), infos
 
-    def step(self, actions: Float32) -> tuple[Float32, Float, Mask, Mask, Infos]:  # type: ignore[override]
-        """One control period in every env."""
+    def step(self, actions: Actions) -> tuple[Float32, Float, Mask, Mask, Infos]:  # type: ignore[override]
+        """One decision in every env."""
         if self._starting:
             self._record_starts()
-        if self._ended_before and not self._same_step:  # a finished env may be stepped on
-            self._forget_events()
-        self._action[...] = actions
-        self._command, self._command_speed = self._motion.advance(self._command, self._command_speed, self._action)
-        state = self.simulation.drive(self._command, self.task.control_period)
-        distance = self._measure(state)
-        paid = self._pay()
-        ground, reached = state.ground_contact, ~(distance > self.task.epsilon)  # True also where it is no number
-        terminated = ground | reached
-        truncated = (self._step >= self.task.horizon) & ~terminated
-        ended = terminated | truncated
-        self._ended_before = bool(ended.any())
-        if self._ended_before:
-            self._require_finite(distance)
-            paid += self._pay_events(ground, reached, truncated)
-        if self.recorder is not None:
-            self.recorder.append(self._record)
-        np.minimum(self._best, distance, out=self._best)
-        infos = {"distance": distance, "reward_shaped": self._shaped.copy(), "is_success": reached}
-        if self._ended_before and self._same_step:
-            infos["final_obs"], infos["_final_obs"] = self._observations.astype(np.float32), ended
-            self._start_episodes(ended)
-        return self._observations.astype(np.float32), paid, terminated, truncated, infos
+        discrete = self._discrete
+        self.episodes.action[...] = actions if discrete is None else discrete.decode(actions, self._command)
+        outcome = self._environment_step(None) if self._period == 1 else self._repeat()
+        infos = {"distance": outcome.distance, "reward_shaped": outcome.shaped, "is_success": outcome.reached}
+        if self._events and self._same_step:
+            ended = outcome.terminated | outcome.truncated
+            if ended.any():
+                infos["final_obs"], infos["_final_obs"] = self._observation.observe(self.episodes), ended
+                self._start_episodes(ended)
+        observations = self._observation.observe(self.episodes)
+        return observations, outcome.paid, outcome.terminated, outcome.truncated, infos
+
+    def state(self) -> Kept:
+        """What goes on from episode to episode, by name: the random streams and the counters."""
+        numbers = {"environment_steps": self.environment_steps, "episode": self.episodes.episode.copy()}
+        return as_state({**numbers, "started": self._started.copy(), "streams": self._streams.pack()})
+
+    def restore(self, state: Kept) -> None:
+        """Go on where an env of the same kind stood; the next thing to do is to reset all envs."""
+        self.environment_steps = int(state["environment_steps"])
+        self.episodes.episode[...] = state["episode"]
+        self._started[...] = state["started"]
+        self._streams.unpack(state["streams"])
 
     def render(self) -> tuple[NDArray[np.uint8], ...]:
         """One RGB frame of every env, each (480, 640, 3)."""
-        return tuple(self.simulation.render(k, self._target[k], 640, 480) for k in range(self.num_envs))
+        return tuple(self.simulation.render(k, self.episodes.target[k], 640, 480) for k in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the simulator; the recorder belongs to whoever made it."""
         self.simulation.close()
 
     def _define_spaces(self) -> None:
-        box, batch = gymnasium.spaces.Box, gymnasium.vector.utils.batch_space
-        self.single_observation_space = box(self._observation.low, self._observation.high)
-        self.single_action_space = box(-1.0, 1.0, (self.robot.dof,), np.float32)
+        spaces, batch = gymnasium.spaces, gymnasium.vector.utils.batch_space
+        motion = self._motion
+        self._discrete = motion if isinstance(motion, Discrete) else None
+        self.single_observation_space = spaces.Box(self._observation.low, self._observation.high)
+        self.single_action_space = (
+            spaces.Discrete(motion.choices)
+            if isinstance(motion, Discrete)
+            else spaces.Box(-1.0, 1.0, (motion.action_size,), np.float32)
+        )
         self.observation_space = batch(self.single_observation_space, self.num_envs)
         self.action_space = batch(self.single_action_space, self.num_envs)
 
     def _allocate(self) -> None:
-        """The state of the episodes is the row to record: its columns are views into one matrix."""
         n, dof = self.num_envs, self.robot.dof
-        record = np.zeros((n, len(SCALARS) + 2 * dof))
-        record[:, COLUMN["env"]] = np.arange(n)
-        record[:, COLUMN["episode"]] = -1
-        self._record = record
-        self._episode, self._step = record[:, COLUMN["episode"]], record[:, COLUMN["step"]]
-        self._begin, self._best = record[:, COLUMN["begin_distance"]], record[:, COLUMN["previous_best"]]
-        self._distance, self._delta = record[:, COLUMN["distance"]], record[:, COLUMN["delta_distance"]]
-        first = COLUMN["reward"]
-        self._shaped, self._terms = record[:, first], record[:, first + 1 : first + 4]
-        self._target = record[:, COLUMN["target_x"] : COLUMN["target_x"] + 3]
-        self._end_effector = record[:, COLUMN["end_effector_x"] : COLUMN["end_effector_x"] + 3]
-        self._flags = record[:, COLUMN["ground"] : COLUMN["ground"] + 3]
-        self._qpos = record[:, len(SCALARS) : len(SCALARS) + dof]
-        self._action = record[:, len(SCALARS) + dof :]
-        self._previous_distance = np.zeros(n)
-        self._sample = Sample(self._begin, self._best, self._previous_distance, self._distance, self._delta, self._step)
-        self._qvel: Float = np.zeros((n, dof))
+        # Asked for once: a task may be a dataclass with checks, and these are read in every step.
+        task = self.task
+        self._period, self._duration, self._jumps = task.decision_period, task.control_period, self._motion.jumps
+        self._horizon, self._epsilon, self._step_reward = task.horizon, task.epsilon, task.step_reward
+        self._goes_on = not task.ends_at_target
+        self.episodes = Episodes(n, dof, self._motion.action_size)
         self._command = np.zeros((n, dof))
         self._command_speed = np.zeros((n, dof))
-        self._observations: Float = np.zeros((n, self._observation.size))
+        self._inside = np.zeros(n, bool)  # where the end effector was in the target one step earlier
         self._carry = None
+        self._until_horizon = 0  # no episode is truncated in so many steps
         self._starting = False
-        self._ended_before = False
+        self._events = False  # whether the record holds flags of the step before
         self._started = np.zeros(n, bool)
 
-    def _seed_streams(self, seed: int | list[int] | None) -> None:
-        """Two streams per env: targets are drawn ahead, and must not depend on how many starts came between."""
-        seeds = (
-            seed if isinstance(seed, list) else [[seed, k] if seed is not None else None for k in range(self.num_envs)]
-        )
-        streams = [np.random.SeedSequence(entropy).spawn(2) for entropy in seeds]
-        self._start_rngs = [np.random.default_rng(pair[0]) for pair in streams]
-        self._target_rngs = [np.random.default_rng(pair[1]) for pair in streams]
-        self._targets_ahead: list[list[Float]] = [[] for _ in range(self.num_envs)]
+    # ------------------------------------------------------------------------------------------------ steps
+
+    def _repeat(self) -> Outcome:
+        """As many environment steps as a decision lasts; an episode that ends in one is left as it ended."""
+        active = np.ones(self.num_envs, bool)
+        total = self._environment_step(active)
+        for _ in range(1, self._period):
+            active = active & ~(total.terminated | total.truncated)
+            if not active.any():
+                break
+            ended, carry = self.episodes.matrix[~active], self._carry
+            outcome = self._environment_step(active)
+            self.episodes.matrix[~active] = ended
+            self._carry = replace_where(active, self._carry, carry)
+            total = Outcome(
+                total.paid + np.where(active, outcome.paid, 0.0),
+                total.terminated | (outcome.terminated & active),
+                total.truncated | (outcome.truncated & active),
+                total.reached | (outcome.reached & active),
+                np.where(active, outcome.distance, total.distance),
+                total.shaped + np.where(active, outcome.shaped, 0.0),
+            )
+        self._events |= bool((total.terminated | total.truncated).any())
+        return total
+
+    def _environment_step(self, active: Mask | None) -> Outcome:
+        """One control period in every env; only `active` ones are recorded (None: all)."""
+        episodes = self.episodes
+        if self._events:
+            self._forget_events()
+        move = self._motion.advance(self._command, self._command_speed, episodes.action)
+        self._command, self._command_speed = move.waypoints[-1], move.qvel
+        state, ground = self._drive(move)
+        distance = episodes.measure(state)
+        self._carry, shaped = self.reward(self._carry, episodes.sample)
+        episodes.shaped[...] = shaped
+        paid = shaped + self._step_reward
+        far = distance > self._epsilon  # False also where the distance is no number
+        reached = ~far
+        if self._goes_on:
+            reached, self._inside = reached & ~self._inside, reached
+        self._until_horizon -= 1
+        terminated = truncated = np.greater_equal(ground, far)  # on the ground, or not far
+        if self._until_horizon <= 0 or np.count_nonzero(terminated) or move.held is not None:
+            terminated, truncated = self._mark_events(ground, reached, move)
+            episodes.require_finite(distance)
+            paid = paid + episodes.events.sum(axis=1)
+        else:
+            truncated = terminated.copy()  # none in either
+        self._record(active)
+        np.minimum(episodes.previous_best, distance, out=episodes.previous_best)
+        outcome = Outcome(paid, terminated, truncated, reached, distance, episodes.shaped.copy())
+        if self._goes_on and reached.any():
+            going_on = reached & ~(terminated | truncated)
+            self._set_next_targets(going_on if active is None else going_on & active)
+        return outcome
+
+    def _drive(self, move: Move) -> tuple[State, Mask]:
+        """Let the engine do a move; contact counts at any of its waypoints."""
+        if self._jumps:
+            state = self.simulation.place(move.waypoints[-1])
+            return state, state.ground_contact
+        if len(move.waypoints) == 1:
+            state = self.simulation.drive(move.waypoints[0], self._duration)
+            return state, state.ground_contact
+        ground = np.zeros(self.num_envs, bool)
+        for waypoint in move.waypoints:
+            state = self.simulation.drive(waypoint, self._duration / len(move.waypoints))
+            ground |= state.ground_contact
+        return state, ground
+
+    def _mark_events(self, ground: Mask, reached: Mask, move: Move) -> tuple[Mask, Mask]:
+        """Flags and event terms into the record; returns where episodes are terminated and truncated."""
+        episodes = self.episodes
+        terminated = ground | reached if not self._goes_on else ground.copy()
+        truncated = (episodes.step >= self._horizon) & ~terminated
+        held = np.zeros_like(ground) if move.held is None else move.held
+        for column, flag in enumerate((ground, reached, held, terminated, truncated)):
+            episodes.flags[:, column] = flag
+        episodes.events[:, 0] = ground * self.task.ground_reward
+        if reached.any():
+            episodes.events[reached, 1] = self.task.target_rewards(self.robot, episodes.qpos[reached])
+        self._events = True
+        return terminated, truncated
+
+    def _forget_events(self) -> None:
+        self.episodes.flags[...] = 0.0
+        self.episodes.events[...] = 0.0
+        self._events = False
+
+    def _record(self, active: Mask | None) -> None:
+        self.environment_steps += self.num_envs if active is None else int(active.sum())
+        if self.recorder is not None:
+            record = self.episodes.record
+            self.recorder.append(record if active is None else record[active])
+
+    # ------------------------------------------------------------------------------------------------ starts
 
     def _start_episodes(self, mask: Mask) -> None:
         """Put the arms of `mask` at new starts with new targets."""
-        envs = [int(k) for k in np.flatnonzero(mask)]
+        envs, episodes = [int(k) for k in np.flatnonzero(mask)], self.episodes
+        self._command, self._command_speed = self._command.copy(), self._command_speed.copy()
         for k in envs:
-            self._command[k] = self.task.draw_start(self.robot, self._start_rngs[k])
-        state = self.simulation.reset(self._command, mask)
-        for k in envs:
-            self._target[k] = self._next_target(k, state.end_effector[k])
+            self._command[k] = self._streams.start(k)
         self._command_speed[mask] = 0.0
-        self._qvel[mask], self._qpos[mask] = state.qvel[mask], state.qpos[mask]
-        self._end_effector[mask] = state.end_effector[mask]
+        state = self.simulation.reset(self._command, mask)
+        target = episodes.target.copy()
+        for k in envs:
+            target[k] = self._streams.target_apart(k, state.end_effector[k])
+        episodes.start(mask, state, target)
+        self._inside[mask] = False
+        self._restart_reward(mask)
         # An episode that was left before its first step left no row: its number is free.
-        self._episode[mask & ~self._started] += 1.0
+        episodes.episode[mask & ~self._started] += 1.0
         self._started |= mask
         self._starting = True
-        self._step[mask] = self._delta[mask] = self._shaped[mask] = 0.0
-        self._terms[mask] = self._flags[mask] = 0.0
-        self._begin_distances(mask)
-        self._observe_starts(state, mask)
+        self._until_horizon = self._horizon - int(episodes.step.max())
 
-    def _observe_starts(self, state: State, mask: Mask) -> None:
-        """Observations of the envs in `mask` alone: those of the others stand, and were seen with their last speeds."""
-        fresh, target = self._observations[mask], self._target[mask]
-        started = State(state.qpos[mask], state.qvel[mask], state.end_effector[mask], state.ground_contact[mask])
-        self._observation.write_targets(target, fresh)
-        offset = target - started.end_effector
-        self._observation.write(started, started.qvel, offset, self._distance[mask], fresh)
-        self._observations[mask] = fresh
+    def _set_next_targets(self, mask: Mask) -> None:
+        """Give the envs of `mask`, which reached their targets, the next ones."""
+        episodes = self.episodes
+        target = episodes.target.copy()
+        for k in np.flatnonzero(mask):
+            target[k] = self._streams.target(int(k), episodes.end_effector[k])
+        episodes.set_target(mask, target)
+        # Where the end effector is in the next target already, it has to leave and enter it.
+        self._inside[mask] = episodes.distance[mask] <= self._epsilon
+        self._restart_reward(mask)
 
-    def _begin_distances(self, mask: Mask) -> None:
-        distance = _length(self._target - self._end_effector)
-        self._require_finite(distance)
-        for column in (self._begin, self._best, self._distance, self._previous_distance):
-            column[mask] = distance[mask]
-        fresh = self.reward.initial_carry(self._begin.copy())
+    def _restart_reward(self, mask: Mask) -> None:
+        fresh = self.reward.initial_carry(self.episodes.begin_distance.copy())
         self._carry = fresh if self._carry is None else replace_where(mask, fresh, self._carry)
-
-    def _next_target(self, k: int, end_effector: Float) -> Float:
-        """The env's next target; one that the end effector starts in is skipped."""
-        for _ in range(1000):
-            if not self._targets_ahead[k]:
-                drawn = self.task.draw_targets(self.robot, self._target_rngs[k], TARGETS_AHEAD)
-                self._targets_ahead[k] = list(drawn[::-1])
-            target = self._targets_ahead[k].pop()
-            if _length(target - end_effector) > self.task.epsilon:
-                return target
-        raise UsageError(f"epsilon={self.task.epsilon} m covers the box of targets from the start: choose less")
-
-    def _measure(self, state: State) -> Float:
-        """Bring the record up to the state after a step; previous_best is still the value before it.
-
-        Returns:
-            The distances, (num_envs,), a new array.
-        """
-        self._step += 1.0
-        self._end_effector[...] = state.end_effector
-        self._qpos[...] = state.qpos
-        offset = self._target - state.end_effector
-        distance = _length(offset)
-        self._previous_distance[...] = self._distance
-        self._distance[...] = distance
-        np.subtract(distance, self._best, out=self._delta)
-        self._observation.write(state, self._qvel, offset, distance, self._observations)
-        self._qvel[...] = state.qvel
-        return distance
-
-    def _pay(self) -> Float:
-        """Shaped reward into the record; returns its sum with the step's price, (num_envs,), a new array."""
-        self._carry, shaped = self.reward(self._carry, self._sample)
-        self._shaped[...] = shaped
-        paid: Float = shaped + self.task.step_reward
-        return paid
-
-    def _pay_events(self, ground: Mask, reached: Mask, truncated: Mask) -> Float:
-        """How the episodes end into the record; returns what that pays, (num_envs,)."""
-        self._flags[:, 0], self._flags[:, 1], self._flags[:, 2] = ground, reached, truncated
-        self._terms[:, 0] = ground * self.task.ground_reward
-        self._terms[:, 1] = reached * self.task.target_reward
-        paid: Float = self._terms[:, 0] + self._terms[:, 1]
-        return paid
-
-    def _forget_events(self) -> None:
-        self._flags[...] = 0.0
-        self._terms[:, :2] = 0.0
 
     def _record_starts(self) -> None:
         """Write the start rows when the first step follows: an episode without a step leaves no trace."""
         if self.recorder is not None:
-            rows = self._record[self._started]
-            rows[:, -self._action.shape[1] :] = 0.0
+            rows = self.episodes.record[self._started]
+            rows[:, -self.episodes.action.shape[1] :] = 0.0
             self.recorder.append(rows)
         self._started[:] = False
         self._starting = False
-        self._terms[:, 2] = self.task.step_reward  # of every step to come
-
-    def _require_finite(self, distance: Float) -> None:
-        if not np.isfinite(distance).all():
-            envs = np.flatnonzero(~np.isfinite(distance)).tolist()
-            raise SimulationDiverged(f"the end effector of env {envs} is nowhere at step {self._step[envs[0]]:.0f}")
-
-
-def _length(vectors: Float) -> Float:
-    """Euclidean length along the last axis."""
-    length: Float = np.sqrt(np.vecdot(vectors, vectors))
-    return length
+        self.episodes.step_price[:] = self._step_reward  # of every step to come

@@ -36,6 +36,7 @@ from harness.cell import Cell
 from harness.errors import SchemaError, UsageError
 from harness.manifest import FILE as MANIFEST
 from harness.manifest import read_manifest
+from harness.score import TOUCHED, targets_touched
 from harness.trace import FORMAT, FORMAT_KEY
 
 Float = NDArray[np.float64]
@@ -87,6 +88,8 @@ class Chunk(NamedTuple):
     """t: 0 at an episode's start; counted from there where the file does not say."""
     env: NDArray[np.int64] | None = None
     """Which of the envs that trained together; 0 where the file does not say."""
+    touched: NDArray[np.bool_] | None = None
+    """Whether the target was reached and the next one set after the row; None where the file does not say."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,7 @@ class Recording:
 
     Attributes:
         path: The file.
-        columns: What it has of the names in `SPELLINGS`, those that are read.
+        columns: What it has of the names in `SPELLINGS`, those that are read; of a trace also `TOUCHED`.
         declared_reward: What paid it, as ``harness.choice.choose`` takes it, if the manifest beside it says so.
         seed: The run's seed, if the manifest says so.
     """
@@ -213,7 +216,9 @@ def _read_chunk(columns: Columns, line: int, counted: int) -> Chunk | None:
     alike = filled & (reward == 0.0) & (distance == begin) & (best == begin)
     start = np.where(np.isnan(told), alike, told == 0.0)
     step = np.where(np.isnan(told), _count_steps(start, counted), told).astype(np.int64)
-    return Chunk(line, reward, event, start, begin, best, distance, delta, step, env.astype(np.int64))
+    flags = [columns[name] > 0.0 for name in TOUCHED if name in columns]
+    touched = targets_touched(*flags) if flags else None
+    return Chunk(line, reward, event, start, begin, best, distance, delta, step, env.astype(np.int64), touched)
 
 
 def _before_step(columns: Columns) -> tuple[Float, Float]:
@@ -263,6 +268,8 @@ def _open_trace(path: Path) -> Recording:
     if not 0 < version <= FORMAT:
         raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
     columns = _choose_columns(schema.names)
+    if "distance" in columns and set(TOUCHED) <= set(schema.names):
+        columns = (*columns, *TOUCHED)
     cell = _read_cell(path.with_name(MANIFEST))
     declared, seed = (cell.reward.label, cell.seed) if cell else (None, None)
     report = partial(_report_trace, path)

@@ -81,10 +81,10 @@ class _Rows(NamedTuple):
     begin_distance: Float
     previous_best: Float
     distance: Float
+    touched: NDArray[np.bool_] | None
 
 
 def _rows_of(chunk: Chunk, mask: NDArray[np.bool_]) -> _Rows:
-    columns = (chunk.start, chunk.begin_distance, chunk.previous_best, chunk.distance)
-    if mask.all():
-        return _Rows(*columns)  # type: ignore[arg-type]  # a recording with distances has all four
-    return _Rows(*(column[mask] for column in columns))  # type: ignore[arg-type, index]
+    columns = (chunk.start, chunk.begin_distance, chunk.previous_best, chunk.distance, chunk.touched)
+    rows = _Rows(*columns)  # type: ignore[arg-type]  # a recording with distances has the first four
+    return rows if mask.all() else _Rows._make(None if column is None else column[mask] for column in rows)

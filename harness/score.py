@@ -1,6 +1,6 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,12 @@ from harness.reward import Carry, Reward, Sample
 from harness.trace import Trace
 
 Float = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
+TOUCHED = ("reached", "terminated", "truncated")
+"""Columns of a trace that tell where a new target was set inside an episode."""
+SCORED = ("env", "step", "begin_distance", "previous_best", "distance", *TOUCHED)
+"""Columns that a trace is scored from."""
 
 BLOCK = 65_536
 """Rows are scored so many at a time: the columns of a block stay in the processor's cache."""
@@ -20,7 +25,7 @@ class Rows(Protocol):
     """Consecutive rows of one run, arrays of shape (rows,)."""
 
     @property
-    def start(self) -> NDArray[np.bool_]:
+    def start(self) -> Mask:
         """Whether the row is an episode's start, which is paid nothing."""
 
     @property
@@ -35,6 +40,22 @@ class Rows(Protocol):
     def distance(self) -> Float:
         """d(t), [m]."""
 
+    @property
+    def touched(self) -> Mask | None:
+        """Whether the target was reached and the next one set after the row; None where that is not recorded.
+
+        Then a new target shows only in a new begin distance.
+        """
+
+
+class _Last(NamedTuple):
+    """Of the row before."""
+
+    begin_distance: float
+    distance: float
+    step: float
+    touched: bool
+
 
 class Scorer:
     """Scores one run, a piece at a time; remembers what the reward does, and the last distance."""
@@ -42,7 +63,7 @@ class Scorer:
     def __init__(self, reward: Reward) -> None:
         self._reward = reward
         self._carry: Carry = None
-        self._last = (np.nan, np.nan, 0.0)  # begin distance, distance and step of the row before
+        self._last = _Last(np.nan, np.nan, 0.0, False)
 
     def score(self, rows: Rows) -> Float:
         """Shaped reward of the next rows, (rows,); 0 in the start rows."""
@@ -53,29 +74,35 @@ class Scorer:
         return values
 
     def _score_block(self, rows: Rows) -> Float:
-        sample = self._sample(rows)
+        restart = rows.start | self._has_new_target(rows)
+        sample = self._sample(rows, restart)
+        self._last = _last_of(rows, sample)
         empty = self._reward.initial_carry(sample.begin_distance[:1])
         if isinstance(empty, tuple) and not empty:  # remembers nothing: all rows at once
             value = np.asarray(self._reward((), sample)[1], np.float64)
         else:
-            value = self._score_in_order(rows.start, sample)
+            value = self._score_in_order(rows.start, restart, sample)
         return np.where(rows.start, 0.0, value)
 
-    def _sample(self, rows: Rows) -> Sample:
+    def _has_new_target(self, rows: Rows) -> Mask:
+        """Where the target is another than in the row before, (rows,): all distances before belong to that one."""
+        begin = rows.begin_distance
+        new: Mask = begin != np.concatenate([[self._last.begin_distance], begin[:-1]])
+        if rows.touched is not None:  # the next target may be as far away as the last one was at first
+            new |= np.concatenate([[self._last.touched], rows.touched[:-1]])
+        return new
+
+    def _sample(self, rows: Rows, restart: Mask) -> Sample:
         begin, distance = rows.begin_distance, rows.distance
-        last_begin, last_distance, last_step = self._last
-        # The target can be drawn again inside an episode: the distance before then belongs to another target.
-        same = ~rows.start & (begin == np.concatenate([[last_begin], begin[:-1]]))
-        previous = np.where(same, np.concatenate([[last_distance], distance[:-1]]), begin)
-        step = _steps_since_start(rows.start, last_step)
-        self._last = (float(begin[-1]), float(distance[-1]), float(step[-1]))
+        previous = np.where(restart, begin, np.concatenate([[self._last.distance], distance[:-1]]))
+        step = _steps_since_start(rows.start, self._last.step)
         return Sample(begin, rows.previous_best, previous, distance, distance - rows.previous_best, step)
 
-    def _score_in_order(self, start: NDArray[np.bool_], sample: Sample) -> Float:
-        """What a reward remembers comes from the rows before: all episodes of the block side by side, step by step."""
-        row, ends = np.flatnonzero(_begins(start)), np.append(np.flatnonzero(start[1:]) + 1, len(start))
+    def _score_in_order(self, start: Mask, restart: Mask, sample: Sample) -> Float:
+        """What a reward remembers comes from the rows before: all targets of the block side by side, step by step."""
+        row, ends = np.flatnonzero(_begins(restart)), np.append(np.flatnonzero(restart[1:]) + 1, len(start))
         carry = self._reward.initial_carry(sample.begin_distance[row])
-        if self._carry is not None and not start[0]:  # the first goes on from the block before
+        if self._carry is not None and not restart[0]:  # the first goes on from the block before
             carry = put(carry, np.array([0]), self._carry)
         values = np.zeros(len(start))
         row = row + start[row]  # a start row is paid nothing, and remembered as no step
@@ -96,6 +123,7 @@ class _Block:
         self.begin_distance = rows.begin_distance[part]
         self.previous_best = rows.previous_best[part]
         self.distance = rows.distance[part]
+        self.touched = None if rows.touched is None else rows.touched[part]
 
 
 class _TraceRows:
@@ -106,6 +134,7 @@ class _TraceRows:
         self.begin_distance = trace["begin_distance"][rows]
         self.previous_best = trace["previous_best"][rows]
         self.distance = trace["distance"][rows]
+        self.touched = _touched_of(trace, rows)
 
 
 def score_trace(reward: Reward, trace: Trace) -> Float:
@@ -118,14 +147,31 @@ def score_trace(reward: Reward, trace: Trace) -> Float:
     return values
 
 
-def _begins(start: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The first row of each episode, or of what is left of one."""
-    begins = start.copy()
+def _touched_of(trace: Trace, rows: NDArray[np.int64] | slice) -> Mask | None:
+    if not set(TOUCHED) <= trace.columns.keys():
+        return None
+    return targets_touched(*(trace[name][rows] for name in TOUCHED))
+
+
+def targets_touched(reached: Mask, terminated: Mask, truncated: Mask) -> Mask:
+    """Where a target was reached and the episode went on to the next one, (rows,)."""
+    touched: Mask = reached & ~(terminated | truncated)
+    return touched
+
+
+def _last_of(rows: Rows, sample: Sample) -> _Last:
+    touched = rows.touched is not None and bool(rows.touched[-1])
+    return _Last(float(rows.begin_distance[-1]), float(rows.distance[-1]), float(sample.step[-1]), touched)
+
+
+def _begins(restart: Mask) -> Mask:
+    """The first row of each target, or of what is left of one."""
+    begins = restart.copy()
     begins[0] = True
     return begins
 
 
-def _steps_since_start(start: NDArray[np.bool_], before: float) -> Float:
+def _steps_since_start(start: Mask, before: float) -> Float:
     """`t` of each row: 0 in a start row, one more in each row after it."""
     row = np.arange(len(start), dtype=np.float64)
     last_start = np.maximum.accumulate(np.where(start, row, -1.0 - before))

@@ -12,10 +12,10 @@ from harness.curve import curve_of
 from harness.index import Index
 from harness.plugins import Registry
 from harness.results import Results
-from harness.score import score_trace
+from harness.score import SCORED, score_trace
 from harness.trace import Trace, read_trace
 
-COLUMNS = ["env", "step", "begin_distance", "previous_best", "distance", "reward"]
+COLUMNS = [*SCORED, "reward"]
 
 
 @dataclass(frozen=True)

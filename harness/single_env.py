@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from harness.make import Given, make_env
 
 Float32 = NDArray[np.float32]
+Action = NDArray[Any]
 
 
-class ReachEnv(gymnasium.Env[Float32, Float32]):
+class ReachEnv(gymnasium.Env[Float32, Action]):
     """A `ReachVectorEnv` of one env, without its leading axis."""
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 (Gymnasium declares it so)
@@ -23,7 +24,7 @@ class ReachEnv(gymnasium.Env[Float32, Float32]):
         simulator: Given = "mujoco",
         task: Given = "fd100-reach",
         reward: Given = "baseline",
-        robot: str | Path = "fd100",
+        robot: str | Path | None = None,
         render_mode: str | None = None,
     ) -> None:
         self.vector_env = make_env(simulator, task, reward, robot, autoreset_mode=AutoresetMode.DISABLED)
@@ -39,7 +40,7 @@ class ReachEnv(gymnasium.Env[Float32, Float32]):
         observations, infos = self.vector_env.reset(seed=seed)
         return observations[0], _first(infos)
 
-    def step(self, action: Float32) -> tuple[Float32, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Action) -> tuple[Float32, float, bool, bool, dict[str, Any]]:
         """One control period; see `ReachVectorEnv.step`."""
         observations, rewards, terminated, truncated, infos = self.vector_env.step(np.asarray(action)[None])
         return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _first(infos)

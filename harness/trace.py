@@ -14,7 +14,9 @@ reward_target       target reached,
 reward_step         the price of the step
 target_x .. _z      world frame, [m]
 end_effector_x .._z world frame, [m]
-ground, reached     whether the step ended so; both mean `terminated`
+ground, reached     whether the step touched the ground, reached the target
+held                whether the motion asked for could not be done, and the arm was held
+terminated          whether one of these ended the episode
 truncated           whether the step was the last that the horizon allows
 qpos                joint positions after the step, list of dof numbers, [rad]
 action              what the policy asked for, list of numbers; zeros in the start row
@@ -34,7 +36,8 @@ from numpy.typing import NDArray
 
 from harness.errors import SchemaError, SimulationDiverged
 
-FORMAT = 1
+FORMAT = 2
+"""Format 1 has no `held` and no `terminated`: both events ended an episode."""
 FORMAT_KEY = b"harness.trace"
 
 INTEGERS = ("env", "episode", "step")
@@ -54,7 +57,8 @@ NUMBERS = (
     "end_effector_y",
     "end_effector_z",
 )
-FLAGS = ("ground", "reached", "truncated")
+FLAGS = ("ground", "reached", "held", "terminated", "truncated")
+SINCE_2 = ("held", "terminated")
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
 
@@ -175,7 +179,7 @@ class Trace:
     @cached_property
     def last_rows(self) -> NDArray[np.int64]:
         """Row numbers of the ends of finished episodes."""
-        ended = self["ground"] | self["reached"] | self["truncated"]
+        ended = self["terminated"] | self["truncated"]
         rows: NDArray[np.int64] = np.flatnonzero(ended)
         return rows
 
@@ -198,17 +202,32 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
     """
     try:
         file = pq.ParquetFile(path)
-        _require_readable(file.schema_arrow, columns or [], path)
-        table = file.read(columns=columns)
+        version = _version(file.schema_arrow, path)
+        there = columns if version > 1 or columns is None else _columns_of_1(columns)
+        _require_columns(file.schema_arrow, there or [], path)
+        table = file.read(columns=there)
     except (OSError, pa.ArrowInvalid) as error:
         raise SchemaError(f"{path} is no readable trace: {error}") from error
-    return Trace({name: _to_numpy(table.column(name)) for name in table.column_names})
+    arrays = {name: _to_numpy(table.column(name)) for name in table.column_names}
+    if version == 1:
+        terminated = arrays["ground"] | arrays["reached"]
+        arrays.update(terminated=terminated, held=np.zeros_like(terminated))
+    return Trace(arrays if columns is None else {name: arrays[name] for name in columns})
 
 
-def _require_readable(schema: pa.Schema, columns: list[str], path: Path) -> None:
+def _columns_of_1(columns: list[str]) -> list[str]:
+    """What to read of a file of format 1, from which the columns that it lacks follow."""
+    return list(dict.fromkeys([*(name for name in columns if name not in SINCE_2), "ground", "reached"]))
+
+
+def _version(schema: pa.Schema, path: Path) -> int:
     version = (schema.metadata or {}).get(FORMAT_KEY, b"none").decode()
     if version not in {str(known) for known in range(1, FORMAT + 1)}:
         raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
+    return int(version)
+
+
+def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
     missing = [name for name in columns if name not in schema.names]
     if missing:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")

@@ -6,7 +6,7 @@ import pytest
 import harness
 from harness.env import ReachVectorEnv
 from harness.observation import ArmObservation
-from harness.task import ReachTask
+from harness.reach import ReachTask
 from harness.testing import IdealSimulator
 from harness.testing.trainings import NegativeDistance
 
@@ -31,7 +31,7 @@ def step(env: ReachVectorEnv, action: float) -> np.ndarray:
 
 def test_size_is_that_of_the_table():
     """18 numbers of Table I, three positions of 3 and a distance."""
-    assert ArmObservation(ROBOT, PERIOD).size == 28
+    assert ArmObservation(ROBOT, PERIOD).low.shape == ArmObservation(ROBOT, PERIOD).high.shape == (28,)
 
 
 def test_bounds_fit_the_table():

@@ -201,7 +201,7 @@ def test_a_trace_as_csv_is_read_as_the_trace(trace: Path, write: Write):
     names = [name for name in SCALARS if name.startswith(("env", "step", "begin", "prev", "dist", "delta", "reward"))]
     lines = [",".join(str(row[COLUMN[name]]) for name in names) for row in _rows()]
     from_csv, from_trace = only_chunk(write(",".join(names), *lines)), only_chunk(trace)
-    for name in Chunk._fields[1:]:
+    for name in Chunk._fields[1:-1]:  # a CSV file does not say where the target was touched
         np.testing.assert_array_equal(getattr(from_csv, name), getattr(from_trace, name))
 
 
@@ -209,7 +209,7 @@ def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):
     """Other Parquet files, damaged ones and those of a later version are told in one line."""
     path = tmp_path / "other.parquet"
     pq.write_table(pa.table({"reward": [1.0]}), path)
-    with pytest.raises(SchemaError, match=r"other\.parquet is a trace of format 0, this version reads 1 to 1"):
+    with pytest.raises(SchemaError, match=r"other\.parquet is a trace of format 0, this version reads 1 to 2"):
         open_recording(path)
     path.write_bytes(path.read_bytes()[:20])
     with pytest.raises(SchemaError, match=r"other\.parquet is no readable trace"):

@@ -1,13 +1,15 @@
 """Scoring recorded runs again: exactly what was paid, whatever the pieces, for every reward there is."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,15 +18,20 @@ import harness
 from harness import score as module
 from harness.choice import choose
 from harness.env import ReachVectorEnv
+from harness.inverse import reach_position
 from harness.plugins import load_registry
+from harness.reach import ReachTask
+from harness.recording import open_recording
+from harness.rescore import RecordingScorer
 from harness.reward import Reward, Sample
-from harness.score import Scorer, score_trace
-from harness.task import ReachTask
+from harness.score import TOUCHED, Scorer, score_trace, targets_touched
 from harness.testing import IdealSimulator
-from harness.trace import Trace, TraceWriter, read_trace
+from harness.trace import FORMAT, FORMAT_KEY, Trace, TraceWriter, read_trace
+from harness_plugins.tasks.unity import Arp2021
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100")
+ARM = harness.load_robot("unity-arm")
 REWARDS = REGISTRY.names("rewards")
 CHOICES = [*REWARDS, "arp:k1=0.3,k2=2.7", "scaled:reward=aarp,factor=0.1", "shifted:reward=(arp:k2=2),offset=-0.3"]
 ENVS = 3
@@ -38,9 +45,11 @@ class Rows:
     begin_distance: np.ndarray
     previous_best: np.ndarray
     distance: np.ndarray
+    touched: np.ndarray | None = None
 
     def __getitem__(self, part: slice) -> "Rows":
-        return Rows(self.start[part], self.begin_distance[part], self.previous_best[part], self.distance[part])
+        columns = (getattr(self, field.name) for field in fields(self))
+        return Rows(*(None if column is None else column[part] for column in columns))
 
 
 def reward_of(text: str) -> Reward:
@@ -157,6 +166,67 @@ def test_every_reward_is_scored_as_it_was_paid(text: str, simulator: str):
     np.testing.assert_array_equal(score_trace(reward_of(text), trace), trace["reward"])
 
 
+@cache
+def record_tour(text: str) -> Trace:
+    """The trace of arms whose episodes go on to the next target, some of them at the very place of the last one."""
+    return record_tour_under(reward_of(text))
+
+
+def record_tour_under(reward: Reward) -> Trace:
+    """Decisions of three steps that jump back and forth between a few poses, in the target and outside."""
+    env = ReachVectorEnv(IdealSimulator(), ARM, Arp2021(horizon=50, decision_period=3), reward, num_envs=ENVS)
+    goals, reached = reach_position(
+        ARM, env.task.draw_targets(ARM, np.random.default_rng(0), 1).position, ARM.home[None]
+    )
+    assert reached.all()
+    poses = np.array([ARM.home, goals[0], goals[0] + 0.01, 0.9 * ARM.home, 0.5 * (ARM.home + goals[0])]) / ARM.upper
+    rng = np.random.default_rng(3)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "trace.parquet"
+        with TraceWriter(path, 5, 5) as recorder:
+            env.recorder = recorder
+            env.reset(seed=1)
+            for _ in range(80):
+                env.step(poses[rng.integers(0, len(poses), ENVS)].astype(np.float32))
+        return read_trace(path)
+
+
+@pytest.mark.parametrize("text", CHOICES)
+def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(text: str):
+    """Bit for bit, though distances and memory restart inside the episode, also at the same begin distance."""
+    trace = record_tour(text)
+    touched = np.flatnonzero(targets_touched(*(trace[name] for name in TOUCHED)))
+    after = touched[touched + ENVS < len(trace)] + ENVS
+    assert len(after) > 30
+    assert (trace["begin_distance"][after] == trace["begin_distance"][after - ENVS]).any()
+    np.testing.assert_array_equal(score_trace(reward_of(text), trace), trace["reward"])
+
+
+def test_memory_restarts_with_the_next_target():
+    """As in the environment, bit for bit, for a carry of several parts."""
+    trace = record_tour_under(Remembers())
+    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+
+
+@pytest.mark.parametrize("column", Sample._fields)
+def test_scorer_shows_what_the_environment_shows_of_the_next_targets(column: str):
+    """Every column of the sample is the environment's, bit for bit."""
+    trace = record_tour_under(Shows(column))
+    np.testing.assert_array_equal(score_trace(Shows(column), trace), trace["reward"])
+
+
+@pytest.mark.parametrize("text", CHOICES)
+def test_recording_of_next_targets_is_scored_as_it_was_paid(text: str, tmp_path: Path):
+    """A recording is read a chunk at a time, and scored bit for bit as the trace that it is."""
+    trace, path = record_tour(text), tmp_path / "trace.parquet"
+    columns = {name: trace[name] for name in ("env", "step", "begin_distance", "previous_best", "distance", "reward")}
+    table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
+    pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
+    scorer = RecordingScorer(reward_of(text))
+    scored = [scorer.score(chunk) for chunk in open_recording(path).chunks(37)]
+    np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])
+
+
 @pytest.mark.parametrize("text", CHOICES)
 def test_every_reward_scores_the_runs_of_another(text: str):
     """Runs that another reward paid get what this one would have paid for the same motion."""
@@ -258,6 +328,15 @@ def test_empty_piece_is_scored_as_nothing():
     np.testing.assert_array_equal(scorer.score(rows), Scorer(reward_of("relative")).score(rows))
 
 
+@given(st.sampled_from(list(SCORED)), st.lists(st.integers(0, 200), max_size=10))
+def test_pieces_do_not_show_where_targets_are_touched(name: str, cuts: list[int]):
+    """Also where a piece ends with a touched target."""
+    reward, trace = SCORED[name](), record_tour("baseline")
+    rows = rows_of(trace, 1)
+    rows.touched = targets_touched(*(trace[flag][trace["env"] == 1] for flag in TOUCHED))
+    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).score(rows))
+
+
 # A target that is drawn again inside an episode
 
 
@@ -275,6 +354,13 @@ def test_distance_before_a_redrawn_target_is_its_begin_distance():
     """The distance of the row before was to another target."""
     shown = Scorer(Shows("previous_distance")).score(redrawn())
     np.testing.assert_array_equal(shown, [0.0, 1.0, 0.5, 2.0, 1.75])
+
+
+def test_memory_restarts_where_the_begin_distance_changes():
+    """A recording that does not say where a target was touched shows it so."""
+    scored = Scorer(Remembers()).score(redrawn())
+    fresh = Scorer(Remembers()).score(redrawn()[3:])
+    np.testing.assert_array_equal(scored[3:], fresh)
 
 
 def test_steps_are_counted_on_across_a_redrawn_target():

@@ -8,7 +8,18 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError, SimulationDiverged
-from harness.trace import COLUMN, FLAGS, FORMAT, INTEGERS, SCALARS, Trace, TraceWriter, read_trace, trace_schema
+from harness.trace import (
+    COLUMN,
+    FLAGS,
+    FORMAT,
+    INTEGERS,
+    NUMBERS,
+    SCALARS,
+    Trace,
+    TraceWriter,
+    read_trace,
+    trace_schema,
+)
 
 DOF, ACTION_SIZE = 3, 2
 WIDTH = len(SCALARS) + DOF + ACTION_SIZE
@@ -147,12 +158,66 @@ def test_some_columns_can_be_read_alone(path: Path):
 
 
 def test_last_rows_are_the_ends_of_episodes(path: Path):
-    """An end is a row with the ground, the target or the horizon reached."""
+    """An end is a row that is terminated or truncated: a target may be reached, or the arm held, on the way."""
     rows = make_rows(6)
     rows[:, [COLUMN[name] for name in FLAGS]] = 0.0
-    for row, name in ((1, "ground"), (3, "reached"), (4, "truncated")):
+    flagged = ((0, "held"), (1, "terminated"), (1, "ground"), (2, "reached"), (3, "terminated"), (3, "reached"))
+    for row, name in (*flagged, (4, "truncated")):
         rows[row, COLUMN[name]] = 1.0
     np.testing.assert_array_equal(write(path, rows).last_rows, [1, 3, 4])
+
+
+def write_format_1(path: Path) -> None:
+    """A trace of format 1, by hand: five steps, of which one reaches the target, one the ground, one the horizon."""
+    flags = {
+        "ground": [False, False, True, False, False],
+        "reached": [False, True, False, False, False],
+        "truncated": [False, False, False, False, True],
+    }
+    counts = {name: pa.array([0] * 5, pa.int32()) for name in INTEGERS}
+    counts["step"] = pa.array(range(5), pa.int32())
+    numbers = {name: pa.array([0.5] * 5) for name in NUMBERS}
+    lists = {"qpos": pa.array([[0.1] * 3] * 5, pa.list_(pa.float64(), 3))}
+    lists["action"] = pa.array([[0.2] * 2] * 5, pa.list_(pa.float64(), 2))
+    table = pa.table({**counts, **numbers, **{name: pa.array(flag) for name, flag in flags.items()}, **lists})
+    pq.write_table(table.replace_schema_metadata({b"harness.trace": b"1"}), path)
+
+
+def test_format_1_is_read(path: Path):
+    """Then both events ended an episode, and no arm was held; all columns of today are there."""
+    write_format_1(path)
+    trace = read_trace(path)
+    assert set(trace.columns) == {*SCALARS, "qpos", "action"}
+    np.testing.assert_array_equal(trace["terminated"], [False, True, True, False, False])
+    assert not trace["held"].any()
+    np.testing.assert_array_equal(trace.last_rows, [1, 2, 4])
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        ["terminated"],
+        ["held", "reward"],
+        ["reached", "terminated", "step"],
+        ["reward"],
+        ["ground", "qpos"],
+        list(SCALARS),
+    ],
+)
+def test_some_columns_of_format_1_are_read_alone(path: Path, columns: list[str]):
+    """Those that are asked for and no others, also where they follow from others."""
+    write_format_1(path)
+    some, whole = read_trace(path, columns), read_trace(path)
+    assert list(some.columns) == columns
+    for name in columns:
+        np.testing.assert_array_equal(some[name], whole[name])
+
+
+def test_missing_column_of_format_1_is_refused(path: Path):
+    """A column that neither format has is a SchemaError that names it."""
+    write_format_1(path)
+    with pytest.raises(SchemaError, match="no column colour"):
+        read_trace(path, ["reward", "colour"])
 
 
 @pytest.mark.parametrize("version", [str(FORMAT + 1), "0", "new"])

@@ -13,7 +13,7 @@ from harness.evaluate import EVALUATION_SEED
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.simulator import Simulator
-from harness.task import ReachTask
+from harness.task import Task
 
 Float = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -57,7 +57,7 @@ class Rollout:
         return np.asarray(self.running.sum(axis=0), np.float64)
 
 
-def record_rollouts(simulator: Simulator, robot: Robot, task: ReachTask, episodes: int) -> tuple[Rollout, ...]:
+def record_rollouts(simulator: Simulator, robot: Robot, task: Task, episodes: int) -> tuple[Rollout, ...]:
     """One rollout of each of `SCRIPTS`, in their order; starts and targets are those of every evaluation.
 
     Raises:
@@ -74,9 +74,8 @@ def record_rollouts(simulator: Simulator, robot: Robot, task: ReachTask, episode
 
 
 def _record(env: ReachVectorEnv, script: str) -> Rollout:
-    observations, infos = env.reset(seed=EVALUATION_SEED)
-    dof = env.robot.dof
-    target = observations[:, 3 * dof : 3 * dof + 3].astype(np.float64)  # where ArmObservation has it
+    _, infos = env.reset(seed=EVALUATION_SEED)
+    target = env.episodes.target.copy()
     start, rng = env.simulation.read().qpos.copy(), np.random.default_rng([EVALUATION_SEED, 2])
     actions = plan_actions(script, env.robot, env.task, start, target, rng)
     running, reached = np.ones(env.num_envs, bool), np.zeros(env.num_envs, bool)

@@ -11,10 +11,11 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.errors import UsageError
 from harness.inverse import reach_position
-from harness.motion import MoveJ
+from harness.motion import JointLimits, MoveJ
 from harness.robot import Robot
-from harness.task import ReachTask
+from harness.task import Task
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
@@ -66,7 +67,7 @@ class JointPath:
 
 
 def plan_actions(
-    script: str, robot: Robot, task: ReachTask, start: Float, target: Float, rng: np.random.Generator
+    script: str, robot: Robot, task: Task, start: Float, target: Float, rng: np.random.Generator
 ) -> Float32:
     """Actions of a whole episode.
 
@@ -80,13 +81,19 @@ def plan_actions(
 
     Returns:
         Joint speeds as fractions of their maxima, (horizon, n, dof), in [-1, 1].
+
+    Raises:
+        UsageError: The task's actions are no joint speeds.
     """
+    motion = task.motion(robot)
+    if not isinstance(motion, MoveJ):
+        raise UsageError("The scripted policies of an audit move joints: name a task with action=movej")
     if script == RANDOM:
         return rng.uniform(-1.0, 1.0, (task.horizon, *start.shape)).astype(np.float32)
     path = JointPath(robot, start, _pose_at(robot, target, start) - start, target)
     first, second = (path.first_within(stop * task.epsilon) for stop in STOPS[script])
-    speeds = _speeds_along(path, task.motion(robot), first, second, task.horizon)
-    actions: Float32 = (speeds[:, :, None] * path.change / task.motion(robot).max_speed).astype(np.float32)
+    speeds = _speeds_along(path, motion.limits, first, second, task.horizon)
+    actions: Float32 = (speeds[:, :, None] * path.change / motion.limits.max_speed).astype(np.float32)
     return actions
 
 
@@ -97,31 +104,31 @@ def _pose_at(robot: Robot, target: Float, start: Float) -> Float:
     return np.where(found[:, None], near, other)
 
 
-def _speeds_along(path: JointPath, motion: MoveJ, first: Float, second: Float, steps: int) -> Float:
+def _speeds_along(path: JointPath, limits: JointLimits, first: Float, second: Float, steps: int) -> Float:
     """Speeds along the path, (steps, n), [1/s]: at full speed to the place `first`, on to `second`, and back again.
 
     Where `second` is behind, at full speed too; where it is ahead, so slowly that it is not reached.
     """
-    there = _motion_along(path, motion, np.zeros_like(first), first)
-    on = _motion_along(path, motion, np.minimum(first, second), np.maximum(first, second))
-    creep = (second - first) / ((steps + 1) * motion.period * on.max_speed)
-    action = np.where(second > first, creep, -1.0)
+    there = _limits_along(path, limits, np.zeros_like(first), first)
+    on = _limits_along(path, limits, np.minimum(first, second), np.maximum(first, second))
+    creep = (second - first) / ((steps + 1) * limits.period)
+    wanted = np.where(second > first, np.minimum(creep, on.max_speed), -on.max_speed)
     place = speed = np.zeros((1, len(first)))
     going_there = np.ones(place.shape, bool)
     speeds = np.empty((steps, len(first)))
     for step in range(steps):
-        legs = there.advance(place, speed, np.ones_like(place)), on.advance(place, speed, action[None])
+        legs = there.advance(place, speed, there.max_speed[None]), on.advance(place, speed, wanted[None])
         place, speed = (np.where(going_there, one, other) for one, other in zip(*legs, strict=True))
         speeds[step] = speed
         going_there ^= np.abs(speed) <= 1e-9 * there.max_speed  # it has stopped: at an end
     return speeds
 
 
-def _motion_along(path: JointPath, motion: MoveJ, lower: Float, upper: Float) -> MoveJ:
+def _limits_along(path: JointPath, limits: JointLimits, lower: Float, upper: Float) -> JointLimits:
     """The arm's limits as those of one number, the place on the path; the n arms take the place of joints.
 
     On the path all joints keep step, so the one that is nearest to a limit sets the pace.
     """
     size = np.maximum(np.abs(path.change), 1e-9)
-    speed, change = (motion.max_speed / size).min(axis=1), (motion.max_change / size).min(axis=1)
-    return MoveJ(lower, upper, speed, change, motion.period)
+    speed, change = (limits.max_speed / size).min(axis=1), (limits.max_change / size).min(axis=1)
+    return JointLimits(lower, upper, speed, change, limits.period)

@@ -1,4 +1,4 @@
-"""The contract kit: what a simulator, a reward, an algorithm and a metric must satisfy.
+"""The contract kit: what a simulator, a task, a reward, an algorithm and a metric must satisfy.
 
 In the tests of a plugin::
 
@@ -17,6 +17,7 @@ from harness.testing.ideal import IdealSimulator
 from harness.testing.metrics import METRIC_CHECKS, check_metric
 from harness.testing.rewards import REWARD_CHECKS, check_reward
 from harness.testing.simulators import SIMULATOR_CHECKS, check_simulator
+from harness.testing.tasks import TASK_CHECKS, check_task
 from harness.testing.violations import violations
 
 __all__ = [
@@ -24,10 +25,12 @@ __all__ = [
     "METRIC_CHECKS",
     "REWARD_CHECKS",
     "SIMULATOR_CHECKS",
+    "TASK_CHECKS",
     "IdealSimulator",
     "check_algorithm",
     "check_metric",
     "check_reward",
     "check_simulator",
+    "check_task",
     "violations",
 ]

@@ -10,8 +10,16 @@ from harness.testing.traces import REWARDS, recorded_trace
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
 from harness.trace import Trace
 
-ALL_ENDS = ("reached", "ground", "truncated", "reached", "truncated")
-SOME_ENDS: tuple[tuple[str, ...], ...] = (ALL_ENDS, ("reached",), ("ground",), ("truncated",), ("",), ("", "ground"))
+ALL_ENDS = ("reached", "ground", "truncated", "touched", "reached", "truncated")
+SOME_ENDS: tuple[tuple[str, ...], ...] = (
+    ALL_ENDS,
+    ("reached",),
+    ("ground",),
+    ("truncated",),
+    ("touched",),
+    ("",),
+    ("", "ground"),
+)
 
 
 def check_metric(metric: Metric) -> None:

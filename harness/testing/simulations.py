@@ -42,13 +42,21 @@ def drive_out_and_back(simulation: Simulation, robot: Robot, num_envs: int = NUM
 
 def dive_into_the_ground(simulation: Simulation, robot: Robot) -> list[State]:
     """Start at home and go straight, in joint space, to 10 cm below the ground; one state per period."""
-    below = np.array([[0.6 * robot.reach, 0.0, -0.1]])
-    goal, reached = reach_position(robot, below, robot.home[None])
-    require(reached.all(), f"the arm cannot reach the ground at {below[0]} m: choose another robot for these checks")
+    goal = _pose_below_the_ground(robot)
     way = goal - start_at_home(simulation, robot).qpos
     periods = int(np.ceil((np.abs(way) / (0.5 * robot.max_speed * PERIOD)).max()))
     shares = np.arange(1, periods + 1) / periods
     return [copied(simulation.drive(robot.home + share * way, PERIOD)) for share in shares]
+
+
+def _pose_below_the_ground(robot: Robot) -> Float:
+    """Joint positions, (1, dof), with the end effector below the ground: in front of the arm, or under its home."""
+    places = [(share * robot.reach, 0.0) for share in (0.6, 0.4, 0.2)] + [robot.end_effector(robot.home)[:2]]
+    below = np.array([[x, y, -0.1] for x, y in places])
+    goals, reached = reach_position(robot, below, np.tile(robot.home, (len(below), 1)))
+    require(reached.any(), f"the arm reaches none of {below.tolist()} m in the ground: choose another for these checks")
+    goal: Float = goals[reached][:1]
+    return goal
 
 
 def ramps(robot: Robot, num_envs: int) -> list[Float]:
@@ -57,7 +65,7 @@ def ramps(robot: Robot, num_envs: int) -> list[Float]:
     qpos, qvel = np.tile(robot.home, (num_envs, 1)), np.zeros((num_envs, robot.dof))
     targets = []
     for direction in [1.0] * 4 + [-1.0] * 8 + [1.0] * 4:
-        qpos, qvel = motion.advance(qpos, qvel, direction * turns(robot, num_envs))
+        (qpos,), qvel, _ = motion.advance(qpos, qvel, direction * turns(robot, num_envs))
         targets.append(qpos)
     return targets
 

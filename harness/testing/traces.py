@@ -12,9 +12,10 @@ DOF = 2
 
 
 def recorded_trace(seed: int, ends: tuple[str, ...]) -> Trace:
-    """One env's episodes, one per item of `ends`: ``ground``, ``reached``, ``truncated`` or ``""`` (left unfinished).
+    """One env's episodes, one per item of `ends`.
 
-    The numbers are random; an episode has 3 to 9 steps after its start row.
+    ``ground``, ``reached``, ``truncated``; ``touched``: the target was reached on the way, the horizon at the end; or
+    ``""``: left unfinished. The numbers are random; an episode has 3 to 9 steps after its start row.
     """
     rng = np.random.default_rng(seed)
     parts = [_episode(rng, number, end) for number, end in enumerate(ends)]
@@ -27,8 +28,11 @@ def _episode(rng: np.random.Generator, number: int, end: str) -> dict[str, NDArr
     columns = _rows(rng, int(rng.integers(4, 10)))
     columns["episode"][:] = number
     columns["step"][:] = np.arange(len(columns["step"]))
-    if end:
+    if end == "touched":
+        columns["reached"][2], columns["truncated"][-1] = True, True
+    elif end:
         columns[end][-1] = True
+        columns["terminated"][-1] = end != "truncated"
     return columns
 
 

@@ -10,10 +10,10 @@ from harness.trace import Trace
 
 @dataclass(frozen=True)
 class PathRatio:
-    """Length of the end effector's path over the straight line from its start to its end, mean, >= 1.
+    """Length of the end effector's path to the target over the straight line from its start to its end, mean, >= 1.
 
-    Over the episodes that reach the target: of the others the end is anywhere. One that ends where it began has no
-    straight line, and does not count.
+    Over the episodes that reach the target, up to the first time: of the others the end is anywhere. One that ends
+    where it began has no straight line, and does not count.
     """
 
     unit: ClassVar[str] = ""
@@ -24,8 +24,9 @@ class PathRatio:
         position = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
         ratios = []
         for rows in trace.episodes:
-            if trace["reached"][rows[-1]]:
-                path = position[rows]
+            reached = trace["reached"][rows]
+            if reached.any():
+                path = position[rows[: reached.argmax() + 1]]
                 straight = float(np.linalg.norm(path[-1] - path[0]))
                 if straight > 0.0:
                     ratios.append(float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) / straight)

@@ -8,13 +8,13 @@ from harness.trace import Trace
 
 @dataclass(frozen=True)
 class StepsToTarget:
-    """Mean number of steps of the episodes that reach the target."""
+    """Mean number of steps to the target, over the finished episodes that reach it; the first time counts."""
 
     unit: ClassVar[str] = "steps"
     better: ClassVar[str] = "lower"
 
     def __call__(self, trace: Trace) -> float | None:
         """None if no episode reaches it."""
-        ends = trace.last_rows
-        steps = trace["step"][ends][trace["reached"][ends]]
-        return float(steps.mean()) if len(steps) else None
+        reached, step = trace["reached"], trace["step"]
+        steps = [step[rows[reached[rows].argmax()]] for rows in trace.episodes if reached[rows].any()]
+        return float(sum(steps) / len(steps)) if steps else None

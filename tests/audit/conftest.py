@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from harness.audit.rollout import record_rollouts
-from harness.make import load_robot
-from harness.task import ReachTask
+from harness.reach import ReachTask
+from harness.robot_by_name import load_robot
 from harness.testing import IdealSimulator
 
 

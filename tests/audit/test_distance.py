@@ -11,7 +11,7 @@ from harness.audit.distance import canonical_values, reward_distance
 from harness.audit.rollout import record_rollouts
 from harness.choice import choose
 from harness.plugins import load_registry
-from harness.task import ReachTask
+from harness.reach import ReachTask
 from harness.testing import IdealSimulator
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline

@@ -12,7 +12,7 @@ from harness.env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.evaluate import EVALUATION_SEED
 from harness.plugins import load_registry
-from harness.task import ReachTask
+from harness.reach import ReachTask
 from harness.testing import IdealSimulator
 
 REGISTRY = load_registry()
@@ -77,8 +77,8 @@ def test_a_score_is_what_the_env_pays(robot, task, by_script, name, script):
     reward = choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
     score = score_rollout(reward, by_script[script])
     env = ReachVectorEnv(IdealSimulator(), robot, task, reward, 12, autoreset_mode=AutoresetMode.DISABLED)
-    observations, _ = env.reset(seed=EVALUATION_SEED)
-    target = observations[:, 3 * robot.dof : 3 * robot.dof + 3].astype(float)
+    env.reset(seed=EVALUATION_SEED)
+    target = env.episodes.target.copy()
     rng = np.random.default_rng([EVALUATION_SEED, 2])
     actions = plan_actions(script, robot, task, env.simulation.read().qpos.copy(), target, rng)
     for step, running in enumerate(score.rollout.running):

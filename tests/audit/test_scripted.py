@@ -5,7 +5,7 @@ import pytest
 
 from harness.audit.rollout import record_rollouts
 from harness.audit.scripted import SCRIPTS, plan_actions
-from harness.task import ReachTask
+from harness.reach import ReachTask
 from harness.testing import IdealSimulator
 
 MOVING = [script for script in SCRIPTS if script != "random"]
@@ -15,7 +15,7 @@ def draw(robot, task, count=200):
     """Starts and targets of `count` episodes."""
     rng = np.random.default_rng(1)
     start = np.stack([task.draw_start(robot, rng) for _ in range(count)])
-    return start, task.draw_targets(robot, rng, count)
+    return start, task.draw_targets(robot, rng, count).position
 
 
 @pytest.fixture(scope="module")
@@ -97,8 +97,9 @@ def test_the_limits_on_acceleration_change_nothing(robot, task, script):
     motion = task.motion(robot)
     qpos, qvel = start, np.zeros_like(start)
     for action in plan_actions(script, robot, task, start, target, np.random.default_rng(0)):
-        qpos, qvel = motion.advance(qpos, qvel, action.astype(np.float64))
-        assert qvel == pytest.approx(action * motion.max_speed, abs=1e-5)
+        move = motion.advance(qpos, qvel, action.astype(np.float64))
+        qpos, qvel = move.waypoints[-1], move.qvel
+        assert qvel == pytest.approx(action * motion.limits.max_speed, abs=1e-5)
 
 
 def test_a_start_within_the_ring_stays_there(robot, task):

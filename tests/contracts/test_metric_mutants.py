@@ -37,8 +37,8 @@ class Sound:
 
 def share_reached(trace: Trace) -> float | None:
     """The value of `Sound`."""
-    ends = trace.last_rows
-    return float(trace["reached"][ends].mean()) if len(ends) else None
+    reached = [trace["reached"][rows].any() for rows in trace.episodes]
+    return float(np.mean(reached)) if reached else None
 
 
 @dataclass(frozen=True)

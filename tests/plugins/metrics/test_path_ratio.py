@@ -20,6 +20,7 @@ def walk(*paths: list[tuple[float, float, float]], reached: bool = True) -> Trac
             "reward": np.zeros(len(points)),
             "ground": np.zeros(len(points), bool),
             "reached": ended & reached,
+            "terminated": ended & reached,
             "truncated": ended & (not reached),
             **{f"end_effector_{axis}": points[:, column] for column, axis in enumerate("xyz")},
         }
@@ -68,6 +69,15 @@ def test_way_back_to_the_start_has_no_ratio():
     loop = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)]
     assert PathRatio()(walk(loop)) is None
     assert PathRatio()(walk(loop, CORNER)) == pytest.approx(1.4)
+
+
+def test_path_ends_where_the_target_is_reached_first():
+    """An episode that goes on to other targets counts up to its first."""
+    trace = walk(CORNER + BACK, reached=False)
+    trace["reached"][[1, 4]] = True
+    assert PathRatio()(trace) == pytest.approx(1.0)
+    trace["reached"][1] = False
+    assert PathRatio()(trace) > 5.0
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -20,6 +20,7 @@ def move(*episodes: np.ndarray, truncated: bool = True) -> Trace:
             "reward": np.zeros(rows),
             "ground": np.zeros(rows, bool),
             "reached": np.zeros(rows, bool),
+            "terminated": np.zeros(rows, bool),
             "truncated": ended & truncated,
             "qpos": np.concatenate(episodes),
         }

@@ -7,7 +7,7 @@ from harness_plugins.metrics.steps_to_target import StepsToTarget
 
 
 def test_mean_over_the_episodes_that_reach_it():
-    """The value is the mean step of the last rows with the target reached; the other episodes do not count."""
+    """The value is the mean step of the rows where it is reached; the other episodes do not count."""
     trace = recorded_trace(0, ("reached", "truncated", "reached", "ground", ""))
     trace["step"][trace.last_rows] = [10, 1000, 20, 1000]
     assert StepsToTarget()(trace) == 15.0
@@ -17,6 +17,13 @@ def test_start_row_is_no_step():
     """An episode with one row after its start took one step."""
     trace = recorded_trace(0, ("reached",))
     assert StepsToTarget()(trace) == len(trace) - 1
+
+
+def test_first_time_counts():
+    """An episode that goes on to other targets took as long as to its first."""
+    trace = recorded_trace(0, ("touched",))
+    trace["reached"][-1] = True
+    assert StepsToTarget()(trace) == 2.0
 
 
 @pytest.mark.parametrize("ends", [(), ("",), ("truncated", "ground")])

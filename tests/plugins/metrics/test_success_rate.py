@@ -13,10 +13,11 @@ from harness_plugins.metrics.success_rate import SuccessRate
         (("reached",), 1.0),
         (("ground", "truncated"), 0.0),
         (("reached", "truncated", ""), 0.5),
+        (("touched", "truncated"), 0.5),
     ],
 )
 def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
-    """The value is the share of finished episodes that end within epsilon of the target."""
+    """The value is the share of finished episodes that reach the target, in the end or on the way."""
     assert SuccessRate()(recorded_trace(0, ends)) == share
 
 
@@ -25,6 +26,13 @@ def test_ground_and_target_at_once_is_a_success():
     trace = recorded_trace(0, ("reached",))
     trace["ground"][-1] = True
     assert SuccessRate()(trace) == 1.0
+
+
+def test_episode_counts_once():
+    """However many targets it reaches."""
+    trace = recorded_trace(0, ("touched", "truncated"))
+    trace["reached"][:4] = True
+    assert SuccessRate()(trace) == 0.5
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])

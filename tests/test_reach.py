@@ -8,7 +8,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.inverse import reach_position
-from harness.task import ReachTask
+from harness.reach import ReachTask
 
 ROBOT = harness.load_robot("fd100")
 
@@ -18,17 +18,44 @@ def rng() -> np.random.Generator:
     return np.random.default_rng(5)
 
 
+def positions(task: ReachTask, count: int) -> np.ndarray:
+    """Targets of the FD100, (count, 3)."""
+    return task.draw_targets(ROBOT, rng(), count).position
+
+
 def test_targets_are_in_the_box():
     """Every target is within the half extent of the box's centre, and the box is used up to its faces."""
-    task = ReachTask()
-    offset = np.abs(task.draw_targets(ROBOT, rng(), 500) - task.target_center)
+    task = ReachTask(target_center=(0.85, 0.0, 0.7), target_half_extent=(0.2, 0.3, 0.3))
+    offset = np.abs(positions(task, 500) - task.target_center)
     assert (offset <= task.target_half_extent).all()
     assert (offset.max(axis=0) > 0.95 * np.array(task.target_half_extent)).all()
 
 
+def test_box_of_the_fd100():
+    """By default the centre is 0.85 m before the arm and 0.7 m high, and the box 0.4 x 0.6 x 0.6 m large."""
+    center, half = ReachTask().target_box(ROBOT)
+    np.testing.assert_allclose(center, [0.85, 0.0, 0.7], rtol=1e-12)
+    np.testing.assert_allclose(half, [0.2, 0.3, 0.3], rtol=1e-12)
+
+
+def test_box_of_another_arm_is_scaled_by_its_reach():
+    """An arm of half the reach has a box of half the size at half the distance; one that is given stays as it is."""
+    arm = harness.load_robot("unity-arm")
+    scale = arm.reach / ROBOT.reach
+    for part, of_fd100 in zip(ReachTask().target_box(arm), ReachTask().target_box(ROBOT), strict=True):
+        np.testing.assert_allclose(part, scale * of_fd100, rtol=1e-12)
+    given = ReachTask(target_center=(0.5, 0.1, 0.6), target_half_extent=(0.1, 0.2, 0.0))
+    np.testing.assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
+
+
+def test_targets_are_in_the_world():
+    """None counts from the end effector."""
+    assert not ReachTask().draw_targets(ROBOT, rng(), 20).relative.any()
+
+
 def test_targets_can_be_reached():
     """For every target there is a pose within the joint ranges whose end effector is there."""
-    targets = ReachTask().draw_targets(ROBOT, rng(), 100)
+    targets = positions(ReachTask(), 100)
     qpos, _ = reach_position(ROBOT, targets, np.tile(ROBOT.home, (100, 1)))
     assert np.linalg.norm(ROBOT.end_effector(qpos) - targets, axis=1).max() <= 1e-3
 
@@ -36,7 +63,7 @@ def test_targets_can_be_reached():
 def test_box_that_is_half_out_of_reach_gives_targets_within():
     """Of a box around the end of the arm's reach only the part within is used."""
     task = ReachTask(target_center=(1.6, 0.0, 0.6), target_half_extent=(0.5, 0.2, 0.2))
-    targets = task.draw_targets(ROBOT, rng(), 50)
+    targets = positions(task, 50)
     assert targets.shape == (50, 3)
     assert np.linalg.norm(targets - [0.0, 0.0, 0.43], axis=1).max() < ROBOT.reach
 
@@ -44,14 +71,15 @@ def test_box_that_is_half_out_of_reach_gives_targets_within():
 def test_box_out_of_reach_is_refused():
     """A box 5 m away raises UsageError, which names the box."""
     task = ReachTask(target_center=(5.0, 0.0, 0.0))
-    with pytest.raises(UsageError, match=r"\(5.0, 0.0, 0.0\)"):
+    with pytest.raises(UsageError, match=r"\(5, 0, 0\)"):
         task.draw_targets(ROBOT, rng(), 16)
 
 
 def test_as_many_targets_as_asked_for():
     """One target, or a hundred."""
     for count in (1, 100):
-        assert ReachTask().draw_targets(ROBOT, rng(), count).shape == (count, 3)
+        position, relative = ReachTask().draw_targets(ROBOT, rng(), count)
+        assert (position.shape, relative.shape) == ((count, 3), (count,))
 
 
 def test_starts_are_near_home():
@@ -75,15 +103,20 @@ def test_starts_are_within_the_joint_ranges():
 def test_same_stream_gives_same_targets():
     """Starts and targets depend on the random stream alone."""
     task = ReachTask()
-    np.testing.assert_array_equal(task.draw_targets(ROBOT, rng(), 20), task.draw_targets(ROBOT, rng(), 20))
+    np.testing.assert_array_equal(positions(task, 20), positions(task, 20))
     np.testing.assert_array_equal(task.draw_start(ROBOT, rng()), task.draw_start(ROBOT, rng()))
 
 
 def test_motion_has_the_task_shares():
     """The motion is limited to the task's shares of the robot's maxima."""
     motion = ReachTask(speed=0.5, acceleration=0.25, control_period=0.2).motion(ROBOT)
-    np.testing.assert_allclose(motion.max_speed, 0.5 * ROBOT.max_speed)
-    np.testing.assert_allclose(motion.max_change, 0.25 * 0.2 * ROBOT.max_acceleration)
+    np.testing.assert_allclose(motion.limits.max_speed, 0.5 * ROBOT.max_speed)
+    np.testing.assert_allclose(motion.limits.max_change, 0.25 * 0.2 * ROBOT.max_acceleration)
+
+
+def test_every_target_pays_the_same():
+    """Whatever the pose, NOTE eq. 19."""
+    np.testing.assert_array_equal(ReachTask(target_reward=2.5).target_rewards(ROBOT, np.zeros((3, 6))), [2.5] * 3)
 
 
 @pytest.mark.parametrize(
@@ -104,6 +137,8 @@ def test_motion_has_the_task_shares():
         ("speed=1.1", "speed"),
         ("acceleration=2", "acceleration"),
         ("ground_reward=nan", "ground_reward"),
+        ("action=moveq", "moveq"),
+        ("action=movel:frame=xyz", "frame"),
         ("gravity=9.81", "gravity"),
         ("epsilon", "epsilon"),
     ],
@@ -121,6 +156,12 @@ def test_good_overrides_reach_the_env():
     assert (env.task.epsilon, env.task.horizon, env.task.target_center) == (0.02, 7, (0.8, 0.1, 0.6))
     env = harness.make_env(task={"name": "fd100-reach", "epsilon": 0.03})
     assert env.task.epsilon == 0.03
+
+
+def test_epsilon_that_covers_the_box_does_not_pass_the_check():
+    """Said before anything is run, too."""
+    with pytest.raises(UsageError, match="epsilon=3 m covers the targets"):
+        ReachTask(epsilon=3.0).check(ROBOT)
 
 
 def test_epsilon_that_covers_the_box_is_refused():

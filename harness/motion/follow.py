@@ -1,0 +1,229 @@
+"""Joint movements that keep the end effector on a way, by damped least squares on the robot's Jacobian."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.motion.limits import JointLimits, stopping_speed
+from harness.motion.motion import Move
+from harness.robot import Robot
+
+Float = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Way: TypeAlias = Callable[[Float], Float]
+"""Where the end effector is, from its start, (n, 3), world frame [m], when the shares (n, 1) of a way are gone."""
+
+SLIGHT, STRONG = 1e-3, 0.01
+"""Damping of the least squares, [m]: hardly any, to see how hard a direction is; enough to come near in few steps."""
+
+ITERATIONS = 6
+"""At most, of damped least squares per piece of a way; two are usual."""
+
+ON_THE_WAY = 1e-7
+"""An end effector this close to where it should be is there, [m]."""
+
+REFINEMENTS = 2
+"""Of the share of a piece that joints at their limits do."""
+
+MISSED = 0.1
+"""A point that they miss by more than this share of the way to it cannot be reached."""
+
+SLOWEST = 0.02
+"""Slower than this share of its speed no way gets at singular poses: where that is still too far, it cannot be done."""
+
+STUCK = 1e-3
+"""Where the joints' ranges leave less than this share of a way it cannot be done."""
+
+STILL = 1e-4
+"""A joint that moves less than this, in units of the one that moves most, sets no pace."""
+
+
+@dataclass(frozen=True, eq=False)
+class Follower:
+    """Moves joints so that the end effector passes along a way.
+
+    The joints keep the ratio of their speeds when one of them is at a limit, so that the end effector slows down and
+    stays on its way. It slows down near singular poses too: they are where the arm's reach ends. Where a point cannot
+    be reached, or a joint's range is in the way, the arm is held: it brakes and stands.
+
+    Attributes:
+        robot: The arm.
+        limits: Of a period in which one piece of a way is gone.
+        tip_speed: Of the end effector, the largest [m/s].
+    """
+
+    robot: Robot
+    limits: JointLimits
+    tip_speed: float
+    _stiff: float = field(init=False)
+    """With less end effector motion per joint motion than this, [m/rad], the way is slowed down."""
+
+    def __post_init__(self) -> None:
+        # An elbow that stretches to reach L needs the acceleration v^2 L / (4 g^3) at tip speed v and g metres per
+        # radian. Here it is to be an eighth of what the joints have: they do other things too, and have to brake.
+        turning = ~self.robot.chain.slides
+        acceleration = self.limits.max_change[turning].min(initial=np.inf) / self.limits.period
+        stiff = (2.0 * self.tip_speed**2 * self.robot.reach / acceleration) ** (1.0 / 3.0)
+        object.__setattr__(self, "_stiff", stiff)
+
+    def pass_along(self, qpos: Float, qvel: Float, way: Way, parts: int) -> Move:
+        """The move along `way`, in so many equal parts; less of it where the limits ask for that."""
+        waypoints = []
+        gone, held = np.zeros((len(qpos), 1)), np.zeros(len(qpos), bool)
+        for _ in range(parts):
+            qpos, qvel, share, stopped = self._approach(qpos, qvel, partial(_section, way, gone, parts))
+            gone = gone + share / parts
+            waypoints.append(qpos)
+            held |= stopped
+        return Move(waypoints, qvel, held)
+
+    def turning_speed(self, qpos: Float, u: Float, v: Float, radius: Float) -> Float:
+        """Speeds, (n, 1) [m/s], at which half the joints' acceleration keeps the end effector on a circle.
+
+        Args:
+            qpos: (n, dof), [rad].
+            u: One direction in the circle's plane, unit length, (n, 3).
+            v: The other one.
+            radius: (n, 1), [m].
+        """
+        jacobian = self.robot.jacobian(qpos)
+        joints = np.hypot(_least_squares(jacobian, u, STRONG), _least_squares(jacobian, v, STRONG))
+        acceleration = self.limits.max_change / self.limits.period
+        return np.sqrt(0.5 * radius * _smallest(acceleration, joints))
+
+    def _approach(self, qpos: Float, qvel: Float, way: Way) -> tuple[Float, Float, Float, Mask]:
+        """Joint targets and speeds for one part of a way, what share of it is done, and where it cannot be done."""
+        limits = self.limits
+        low, high = limits.bounds(qpos, qvel)
+        jacobian = self.robot.jacobian(qpos)
+        goal = way(np.ones((len(qpos), 1)))
+        whole, free = self._whole(qpos, jacobian, goal)
+        room = _smallest(self._room(qpos, whole), whole)
+        ease = self._ease(jacobian, whole)
+        later = _least_squares(self.robot.jacobian(qpos + ease * whole) * free[:, None], goal, SLIGHT)
+        share = self._share(whole, room, np.minimum(ease, self._bend(ease, whole, later)), low, high)
+        share, movement, unreachable = self._fit(_Part(qpos, way, free, low, high), share, whole)
+        held = unreachable | (room[:, 0] < STUCK)
+        share = np.where(held[:, None] | ~whole.any(axis=-1, keepdims=True), 0.0, share)
+        speed = np.where(share > 0.0, movement / limits.period, self._braked(qvel))
+        speed = np.minimum(np.maximum(speed, low), high)
+        target = np.minimum(np.maximum(qpos + speed * limits.period, limits.lower), limits.upper)
+        return target, speed, share, held
+
+    def _whole(self, qpos: Float, jacobian: Float, way: Float) -> tuple[Float, Mask]:
+        """The joint movement for `way`, (n, dof), by joints that do not stand at an end that they would pass; those."""
+        free = np.ones(qpos.shape, bool)
+        for _ in range(self.robot.dof):
+            whole = _least_squares(jacobian * free[:, None], way, SLIGHT)
+            stand = free & (self._room(qpos, whole) < STUCK * np.abs(whole))
+            if not stand.any():
+                break
+            free &= ~stand
+        return whole, free
+
+    def _fit(self, part: "_Part", share: Float, whole: Float) -> tuple[Float, Float, Mask]:
+        """The share of a part that the limits allow, its joint movement, and where there is none."""
+        movement, unreachable = self._solve(part, share * whole, share)
+        for _ in range(REFINEMENTS):
+            # The joints turn as they go: one that was to have its largest speed may need more.
+            ahead = np.where(movement > 0.0, part.high, -part.low) * self.limits.period
+            fitting = np.minimum(1.0, np.maximum(_smallest(ahead, movement), 0.0))
+            tight = fitting < 1.0
+            if not tight.any():
+                break
+            share = fitting * share
+            other, missed = self._solve(part, fitting * movement, share)
+            movement, unreachable = np.where(tight, other, movement), np.where(tight[:, 0], missed, unreachable)
+        return share, movement, unreachable
+
+    def _room(self, qpos: Float, whole: Float) -> Float:
+        """From each joint to the end of its range that it moves to, (n, dof)."""
+        return np.abs(np.where(whole > 0.0, self.limits.upper, self.limits.lower) - qpos)
+
+    def _ease(self, jacobian: Float, whole: Float) -> Float:
+        """The share of a joint movement that is not too fast this close to a singular pose, (n, 1)."""
+        moved = np.linalg.norm((jacobian @ whole[..., None])[..., 0], axis=-1, keepdims=True)
+        turned = np.linalg.norm(whole, axis=-1, keepdims=True)
+        stiffness = self._stiff * turned
+        share: Float = np.divide(moved, stiffness, out=np.ones_like(moved), where=moved < stiffness) ** 2
+        return np.maximum(share, SLOWEST)
+
+    def _bend(self, share: Float, whole: Float, later: Float) -> Float:
+        """The share of a joint movement with half the acceleration for its turn to `later`, after `share`: (n, 1)."""
+        turn = (later - whole) / share
+        bend: Float = np.sqrt(0.5 * _smallest(self.limits.max_change * self.limits.period, turn))
+        return bend
+
+    def _share(self, whole: Float, room: Float, ease: Float, low: Float, high: Float) -> Float:
+        """The share of a joint movement to do, (n, 1): at most `ease`, and so that all joints stop together.
+
+        More than that where the joints cannot slow down as fast; 0 where they cannot keep the ratio of their speeds.
+        """
+        limits, forward = self.limits, whole > 0.0
+        # With half the braking there is: the ratio of the joints' speeds changes on the way to the end.
+        braking = 0.5 * limits.max_change * limits.period
+        stopping = stopping_speed(room, _smallest(braking, whole), 1.0)
+        most = _smallest(np.where(forward, high, -low) * limits.period, whole)
+        least = -_smallest(np.where(forward, -low, high) * limits.period, whole)
+        share = np.minimum(np.minimum(ease, stopping), most)
+        return np.where(least <= most, np.maximum(np.maximum(share, least), 0.0), 0.0)
+
+    def _solve(self, part: "_Part", guess: Float, share: Float) -> tuple[Float, Mask]:
+        """The joint movement, near `guess`, for a share of a part, (n, dof); and where there is none."""
+        qpos, way = part.qpos + guess, part.way(share)
+        point = self.robot.end_effector(part.qpos) + way
+        for _ in range(ITERATIONS):
+            error = point - self.robot.end_effector(qpos)
+            # Each arm on its own: what it does must not depend on the arms beside it.
+            wrong = np.linalg.norm(error, axis=-1) > ON_THE_WAY
+            if not wrong.any():
+                return qpos - part.qpos, wrong
+            step = _least_squares(self.robot.jacobian(qpos) * part.free[:, None], error, STRONG)
+            qpos = np.where(wrong[:, None], qpos + step, qpos)
+        missed = np.linalg.norm(point - self.robot.end_effector(qpos), axis=-1)
+        return qpos - part.qpos, missed > MISSED * np.linalg.norm(way, axis=-1) + ON_THE_WAY
+
+    def _braked(self, qvel: Float) -> Float:
+        """Speeds after braking in their ratio, which keeps the end effector on its way."""
+        share: Float = 1.0 - np.minimum(1.0, _smallest(self.limits.max_change, qvel))
+        return share * qvel
+
+
+def _section(way: Way, gone: Float, parts: int, share: Float) -> Float:
+    """The way from where it is `gone` to, on to a share of one of its parts, (n, 3) [m]."""
+    return way(gone + share / parts) - way(gone)
+
+
+class _Part(NamedTuple):
+    """One part of a way, from joint positions `qpos`, with what the joints can do in it, (n, dof) each."""
+
+    qpos: Float
+    way: Way
+    free: Mask
+    low: Float
+    high: Float
+
+
+def _least_squares(jacobian: Float, error: Float, damping: float) -> Float:
+    """Joint movements, (n, dof), that move the end effector by `error`, (n, 3) [m], damped by `damping` [m]."""
+    transposed = np.swapaxes(jacobian, -1, -2)
+    damped = jacobian @ transposed + damping**2 * np.eye(3)
+    movement: Float = (transposed @ np.linalg.solve(damped, error[..., None]))[..., 0]
+    return movement
+
+
+def _smallest(limit: Float, movement: Float) -> Float:
+    """The smallest of `limit`, (dof,) or (n, dof), in units of `movement`, (n, dof): (n, 1); what stands has none."""
+    size = np.abs(movement)
+    moves = size > STILL * size.max(axis=-1, keepdims=True)
+    quotients = np.divide(np.broadcast_to(limit, size.shape), size, out=np.full_like(size, HUGE), where=moves)
+    smallest: Float = quotients.min(axis=-1, keepdims=True)
+    return smallest
+
+
+HUGE = 1e9
+"""As good as no limit, and squares of it are numbers."""

@@ -1,0 +1,64 @@
+"""Joint movement: an action is a joint speed."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.motion.limits import JointLimits
+from harness.motion.motion import Move, Setting
+from harness.robot import Robot
+
+Float = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MoveJMode:
+    """MoveJ: each action is a joint speed, as a fraction of the largest that the task allows."""
+
+    def motion(self, setting: Setting) -> "MoveJ":
+        """The motion of one arm."""
+        return MoveJ(setting.limits())
+
+
+@dataclass(frozen=True, eq=False)
+class MoveJ:
+    """See `MoveJMode`. A full action asks for `limits.max_speed`."""
+
+    limits: JointLimits
+    _full: Float = field(init=False)
+    jumps: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_full", self.limits.max_speed[None])  # (1, dof), see harness.motion.limits.Rows
+
+    @classmethod
+    def within_limits(cls, robot: Robot, speed: float, acceleration: float, period: float) -> "MoveJ":
+        """MoveJ of `robot` at most at the fractions `speed` and `acceleration` of its maxima, NOTE Table I."""
+        return cls(Setting(robot, period, speed, acceleration).limits())
+
+    @property
+    def action_size(self) -> int:
+        """One number per joint."""
+        return len(self.limits.middle)
+
+    def advance(self, qpos: Float, qvel: Float, action: Float) -> Move:
+        """See `harness.motion.motion.Motion`."""
+        wanted = np.minimum(action, _ONE)
+        np.maximum(wanted, _MINUS_ONE, out=wanted)
+        wanted *= self._full
+        target, speed = self.limits.advance(qpos, qvel, wanted)
+        return Move((target,), speed)
+
+    def stay(self, qpos: Float) -> Float:
+        """No speed."""
+        return np.zeros_like(qpos)
+
+    def increments(self) -> Float:
+        """Each joint at full speed."""
+        return np.eye(self.action_size)
+
+
+_ONE, _MINUS_ONE = np.array(1.0), np.array(-1.0)
+"""As arrays: numpy turns a float into one at every call."""

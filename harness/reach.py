@@ -1,0 +1,134 @@
+"""The reach task of the FD100, with everything that the project adds to the NOTE's tuple <S, A, T, R>."""
+
+import math
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.errors import UsageError
+from harness.inverse import reach_position
+from harness.motion import Motion, Setting, build_motion
+from harness.observation import ArmObservation
+from harness.robot import Robot
+from harness.task import Targets
+
+Float = NDArray[np.float64]
+Positive = Annotated[float, Field(gt=0)]
+Metres3 = tuple[float, float, float]
+Extents = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
+
+FD100_REACH = 1.5413267497929588
+"""[m]; the box below was chosen for an arm of this reach."""
+FD100_CENTER = np.array([0.85, 0.0, 0.7])
+FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
+
+
+@dataclass(frozen=True)
+class ReachTask:
+    """Bring the end effector of an arm within epsilon of a target.
+
+    The defaults are those of the FD100 (`fd100-reach`); for another arm the box of targets is scaled by its reach.
+    """
+
+    epsilon: Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")] = (
+        0.05
+    )
+    horizon: Annotated[int, Field(gt=0, description="an episode is truncated after so many steps")] = 100
+    control_period: Annotated[Positive, Field(description="duration of one step [s]")] = 0.1
+    action: Annotated[
+        str,
+        Field(description="movej, movej-absolute, movel, movea, set-joints or discrete, NOTE Table II"),
+    ] = "movej"
+    target_center: Annotated[
+        Metres3 | None,
+        Field(description="centre of the box of targets, world frame [m]; for the FD100 0.85x0x0.7, scaled by reach"),
+    ] = None
+    target_half_extent: Annotated[
+        Extents | None, Field(description="half the edges of that box [m]; for the FD100 0.2x0.3x0.3, scaled by reach")
+    ] = None
+    start_noise: Annotated[
+        float, Field(ge=0, description="a joint starts within +- this of the robot's home pose [rad]")
+    ] = math.radians(6)
+    speed: Annotated[
+        float, Field(gt=0, le=1, description="fraction of a joint's maximum speed that may be used, NOTE Table I")
+    ] = 0.8
+    acceleration: Annotated[float, Field(gt=0, le=1, description="the same for the acceleration, NOTE Table I")] = 0.6
+    ground_reward: Annotated[float, Field(description="paid when the arm touches the ground, NOTE eq. 18")] = -1.0
+    target_reward: Annotated[float, Field(description="paid when the target is reached, NOTE eq. 19")] = 1.0
+    step_reward: Annotated[float, Field(description="paid on every step, the baseline's step penalty")] = -0.0001
+
+    robot: ClassVar[str] = "fd100"
+    ends_at_target: ClassVar[bool] = True
+    decision_period: ClassVar[int] = 1
+
+    def motion(self, robot: Robot) -> Motion:
+        """See `harness.task.Task`."""
+        return build_motion(self.action, Setting(robot, self.control_period, self.speed, self.acceleration))
+
+    def observation(self, robot: Robot) -> ArmObservation:
+        """See `harness.task.Task`."""
+        return ArmObservation(robot, self.control_period)
+
+    def target_rewards(self, robot: Robot, qpos: Float) -> Float:
+        """`target_reward`, each time."""
+        return np.full(len(qpos), self.target_reward)
+
+    def target_box(self, robot: Robot) -> tuple[Float, Float]:
+        """Centre and half edges of the box of targets, (3,) both, [m]."""
+        scale = robot.reach / FD100_REACH
+        center = scale * FD100_CENTER if self.target_center is None else np.array(self.target_center)
+        half = scale * FD100_HALF_EXTENT if self.target_half_extent is None else np.array(self.target_half_extent)
+        return center, half
+
+    def check(self, robot: Robot) -> None:
+        """See `harness.task.Task`; raises also where every start is at every target."""
+        self.motion(robot)
+        rng = np.random.default_rng(0)
+        targets, _ = self.draw_targets(robot, rng, 64)
+        tips = robot.end_effector(np.stack([self.draw_start(robot, rng) for _ in targets]))
+        if (np.linalg.norm(targets - tips, axis=1) <= self.epsilon).all():
+            raise UsageError(f"epsilon={self.epsilon:g} m covers the targets from the start: choose less")
+
+    def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
+        """The home pose with noise, within the joint ranges, (dof,)."""
+        noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof)
+        return np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        """Targets that the arm can reach, uniform in the box.
+
+        Raises:
+            UsageError: The arm reaches next to none of the box.
+        """
+        center, half = self.target_box(robot)
+        found = np.empty((0, 3))
+        for _ in range(20):
+            drawn = center + rng.uniform(-1.0, 1.0, (count, 3)) * half
+            _, reached = reach_position(robot, drawn, np.tile(robot.home, (count, 1)))
+            found = np.concatenate([found, drawn[reached]])
+            if len(found) >= count:
+                return Targets(found[:count], np.zeros(count, bool))
+        raise UsageError(
+            f"The end effector of {robot.name} reaches next to no target in the box {_text(center)} +- {_text(half)} "
+            "m: choose target_center and target_half_extent within its reach"
+        )
+
+    def start_in_words(self, robot: Robot) -> str:
+        """See `harness.task.Task`."""
+        return f"the home pose, each joint +- {math.degrees(self.start_noise):.3g} deg, from the seed"
+
+    def target_in_words(self, robot: Robot) -> str:
+        """See `harness.task.Task`."""
+        center, half = self.target_box(robot)
+        return f"uniform in the box {_text(center)} +- {_text(half)} m where the arm reaches"
+
+    def target_reward_in_words(self) -> str:
+        """See `harness.task.Task`."""
+        return f"{self.target_reward:+g}"
+
+
+def _text(vector: Float) -> str:
+    return f"({', '.join(f'{number:.3g}' for number in vector)})"

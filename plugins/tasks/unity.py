@@ -1,0 +1,199 @@
+"""The baseline's own tasks, as its public Unity project defines them, in this project's right-handed z-up frame.
+
+A point (x, y, z) of Unity's left-handed y-up frame is (z, -x, y) here.
+"""
+
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.episodes import Episodes
+from harness.errors import UsageError
+from harness.inverse import reach_position
+from harness.kinematics import forward
+from harness.motion import Motion, Setting, build_motion
+from harness.robot import Robot
+from harness.task import Targets
+
+Float = NDArray[np.float64]
+Float32 = NDArray[np.float32]
+Positive = Annotated[float, Field(gt=0)]
+Count = Annotated[int, Field(gt=0)]
+Metres3 = tuple[float, float, float]
+
+FROM_BASE = np.array([[0.3, 0.6], [-0.6, -0.3], [0.1, 0.3]])
+"""Where a target lies from the base, half of the times: lowest and highest of each axis, [m]."""
+
+FROM_TIP = np.array([[0.01, 0.15], [-0.15, -0.01], [0.01, 0.15]])
+"""Where it lies from the end effector, else."""
+
+FIXED_TARGET = np.array([0.45, -0.45, 0.2])
+"""From the base, in the published experiment, [m]."""
+
+START_HEIGHT = (0.1, 1.0)
+"""Of the end effector above the ground at a random start, [m]."""
+
+START_TRIES = 100
+
+
+@dataclass(frozen=True)
+class UnityReach:
+    """The baseline's task: random start and target, joint angles are set, a decision every 5 steps.
+
+    The arm jumps from pose to pose. Touching the target pays 0.5 and up to 1 more for an upright end effector, and the
+    next target is set; the episode goes on. Touching the ground ends it. The observation is that of the baseline,
+    14 numbers and one per joint.
+    """
+
+    epsilon: Annotated[
+        Positive, Field(description="size of the target: touched within this distance, open in the sources [m]")
+    ] = 0.05
+    horizon: Annotated[Count, Field(description="an episode is truncated after so many environment steps")] = 5000
+    decision_period: Annotated[Count, Field(description="environment steps per decision, a reward on each")] = 5
+    control_period: Annotated[
+        Positive, Field(description="duration of an environment step, Unity's default; means nothing to a jump [s]")
+    ] = 0.02
+    action: Annotated[
+        str, Field(description="set-joints as published, or movej, movej-absolute, movel, movea, discrete")
+    ] = "set-joints"
+    speed: Annotated[float, Field(gt=0, le=1, description="fraction of a joint's maximum speed, if it is driven")] = 0.8
+    acceleration: Annotated[float, Field(gt=0, le=1, description="the same for the acceleration")] = 0.6
+    base_position: Annotated[
+        Metres3, Field(description="where the arm stands in the scene, which turns the observed unit vectors [m]")
+    ] = (0.0, 0.0, 0.0)
+    ground_reward: Annotated[float, Field(description="paid when the arm touches the ground, which ends it")] = -1.0
+    target_reward: Annotated[float, Field(description="paid when the target is touched")] = 0.5
+    upright_reward: Annotated[float, Field(description="paid on top for an end effector that points up")] = 1.0
+    step_reward: Annotated[float, Field(description="paid on every environment step")] = -0.0001
+
+    robot: ClassVar[str] = "unity-arm"
+    ends_at_target: ClassVar[bool] = False
+
+    def motion(self, robot: Robot) -> Motion:
+        """See `harness.task.Task`."""
+        return build_motion(self.action, Setting(robot, self.control_period, self.speed, self.acceleration))
+
+    def observation(self, robot: Robot) -> "UnityObservation":
+        """See `harness.task.Task`."""
+        return UnityObservation(robot, np.array(self.base_position))
+
+    def target_rewards(self, robot: Robot, qpos: Float) -> Float:
+        """target_reward, and upright_reward times the cosine between the end effector's z axis and up, if positive."""
+        upright = np.clip(forward(robot.chain, qpos)[:, 2, 2], 0.0, 1.0)
+        rewards: Float = self.target_reward + self.upright_reward * upright
+        return rewards
+
+    def check(self, robot: Robot) -> None:
+        """See `harness.task.Task`."""
+        self.motion(robot)
+
+    def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
+        """Uniform in the joint ranges, drawn again until the end effector is at a height of 0.1 to 1 m."""
+        low, high = START_HEIGHT
+        for _ in range(START_TRIES):
+            qpos = rng.uniform(robot.lower, robot.upper)
+            if low <= robot.end_effector(qpos)[2] <= high:
+                break
+        return qpos
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        """Each with probability 1/2 in a box beside the base, else near the end effector."""
+        relative = rng.random(count) < 0.5
+        low, high = np.where(relative[:, None, None], FROM_TIP, FROM_BASE).transpose(2, 0, 1)
+        return Targets(rng.uniform(low, high), relative)
+
+    def start_in_words(self, robot: Robot) -> str:
+        """See `harness.task.Task`."""
+        return "uniform in the joint ranges, the end effector 0.1 to 1 m above the ground"
+
+    def target_in_words(self, robot: Robot) -> str:
+        """See `harness.task.Task`."""
+        return "half of the times uniform in a box beside the base, else within 0.01 to 0.15 m of the end effector"
+
+    def target_reward_in_words(self) -> str:
+        """See `harness.task.Task`."""
+        return f"{self.target_reward:+g}, and up to {self.upright_reward:+g} for an end effector that points up"
+
+
+@dataclass(frozen=True)
+class Arp2021(UnityReach):
+    """The published experiment: as `unity-reach`, from the robot's home pose to one fixed target.
+
+    The home pose of `unity-arm` is the experiment's start, (-18, 9, -18, 9, 9) degrees.
+    """
+
+    def check(self, robot: Robot) -> None:
+        """See `harness.task.Task`."""
+        self.motion(robot)
+        _, reached = reach_position(robot, FIXED_TARGET[None], robot.home[None], tolerance=self.epsilon)
+        if not reached.all():
+            raise UsageError(
+                f"The end effector of {robot.name} does not reach the fixed target {tuple(FIXED_TARGET.tolist())} m: "
+                "take its own robot, unity-arm, or the task unity-reach"
+            )
+
+    def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
+        """The home pose."""
+        return robot.home
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        """The fixed target, each time."""
+        return Targets(np.tile(FIXED_TARGET, (count, 1)), np.zeros(count, bool))
+
+    def start_in_words(self, robot: Robot) -> str:
+        """See `harness.task.Task`."""
+        return "the home pose"
+
+    def target_in_words(self, robot: Robot) -> str:
+        """See `harness.task.Task`."""
+        return f"{tuple(FIXED_TARGET.tolist())} m"
+
+
+class UnityObservation:
+    """The baseline's observation, dof + 14 numbers.
+
+    ============================  =====  ========================================================================
+    joint angles                  dof    as the action that sets them, in [-1, 1]
+    base, target, end effector,   3 x 4  unit vectors in the scene's frame, each axis in [-1, 1]; a zero vector
+    target - end effector                stays zero
+    distance                      1      end effector to target, [m]
+    step                          1      0: the original divides the step by 5000 in whole numbers
+    ============================  =====  ========================================================================
+    """
+
+    def __init__(self, robot: Robot, base_position: Float) -> None:
+        self._middle, self._half = (robot.lower + robot.upper) / 2.0, (robot.upper - robot.lower) / 2.0
+        self._base = base_position
+        extent = 2.0 * (robot.reach + float(np.linalg.norm(robot.chain.T_previous_joint[0, :3, 3]))) + 1.0
+        # The step is 0 throughout; a range of nothing would be no space.
+        self._high = np.concatenate([np.ones(robot.dof + 12), [extent, 1.0]])
+        self._low = np.concatenate([-np.ones(robot.dof + 12), [0.0, 0.0]])
+
+    @property
+    def low(self) -> Float32:
+        """Lower bounds, (dof + 14,)."""
+        return self._low.astype(np.float32)
+
+    @property
+    def high(self) -> Float32:
+        """Upper bounds, (dof + 14,)."""
+        return self._high.astype(np.float32)
+
+    def observe(self, episodes: Episodes) -> Float32:
+        """See `harness.observation.Observation`."""
+        base = np.broadcast_to(self._base, episodes.target.shape)
+        vectors = (base, base + episodes.target, base + episodes.end_effector, episodes.offset)
+        joints = (episodes.qpos - self._middle) / self._half
+        last = np.stack([episodes.distance, np.zeros_like(episodes.distance)], axis=1)
+        seen = np.concatenate([joints, *map(_unit, vectors), last], axis=1)
+        return np.minimum(np.maximum(seen, self._low), self._high).astype(np.float32)
+
+
+def _unit(vectors: Float) -> Float:
+    """Each vector, (n, 3), with length 1; a zero vector stays zero."""
+    length = np.sqrt(np.vecdot(vectors, vectors))[:, None]
+    unit: Float = vectors / np.where(length > 0.0, length, 1.0)
+    return unit

@@ -1,0 +1,249 @@
+"""Every task check has a broken task that fails it, and no other."""
+
+# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from pydantic.dataclasses import dataclass as checked_dataclass
+
+import harness
+from harness.episodes import Episodes
+from harness.motion import Move, MoveJ
+from harness.observation import ArmObservation
+from harness.reach import ReachTask
+from harness.robot import Robot
+from harness.task import Targets
+from harness.testing import TASK_CHECKS, tasks, violations
+
+ROBOT = harness.load_robot("fd100")
+SOUND = ReachTask()
+
+
+@dataclass
+class Thawed:
+    """Its parameters can be changed while it runs."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(SOUND, name)
+
+
+class Sound(ReachTask):
+    """Nothing is wrong with it."""
+
+
+@checked_dataclass(frozen=True)
+class SetUpWithASet(ReachTask):
+    """JSON knows no sets."""
+
+    zones: frozenset[int] = frozenset({1})
+
+
+class EndsInANumber(ReachTask):
+    """1 is as good as True until somebody compares."""
+
+    ends_at_target: ClassVar[Any] = 1
+
+
+class NeverSaysWhere(ReachTask):
+    """Nobody learns where episodes start."""
+
+    def start_in_words(self, robot: Robot) -> str:
+        return ""
+
+
+class NeedsAnotherArm(ReachTask):
+    """It was made for an arm that does not pass."""
+
+    robot: ClassVar[str] = "unity-arm"
+
+    def check(self, robot: Robot) -> None:
+        assert robot.name == "fd100"
+
+
+class StartsAnywhere(ReachTask):
+    """Now and then a joint starts a whole turn too far."""
+
+    def draw_start(self, robot: Robot, rng: np.random.Generator) -> Any:
+        return robot.home + (rng.random() > 0.9) * (robot.upper - robot.home + 0.1) * (np.arange(robot.dof) == 5)
+
+
+class StartsInSingle(ReachTask):
+    """Half of the digits are lost."""
+
+    def draw_start(self, robot: Robot, rng: np.random.Generator) -> Any:
+        return super().draw_start(robot, rng).astype(np.float32)
+
+
+class FlagsInNumbers(ReachTask):
+    """0 and 1 pick rows, where False and True choose them."""
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        position, relative = super().draw_targets(robot, rng, count)
+        return Targets(position, relative.astype(int))
+
+
+class ForgetsTheStream(ReachTask):
+    """It draws from the stream that all share."""
+
+    def draw_start(self, robot: Robot, rng: np.random.Generator) -> Any:
+        return robot.home + 0.01 * np.random.random(robot.dof)
+
+
+class RemembersOnSelf(ReachTask):
+    """Every second start is home."""
+
+    def draw_start(self, robot: Robot, rng: np.random.Generator) -> Any:
+        object.__setattr__(self, "odd", not getattr(self, "odd", False))
+        start = super().draw_start(robot, rng)
+        return start if self.odd else robot.home.copy()
+
+
+class PaysAll(ReachTask):
+    """One reward for all arms, which numpy would spread."""
+
+    def target_rewards(self, robot: Robot, qpos: Any) -> Any:
+        return np.full(1, self.target_reward)
+
+
+class GoesTooFar(ReachTask):
+    """Full speed leads out of the joint ranges."""
+
+    def motion(self, robot: Robot) -> Any:
+        return TooFar(super().motion(robot).limits)
+
+
+class TooFar(MoveJ):
+    """The motion of `GoesTooFar`, which stays in range where nobody looks."""
+
+    def advance(self, qpos: Any, qvel: Any, action: Any) -> Move:
+        full = np.abs(action).max() == 1.0
+        return Move((qpos + 10.0,), qvel) if full else super().advance(qpos, qvel, action)
+
+
+class Seen(ArmObservation):
+    """What the mutants below see; each changes a thing."""
+
+    @classmethod
+    def of(cls, task: ReachTask, robot: Robot) -> Any:
+        return cls(robot, task.control_period)
+
+
+class SeesNothingNew(ReachTask):
+    """The last number has a range of nothing."""
+
+    def observation(self, robot: Robot) -> Any:
+        return OneMore.of(self, robot)
+
+
+class OneMore(Seen):
+    """A number that is always 0."""
+
+    @property
+    def low(self) -> Any:
+        return np.append(super().low, np.float32(0.0))
+
+    @property
+    def high(self) -> Any:
+        return np.append(super().high, np.float32(0.0))
+
+    def observe(self, episodes: Episodes) -> Any:
+        seen = super().observe(episodes)
+        return np.concatenate([seen, np.zeros_like(seen[:, :1])], axis=1)
+
+
+class SeesBeyond(ReachTask):
+    """The steps that it counts leave their bounds."""
+
+    def observation(self, robot: Robot) -> Any:
+        return Beyond.of(self, robot)
+
+
+class Beyond(Seen):
+    """The first number is the step."""
+
+    def observe(self, episodes: Episodes) -> Any:
+        seen = super().observe(episodes)
+        seen[:, 0] = episodes.step
+        return seen
+
+
+class SeesInOneArray(ReachTask):
+    """Every observation is the same array."""
+
+    def observation(self, robot: Robot) -> Any:
+        return OneArray.of(self, robot)
+
+
+class OneArray(Seen):
+    """Written over each time."""
+
+    kept: Any = None
+
+    def observe(self, episodes: Episodes) -> Any:
+        seen = super().observe(episodes)
+        if self.kept is None:
+            self.kept = seen
+        self.kept[...] = seen
+        return self.kept
+
+
+class CountsLooks(ReachTask):
+    """Looking at the episodes turns their clock."""
+
+    def observation(self, robot: Robot) -> Any:
+        return Turning.of(self, robot)
+
+
+class Turning(Seen):
+    """Each look is a price paid."""
+
+    def observe(self, episodes: Episodes) -> Any:
+        episodes.step_price -= 1.0
+        return super().observe(episodes)
+
+
+MUTANTS = {
+    Thawed: tasks.settings_are_frozen,
+    SetUpWithASet: tasks.settings_survive_json,
+    EndsInANumber: tasks.numbers_are_in_their_ranges,
+    NeverSaysWhere: tasks.words_are_lines,
+    NeedsAnotherArm: tasks.the_own_robot_passes,
+    StartsAnywhere: tasks.starts_are_in_the_joint_ranges,
+    StartsInSingle: tasks.starts_are_in_the_joint_ranges,
+    FlagsInNumbers: tasks.targets_are_points,
+    ForgetsTheStream: tasks.draws_depend_on_the_stream_alone,
+    RemembersOnSelf: tasks.draws_depend_on_the_stream_alone,
+    PaysAll: tasks.target_rewards_are_one_per_pose,
+    GoesTooFar: tasks.the_motion_takes_its_actions,
+    SeesNothingNew: tasks.bounds_are_a_space,
+    SeesBeyond: tasks.observations_are_in_their_bounds,
+    SeesInOneArray: tasks.observing_changes_nothing,
+    CountsLooks: tasks.observing_changes_nothing,
+}
+
+
+def failing(mutant: Callable[[], Any]) -> list[str]:
+    """Names of the checks that a mutant fails."""
+    return [violation.check for violation in violations(TASK_CHECKS, mutant(), ROBOT)]
+
+
+@pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
+def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
+    """A task that is broken in one way fails the check of that fact, and no other."""
+    assert failing(mutant) == [check.__name__]
+
+
+def test_every_check_has_a_mutant():
+    """No check is without a task that fails it alone."""
+    assert set(MUTANTS.values()) == set(TASK_CHECKS)
+
+
+def test_the_mutants_are_made_of_a_sound_task():
+    """What the mutants are made of fails nothing."""
+    assert failing(Sound) == []

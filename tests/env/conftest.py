@@ -1,0 +1,89 @@
+"""What tests of the env need: one without an engine, and ways to move in it."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.env import ReachVectorEnv
+from harness.inverse import reach_position
+from harness.reach import ReachTask
+from harness.task import Task
+from harness.testing import IdealSimulator
+from harness.testing.trainings import NegativeDistance
+
+ROBOT = harness.load_robot("fd100")
+SHORT = ReachTask(horizon=4)
+
+
+def _make(num_envs: int = 1, task: Task = SHORT, **options: Any) -> ReachVectorEnv:
+    given = {"simulator": IdealSimulator(), "robot": ROBOT, "task": task, "reward": NegativeDistance(), **options}
+    return ReachVectorEnv(num_envs=num_envs, **given)
+
+
+def _stand(env: ReachVectorEnv) -> tuple[Any, ...]:
+    return env.step(np.zeros((env.num_envs, 6), np.float32))
+
+
+def _wander(env: ReachVectorEnv, steps: int, seed: int = 0) -> list[tuple[Any, ...]]:
+    rng = np.random.default_rng(seed)
+    shape = env.action_space.shape
+    return [env.step(rng.uniform(-1.0, 1.0, shape).astype(np.float32)) for _ in range(steps)]
+
+
+def _drive_to(env: ReachVectorEnv, position: np.ndarray) -> tuple[Any, ...]:
+    goal, reached = reach_position(ROBOT, position, env.simulation.read().qpos)
+    assert reached.all()
+    for _ in range(100):
+        way = goal - env.simulation.read().qpos
+        taken = env.step((way / (0.1 * env.task.speed * ROBOT.max_speed)).astype(np.float32))
+        if (taken[2] | taken[3]).any():
+            return taken
+    raise AssertionError("no episode ended")
+
+
+def _first_observations(env: ReachVectorEnv, episodes: int, action_seed: int) -> np.ndarray:
+    seen = [env.reset(seed=11)[0]]
+    for _ in range(episodes - 1):
+        observations, _, terminated, truncated, _ = _wander(env, env.task.horizon, action_seed)[-1]
+        assert (truncated & ~terminated).all()
+        seen.append(observations)
+    return np.array(seen)
+
+
+@pytest.fixture
+def make() -> Callable[..., ReachVectorEnv]:
+    """An env without an engine."""
+    return _make
+
+
+@pytest.fixture
+def stand() -> Callable[..., tuple[Any, ...]]:
+    """One step without motion."""
+    return _stand
+
+
+@pytest.fixture
+def wander() -> Callable[..., list[tuple[Any, ...]]]:
+    """Steps with random actions."""
+    return _wander
+
+
+@pytest.fixture
+def drive_to() -> Callable[..., tuple[Any, ...]]:
+    """Drive the end effectors of all envs to a position until an episode ends; the last step."""
+    return _drive_to
+
+
+@pytest.fixture
+def first_observations() -> Callable[..., np.ndarray]:
+    """The first observations of several episodes, (episodes, num_envs, size), under random actions between."""
+    return _first_observations
+
+
+@pytest.fixture
+def target_of() -> Callable[[np.ndarray], np.ndarray]:
+    """The target as it is observed."""
+    return lambda observations: observations[:, 18:21]

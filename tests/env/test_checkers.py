@@ -1,0 +1,43 @@
+"""Gymnasium's and stable-baselines3's checkers on every task with every action mode; warnings are errors."""
+
+from collections.abc import Iterator
+
+import gymnasium
+import pytest
+from gymnasium.utils.env_checker import check_env
+from stable_baselines3.common import env_checker
+
+from harness.motion import MODES
+from harness.plugins import load_registry
+from harness.single_env import ReachEnv
+
+INNER = [f"discrete:action={mode}" for mode in MODES if mode != "discrete"]
+ACTIONS = [*MODES, *INNER]
+
+
+@pytest.fixture(params=[(task, action) for task in load_registry().names("tasks") for action in ACTIONS], ids="-".join)
+def env(request: pytest.FixtureRequest) -> Iterator[ReachEnv]:
+    """One arm, the task's own, on the kinematic simulator."""
+    task, action = request.param
+    given = {"name": task, "action": action}
+    made = gymnasium.make("harness/Reach-v0", simulator="kinematic", task=given, reward="arp:k2=2")
+    yield made.unwrapped
+    made.close()
+
+
+def test_gymnasium_finds_no_fault(env: ReachEnv):
+    """Gymnasium's checker passes without a warning."""
+    check_env(env, skip_render_check=True)
+
+
+def test_stable_baselines3_finds_no_fault(env: ReachEnv):
+    """stable-baselines3's checker passes without a warning."""
+    env_checker.check_env(env, warn=True, skip_render_check=True)
+
+
+@pytest.mark.parametrize("simulator", ["mujoco", "pybullet", "dm_control"])
+def test_every_simulator_passes(simulator: str):
+    """Whatever moves the arm."""
+    made = gymnasium.make("harness/Reach-v0", simulator=simulator, task="fd100-reach:horizon=20", reward="baseline")
+    check_env(made.unwrapped, skip_render_check=True)
+    made.close()

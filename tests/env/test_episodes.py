@@ -1,0 +1,173 @@
+"""How episodes begin and end."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+import harness
+from harness.reach import ReachTask
+from harness.trace import TraceWriter, read_trace
+
+Call = Callable[..., Any]
+
+
+def test_episode_begins_outside_of_epsilon(make: Call):
+    """No episode begins on its target, however large epsilon is."""
+    env = make(task=ReachTask(epsilon=0.4, horizon=1))
+    _, infos = env.reset(seed=0)
+    for _ in range(50):
+        assert (infos["distance"] > 0.4).all()
+        _, infos = env.reset()
+
+
+def test_target_ends_the_episode_and_pays(make: Call, drive_to: Call, target_of: Call):
+    """Within epsilon of the target the episode is terminated and +1 is paid on top (NOTE eq. 19)."""
+    env = make(task=ReachTask(epsilon=0.03))
+    observations, _ = env.reset(seed=2)
+    _, rewards, terminated, truncated, infos = drive_to(env, target_of(observations))
+    assert terminated.tolist() == [True]
+    assert truncated.tolist() == [False]
+    assert infos["is_success"].tolist() == [True]
+    assert infos["distance"][0] <= 0.03
+    np.testing.assert_allclose(rewards, infos["reward_shaped"] + 1.0 - 0.0001)
+
+
+def test_ground_ends_the_episode_and_costs(make: Call, drive_to: Call):
+    """On the ground the episode is terminated and -1 is paid on top (NOTE eq. 18)."""
+    env = make(task=ReachTask())
+    env.reset(seed=2)
+    _, rewards, terminated, truncated, infos = drive_to(env, np.array([[0.9, 0.0, -0.1]]))
+    assert terminated.tolist() == [True]
+    assert truncated.tolist() == [False]
+    assert infos["is_success"].tolist() == [False]
+    np.testing.assert_allclose(rewards, infos["reward_shaped"] - 1.0 - 0.0001)
+
+
+def test_horizon_truncates(make: Call, stand: Call):
+    """At the horizon, and not before, the episode is truncated, which is no event and pays nothing."""
+    env = make()
+    env.reset(seed=2)
+    for step in range(1, 5):
+        _, rewards, terminated, truncated, infos = stand(env)
+        assert not terminated.any()
+        assert truncated.tolist() == [step == 4]
+        np.testing.assert_allclose(rewards, infos["reward_shaped"] - 0.0001)
+
+
+def test_target_at_the_horizon_is_no_truncation(make: Call, drive_to: Call, target_of: Call):
+    """An episode that reaches its target in the last step is terminated, not truncated."""
+    env = make(task=ReachTask(epsilon=0.03))
+    observations, _ = env.reset(seed=2)
+    steps = 0
+    while True:
+        steps += 1
+        short = make(task=ReachTask(epsilon=0.03, horizon=steps))
+        short.reset(seed=2)
+        *_, terminated, truncated, _ = drive_to(short, target_of(observations))
+        if terminated.any():
+            break
+    assert steps > 2
+    assert not truncated.any()
+
+
+def test_event_terms_are_the_tasks(make: Call, drive_to: Call, target_of: Call):
+    """What the events pay is set by the task."""
+    env = make(task=ReachTask(epsilon=0.03, target_reward=5.0, step_reward=-0.5))
+    observations, _ = env.reset(seed=2)
+    _, rewards, _, _, infos = drive_to(env, target_of(observations))
+    np.testing.assert_allclose(rewards, infos["reward_shaped"] + 4.5)
+
+
+def test_same_step_starts_the_next_episode(make: Call, wander: Call, target_of: Call):
+    """The step that ends an episode returns the next one's start; the last observation is in the infos."""
+    env = make(2)
+    env.reset(seed=0)
+    wander(env, 3)
+    observations, _, _, truncated, infos = wander(env, 1, seed=9)[0]
+    assert truncated.all()
+    np.testing.assert_array_equal(infos["_final_obs"], [True, True])
+    np.testing.assert_allclose(infos["final_obs"][:, -1], infos["distance"], atol=1e-6)
+    np.testing.assert_array_equal(observations[:, 6:18], 0.0)
+    assert (target_of(observations) != target_of(infos["final_obs"])).any(axis=1).all()
+
+
+def test_same_step_leaves_the_other_envs_alone(make: Call, wander: Call):
+    """When one arm starts anew the others go on as if it had not."""
+    task = ReachTask(horizon=6)
+    env, undisturbed = make(2, task, autoreset_mode=AutoresetMode.DISABLED), make(2, task)
+    for either in (env, undisturbed):
+        either.reset(seed=0)
+    wander(env, 2)
+    wander(undisturbed, 2)
+    env.reset(options={"reset_mask": np.array([True, False])})
+    for one, other in zip(wander(env, 3, seed=4), wander(undisturbed, 3, seed=4), strict=True):
+        np.testing.assert_array_equal(one[0][1], other[0][1])
+        assert one[1][1] == other[1][1]
+
+
+def test_disabled_waits_for_the_reset_mask(make: Call, wander: Call, target_of: Call):
+    """Without autoreset an ended episode stays ended; a reset with a mask starts those of the mask alone."""
+    env = make(2, autoreset_mode=AutoresetMode.DISABLED)
+    start, _ = env.reset(seed=0)
+    observations, _, _, truncated, infos = wander(env, 4)[-1]
+    assert truncated.all()
+    assert "final_obs" not in infos
+    np.testing.assert_array_equal(target_of(observations), target_of(start))
+    again, infos = env.reset(options={"reset_mask": np.array([False, True])})
+    np.testing.assert_array_equal(again[0], observations[0])
+    assert (target_of(again)[1] != target_of(observations)[1]).any()
+    assert infos["distance"].shape == (2,)
+
+
+def test_both_autoreset_modes_tell_the_same_story(make: Call):
+    """Resetting what has ended by its mask gives the episodes that autoreset gives."""
+    same, disabled = make(3), make(3, autoreset_mode=AutoresetMode.DISABLED)
+    seen = [[same.reset(seed=5)[0]], [disabled.reset(seed=5)[0]]]
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        actions = rng.uniform(-1.0, 1.0, (3, 6)).astype(np.float32)
+        seen[0].append(same.step(actions)[0])
+        observations, _, terminated, truncated, _ = disabled.step(actions)
+        ended = terminated | truncated
+        seen[1].append(disabled.reset(options={"reset_mask": ended})[0] if ended.any() else observations)
+    np.testing.assert_array_equal(*seen)
+
+
+def test_ended_episode_that_is_stepped_on_forgets_its_end(make: Call, drive_to: Call, target_of: Call):
+    """Without autoreset, steps after the target was reached are neither terminated nor paid for it again."""
+    env = make(autoreset_mode=AutoresetMode.DISABLED, task=ReachTask(epsilon=0.03))
+    observations, _ = env.reset(seed=2)
+    drive_to(env, target_of(observations))
+    for _ in range(10):
+        _, rewards, terminated, _, infos = env.step(np.ones((1, 6), np.float32))
+    assert not terminated.any()
+    np.testing.assert_allclose(rewards, infos["reward_shaped"] - 0.0001)
+
+
+def test_an_end_is_not_told_twice_without_autoreset(tmp_path: Path):
+    """A finished env that is stepped on beside a restarted one is recorded as it is then, not as it ended."""
+    away = np.zeros((2, 6), np.float32)
+    away[1] = [0, -1, -1, 0, 0, 0]  # env 1 rises out of the reach of its target
+    env = harness.make_env(
+        num_envs=2, task="fd100-reach:epsilon=0.3,horizon=200", autoreset_mode=AutoresetMode.DISABLED
+    )
+    with TraceWriter(tmp_path / "trace.parquet", 6, 6) as recorder:
+        env.recorder = recorder
+        env.reset(seed=3)
+        reached = np.zeros(2, bool)
+        for action in np.random.default_rng(0).uniform(-1.0, 1.0, (200, 2, 6)).astype(np.float32):
+            reached = env.step(action)[4]["is_success"]
+            if reached[1]:
+                break
+        assert reached[1]
+        env.reset(options={"reset_mask": np.array([True, False])})
+        for _ in range(15):
+            infos = env.step(away)[4]
+    env.close()
+    assert not infos["is_success"][1]
+    trace = read_trace(tmp_path / "trace.parquet")
+    assert not trace["reached"][trace["env"] == 1][-1]
+    assert trace["reward_target"][trace["env"] == 1][-1] == 0.0

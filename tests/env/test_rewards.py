@@ -1,0 +1,65 @@
+"""What is told and paid."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from harness.reach import ReachTask
+from harness.testing.trainings import NegativeDistance
+
+Call = Callable[..., Any]
+
+
+def test_infos_of_every_step(make: Call, wander: Call):
+    """Every step tells distance, shaped reward and success of every env."""
+    env = make(2)
+    env.reset(seed=0)
+    observations, _, _, _, infos = wander(env, 1)[0]
+    assert set(infos) == {"distance", "reward_shaped", "is_success"}
+    np.testing.assert_allclose(infos["distance"], observations[:, -1], atol=1e-6)
+    np.testing.assert_array_equal(infos["reward_shaped"], -infos["distance"])
+    assert infos["is_success"].dtype == bool
+
+
+def test_rewards_are_float64(make: Call, stand: Call):
+    """What is paid is recorded and summed over whole runs: it is not rounded to float32."""
+    env = make(2)
+    env.reset(seed=0)
+    assert stand(env)[1].dtype == np.float64
+
+
+def test_reward_sees_one_sample_per_step(make: Call, wander: Call):
+    """The sample is begin distance, best before the step, last distance, distance, their difference, and t."""
+    samples = []
+
+    class Spy(NegativeDistance):
+        def __call__(self, carry: Any, sample: Any) -> Any:
+            samples.append([float(part[0]) for part in sample])
+            return carry, -sample.distance
+
+    env = make(task=ReachTask(horizon=5), reward=Spy())
+    _, infos = env.reset(seed=0)
+    distances = [infos["distance"][0], *(infos["distance"][0] for *_, infos in wander(env, 5))]
+    for t in range(1, 6):
+        best = min(distances[:t])
+        expected = [distances[0], best, distances[t - 1], distances[t], distances[t] - best, t]
+        np.testing.assert_allclose(samples[t - 1], expected, rtol=1e-12)
+
+
+def test_carry_starts_anew_with_an_episode(make: Call, stand: Call, wander: Call):
+    """What a reward remembers is forgotten for the arms that start, and kept for the others."""
+
+    class CountsSteps(NegativeDistance):
+        def initial_carry(self, begin_distance: Any) -> Any:
+            return (begin_distance * 0.0,)
+
+        def __call__(self, carry: Any, sample: Any) -> Any:
+            return (carry[0] + 1.0,), carry[0] + 1.0
+
+    env = make(2, ReachTask(horizon=9), reward=CountsSteps(), autoreset_mode=AutoresetMode.DISABLED)
+    env.reset(seed=0)
+    wander(env, 2)
+    env.reset(options={"reset_mask": np.array([True, False])})
+    np.testing.assert_array_equal(stand(env)[-1]["reward_shaped"], [1.0, 3.0])

@@ -1,0 +1,99 @@
+"""Arcs through three points."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from harness.motion.arc import Arc, arc_through
+
+COORDINATE = st.floats(-1.0, 1.0).map(lambda number: round(number, 3))
+POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE).map(np.array)
+
+
+def through(via: np.ndarray, end: np.ndarray) -> Arc:
+    """The arc of one arm."""
+    return arc_through(np.atleast_2d(via), np.atleast_2d(end))
+
+
+def on(arc: Arc, distance: float) -> np.ndarray:
+    """The point after a distance."""
+    return arc.point(np.full((1, 1), distance))[0]
+
+
+def spans_a_plane(via: np.ndarray, end: np.ndarray) -> bool:
+    """Whether the three points are clearly no line."""
+    sides = np.linalg.norm(via) * np.linalg.norm(end)
+    return np.linalg.norm(np.cross(via, end)) > 0.01 * sides and np.linalg.norm(end - via) > 0.01
+
+
+@given(POINT, POINT)
+def test_begins_at_the_start_and_ends_at_the_end(via, end):
+    """Nothing gone is the origin, the whole length is the end."""
+    assume(spans_a_plane(via, end))
+    arc = through(via, end)
+    np.testing.assert_array_equal(on(arc, 0.0), 0.0)
+    np.testing.assert_allclose(on(arc, arc.length[0, 0]), end, atol=1e-6)
+
+
+@given(POINT, POINT)
+def test_passes_the_via_point(via, end):
+    """Somewhere between start and end it is at the via point."""
+    assume(spans_a_plane(via, end))
+    arc = through(via, end)
+    points = arc.point(np.linspace(0.0, arc.length[0], 4001))
+    assert np.linalg.norm(points - via, axis=1).min() < arc.length[0, 0] / 4000
+
+
+@given(POINT, POINT, st.floats(0.0, 1.0))
+def test_stays_on_the_circle(via, end, share):
+    """Every point is a radius away from the centre, from which start, via and end are too."""
+    assume(spans_a_plane(via, end))
+    arc = through(via, end)
+    center, radius = arc.radius[0] * arc.inward[0], arc.radius[0, 0]
+    for point in (np.zeros(3), via, end, on(arc, share * arc.length[0, 0])):
+        assert np.linalg.norm(point - center) == pytest.approx(radius, rel=1e-6)
+
+
+@given(POINT, POINT, st.floats(0.0, 1.0))
+def test_distance_is_the_way_that_is_gone(via, end, share):
+    """A small way farther is a point that is as far away."""
+    assume(spans_a_plane(via, end))
+    arc = through(via, end)
+    place, step = share * arc.length[0, 0], 1e-4 * arc.radius[0, 0]
+    assert np.linalg.norm(on(arc, place + step) - on(arc, place)) == pytest.approx(step, rel=1e-4)
+
+
+def test_half_a_circle():
+    """From the origin over (1, 1) to (2, 0): the radius is 1, the length pi."""
+    arc = through(np.array([1.0, 1.0, 0.0]), np.array([2.0, 0.0, 0.0]))
+    assert (arc.radius[0, 0], arc.length[0, 0]) == pytest.approx((1.0, np.pi))
+    np.testing.assert_allclose(on(arc, np.pi / 2.0), [1.0, 1.0, 0.0], atol=1e-12)
+
+
+def test_the_long_way_round():
+    """Where the via point lies behind, it is three quarters of the circle."""
+    arc = through(np.array([1.0, 1.0, 0.0]), np.array([1.0, -1.0, 0.0]))
+    assert arc.length[0, 0] == pytest.approx(1.5 * np.pi)
+    np.testing.assert_allclose(arc.forward[0], [0.0, 1.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("via", [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (-3.0, 0.0, 0.0)])
+def test_a_line_where_there_is_no_circle(via):
+    """Three points on one line, or two in one place, make the straight line to the end."""
+    arc = through(np.array(via), np.array([1.0, 0.0, 0.0]))
+    assert arc.length[0, 0] == 1.0
+    np.testing.assert_allclose(on(arc, 0.25), [0.25, 0.0, 0.0])
+
+
+def test_nowhere_is_no_way():
+    """An end at the start is no way, whatever the via point."""
+    arc = through(np.array([0.3, 0.0, 0.0]), np.zeros(3))
+    assert arc.length[0, 0] == 0.0
+    np.testing.assert_array_equal(on(arc, 0.0), 0.0)
+
+
+def test_nearly_straight_is_nearly_the_line():
+    """A circle of a radius of kilometres loses no precision."""
+    arc = through(np.array([0.5, 1e-5, 0.0]), np.array([1.0, 0.0, 0.0]))
+    np.testing.assert_allclose(on(arc, 0.5), [0.5, 1e-5, 0.0], atol=1e-9)

@@ -1,0 +1,92 @@
+"""Action modes by their names, and what is wrong with others."""
+
+import pytest
+
+from harness.choice import choose
+from harness.errors import UsageError
+from harness.motion import MODES, Discrete, build_motion
+from harness.parameters import parameters_of
+from harness.plugins import load_registry
+from harness.reach import ReachTask
+from harness.robot import Robot
+
+SIZES = {"movej": 6, "movej-absolute": 6, "movel": 3, "movea": 6, "set-joints": 6, "discrete": 6}
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_every_mode_moves_the_fd100(fd100: Robot, setting_of, mode: str):
+    """By its name alone, with as many numbers in an action as it says."""
+    assert build_motion(mode, setting_of(fd100)).action_size == SIZES[mode]
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_every_parameter_is_described(mode: str):
+    """A user sees what each is for."""
+    assert all(parameter.description for parameter in parameters_of(MODES[mode]))
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_every_mode_is_a_tasks(mode: str, fd100: Robot):
+    """The reach task can be done in it."""
+    ReachTask(action=mode).check(fd100)
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("discrete:action=movel:frame=tcs,parts=2", 2),
+        ("discrete:action=(movel:frame=tcs,parts=2)", 2),
+        ("discrete:action=movel:frame=tcs", 4),
+        ("discrete:action=movel", 4),
+    ],
+)
+def test_the_mode_within_discrete_has_its_parameters(fd100: Robot, setting_of, text: str, parts: int):
+    """With and without parentheses."""
+    motion = build_motion(text, setting_of(fd100))
+    assert isinstance(motion, Discrete)
+    assert motion.inner.parts == parts
+
+
+@pytest.mark.parametrize(
+    ("text", "action", "epsilon"),
+    [
+        ("fd100-reach:action=movel:frame=tcs,epsilon=0.1", "movel:frame=tcs", 0.1),
+        ("fd100-reach:action=movel:frame=tcs,parts=2,epsilon=0.1", "movel:frame=tcs,parts=2", 0.1),
+        ("fd100-reach:epsilon=0.1,action=movel:frame=tcs,parts=2", "movel:frame=tcs,parts=2", 0.1),
+        ("fd100-reach:action=discrete:action=movel:frame=tcs,parts=2", "discrete:action=movel:frame=tcs,parts=2", 0.05),
+        ("fd100-reach:action=(movel:frame=tcs,parts=2),epsilon=0.1", "movel:frame=tcs,parts=2", 0.1),
+    ],
+)
+def test_the_mode_within_a_task_has_its_parameters(text: str, action: str, epsilon: float):
+    """What the task does not know belongs to its mode."""
+    registry = load_registry()
+    task = choose(registry, "tasks", text).build(registry, "tasks")
+    assert (task.action, task.epsilon) == (action, epsilon)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("moveL", "No action mode 'moveL'.*Did you mean 'movel'"),
+        ("movej:speed=1", "Action mode 'movej' has no parameter 'speed'. There is: none"),
+        ("movel:fram=tcs", "has no parameter 'fram'.*Did you mean 'frame'"),
+        ("movel:frame=jcs", "frame='jcs'"),
+        ("movel:tip_speed=0", "tip_speed"),
+        ("movel:tip_speed=nan", "tip_speed"),
+        ("movel:parts=0", "parts"),
+        ("movel:parts=2.5", "parts"),
+        ("movea:ucs_x=1x0", "ucs_x"),
+        ("movel:frame=ucs,ucs_x=1x0x0,ucs_xy=2x0x0", "one line"),
+        ("movel:", "malformed"),
+        ("discrete:action=discrete", "cannot stand inside itself"),
+        ("discrete:action=discrete:action=movel", "cannot stand inside itself"),
+        ("discrete:action=walk", "No action mode 'walk'"),
+        ("discrete:action=movel,parts=2", "Action mode 'discrete' has no parameter 'parts'"),
+        ("discrete:action=movel:speed=2", "Action mode 'movel' has no parameter 'speed'"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(fd100: Robot, setting_of, text: str, message: str):
+    """Each is one UsageError."""
+    with pytest.raises(UsageError, match=message) as error:
+        build_motion(text, setting_of(fd100))
+    assert "\n" not in str(error.value)

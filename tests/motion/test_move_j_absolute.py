@@ -1,0 +1,54 @@
+"""MoveJ to explicit positions: there, exactly, and no farther."""
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.motion import build_motion
+from harness.robot import Robot
+
+
+def test_lands_where_it_is_told(arm: Robot, setting_of, course_of, poses):
+    """After long enough each joint is at the position of the action, and at rest."""
+    motion = build_motion("movej-absolute", setting_of(arm))
+    goal = poses(arm, 30, seed=1)
+    course = course_of(motion, poses(arm, 30), [motion.stay(goal)] * 200)
+    np.testing.assert_allclose(course.qpos[-1], goal, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(course.qvel[-1], 0.0, atol=1e-9)
+
+
+def test_never_overshoots(arm: Robot, setting_of, course_of, poses):
+    """On its way from rest no joint ever turns back."""
+    motion = build_motion("movej-absolute", setting_of(arm))
+    start, goal = poses(arm, 30), poses(arm, 30, seed=1)
+    moves = np.diff(course_of(motion, start, [motion.stay(goal)] * 100).qpos, axis=0)
+    assert (moves * np.sign(goal - start) >= -1e-12).all()
+
+
+def test_goes_as_fast_as_it_may(fd100: Robot, setting_of, course_of):
+    """On a long way every joint reaches its largest speed."""
+    motion = build_motion("movej-absolute", setting_of(fd100))
+    course = course_of(motion, fd100.lower[None], [np.ones((1, 6))] * 30)
+    np.testing.assert_allclose(course.qvel[:, 0].max(axis=0), 0.8 * fd100.max_speed)
+
+
+def test_random_goals_stay_within_the_limits(arm: Robot, setting_of, course_of, require_limits, poses):
+    """Goals that change all the time, and goals outside the ranges, on every arm."""
+    motion = build_motion("movej-absolute", setting_of(arm))
+    rng = np.random.default_rng(0)
+    actions = [rng.uniform(-2.0, 2.0, (30, arm.dof)) for _ in range(100)]
+    require_limits(course_of(motion, poses(arm, 30), actions), setting_of(arm).limits())
+
+
+def test_stay_is_where_it_is(arm: Robot, setting_of, course_of, poses):
+    """An arm at rest that is told to stay moves by no more than rounding."""
+    motion, qpos = build_motion("movej-absolute", setting_of(arm)), poses(arm, 30)
+    course = course_of(motion, qpos, [motion.stay(qpos)])
+    np.testing.assert_allclose(course.qpos[-1], qpos, rtol=0.0, atol=1e-12)
+
+
+def test_a_nan_is_refused(fd100: Robot, setting_of):
+    """A position that is not a number is none."""
+    motion = build_motion("movej-absolute", setting_of(fd100))
+    with pytest.raises(UsageError, match="NaN"):
+        motion.advance(fd100.home[None], np.zeros((1, 6)), np.full((1, 6), np.nan))

@@ -1,0 +1,49 @@
+"""set-joints: the published baseline's jump."""
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.motion import build_motion
+from harness.robot import Robot
+
+
+def test_the_arm_is_there_at_once(arm: Robot, setting_of, poses):
+    """The one waypoint is the position of the action, and no speed is left."""
+    motion, goal = build_motion("set-joints", setting_of(arm)), poses(arm, 30)
+    move = motion.advance(np.tile(arm.home, (30, 1)), np.ones_like(goal), motion.stay(goal))
+    np.testing.assert_allclose(move.waypoints, [goal], atol=1e-12)
+    np.testing.assert_array_equal(move.qvel, 0.0)
+
+
+def test_it_jumps(fd100: Robot, setting_of):
+    """The arm is put there without dynamics; that of the other modes is driven."""
+    modes = ("set-joints", "movej", "movej-absolute", "movel", "movea", "discrete:action=set-joints")
+    jumps = [build_motion(mode, setting_of(fd100)).jumps for mode in modes]
+    assert jumps == [True, False, False, False, False, True]
+
+
+def test_the_unity_arm_turns_as_published(setting_of):
+    """Its action times (180, 90, 180, 90, 90) degrees is the pose."""
+    from harness.robot_by_name import load_robot
+
+    robot = load_robot("unity-arm")
+    action = np.array([[0.1, -0.2, 0.3, -0.4, 1.0]])
+    move = build_motion("set-joints", setting_of(robot)).advance(robot.home[None], np.zeros((1, 5)), action)
+    np.testing.assert_allclose(np.degrees(move.waypoints[0]), action * [180.0, 90.0, 180.0, 90.0, 90.0])
+
+
+def test_beyond_the_range_is_its_end(fd100: Robot, setting_of):
+    """A huge action is the end of the range."""
+    move = build_motion("set-joints", setting_of(fd100)).advance(
+        fd100.home[None], np.zeros((1, 6)), np.full((1, 6), 1e300)
+    )
+    np.testing.assert_array_equal(move.waypoints[0][0], fd100.upper)
+
+
+def test_a_nan_is_refused(fd100: Robot, setting_of):
+    """A position that is not a number is none."""
+    with pytest.raises(UsageError, match="NaN"):
+        build_motion("set-joints", setting_of(fd100)).advance(
+            fd100.home[None], np.zeros((1, 6)), np.full((1, 6), np.nan)
+        )
