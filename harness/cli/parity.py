@@ -1,0 +1,61 @@
+"""``harness parity``: how far the simulators differ."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.errors import UsageError
+
+
+def parity(
+    sim: Annotated[
+        list[str] | None, typer.Option(help="Simulators, as mujoco:substeps=40. (default: all)", metavar="NAMES")
+    ] = None,
+    reference: Annotated[
+        str | None, typer.Option(help="What the others are compared with. (default: mujoco)", metavar="NAME")
+    ] = None,
+    robot: Annotated[str, typer.Option(help="Robot, or a folder with robot.toml.", metavar="NAME")] = "fd100",
+    steps: Annotated[int, typer.Option(help="Control periods of each motion.", metavar="N")] = 200,
+    episodes: Annotated[int, typer.Option(help="How many motions, and how many dives.", metavar="N")] = 8,
+    seed: Annotated[int, typer.Option(help="Of all that is drawn.", metavar="S")] = 0,
+    period: Annotated[float, typer.Option(help="Control period in seconds.", metavar="T")] = 0.1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    html: Annotated[Path | None, typer.Option(help="Write a page with figures to this file.", metavar="FILE")] = None,
+) -> None:
+    """Drive the same motions through several simulators and show how far they differ. Trains nothing."""
+    from harness.robot_by_name import load_robot
+    from harness.parity.contenders import choose_contenders
+    from harness.parity.orders import Setting
+    from harness.parity.parity import compare_simulators
+    from harness.plugins import load_registry
+
+    _check(steps, episodes, seed, period)
+    registry = load_registry()
+    contenders = choose_contenders(registry, sim or [], reference)
+    found = compare_simulators(contenders, Setting(load_robot(robot, registry), steps, episodes, seed, period))
+    if html is not None:
+        from harness.parity.page import write_page
+
+        write_page(found, html)
+        typer.echo(f"Page: {html}", err=True)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
+    else:
+        from rich.console import Console
+
+        from harness.parity.table import parity_table
+
+        Console().print(parity_table(found))
+    if found.failed:
+        raise typer.Exit(1)
+
+
+def _check(steps: int, episodes: int, seed: int, period: float) -> None:
+    for flag, number, least in (("--steps", steps, 1), ("--episodes", episodes, 1), ("--seed", seed, 0)):
+        if number < least:
+            raise UsageError(f"{flag} {number}: must be at least {least}")
+    if not 0.0 < period <= 1.0:
+        raise UsageError(f"--period {period:g}: must be above 0 and at most 1")

@@ -1,0 +1,1 @@
+"""How far simulators differ that are told the same."""

@@ -1,0 +1,110 @@
+"""Smooth motions through the air, the same for every simulator."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.kinematics import link_frames
+from harness.robot import Robot
+
+Float = NDArray[np.float64]
+
+SPEED, ACCELERATION = 0.8, 0.6
+"""Shares of a joint's maxima that may be used, NOTE Table I."""
+START_NOISE = np.radians(6.0)
+"""A joint starts within this of home, [rad]."""
+SLOWEST, FASTEST = 8.0, 2.0
+"""Longest and shortest period of the sines that a motion is made of, [s]."""
+SINES = 3
+RUN_UP = 1.0
+"""From rest to full swing, [s]."""
+CLEARANCE = 0.1
+"""Height that the tip and each joint keep above the ground, as a share of the arm's reach."""
+TRIES = 200
+NOTHING = 1e-9
+"""A joint that swings less than this, [rad], is not at any limit."""
+
+
+def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: float) -> Float:
+    """Joint targets that start at rest near home and swing as sums of sines, clear of the ground.
+
+    Each joint swings as far as its range, `SPEED` and `ACCELERATION` allow, whichever is met first. Episode n of a
+    seed is the same whatever the number of episodes.
+
+    Args:
+        robot: The arm.
+        seed: Of all that is drawn.
+        episodes: How many motions, >= 1.
+        steps: Control periods of each, >= 1.
+        period: Control period, [s].
+
+    Returns:
+        (steps + 1, episodes, dof), [rad]; row 0 is where the arm starts.
+
+    Raises:
+        UsageError: Next to every motion of this arm meets the ground.
+    """
+    drawn = [_draw_clear_motion(robot, np.random.default_rng([seed, 0, n]), steps, period) for n in range(episodes)]
+    return np.stack(drawn, axis=1)
+
+
+def draw_start(robot: Robot, rng: np.random.Generator) -> Float:
+    """Joint positions near home and within the ranges, (dof,), [rad]."""
+    noise = rng.uniform(-START_NOISE, START_NOISE, robot.dof)
+    return np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
+
+
+def lowest_points(robot: Robot, qpos: Float) -> Float:
+    """Height of the lowest of the tip and the origins of the joints that move, [m].
+
+    Args:
+        robot: The arm.
+        qpos: Joint positions, (n, dof), [rad].
+
+    Returns:
+        Shape (n,). The links reach lower, by their thickness.
+    """
+    joints = link_frames(robot.chain, qpos)[1:, 2, 3]  # the first joint's origin stands still
+    return np.asarray(np.vstack([joints, robot.end_effector(qpos)[:, 2]]).min(axis=0))
+
+
+def _draw_clear_motion(robot: Robot, rng: np.random.Generator, steps: int, period: float) -> Float:
+    """(steps + 1, dof), [rad]."""
+    for _ in range(TRIES):
+        motion = _draw_motion(robot, rng, steps, period)
+        if lowest_points(robot, motion).min() >= CLEARANCE * robot.reach:
+            return motion
+    raise UsageError(
+        f"{TRIES} motions of '{robot.name}' all come within {CLEARANCE:.0%} of its reach to the ground: "
+        "choose a home pose in robot.toml that is clear of it"
+    )
+
+
+def _draw_motion(robot: Robot, rng: np.random.Generator, steps: int, period: float) -> Float:
+    start = draw_start(robot, rng)
+    swing = _draw_swing(rng, robot.dof, np.arange(steps + 1, dtype=np.float64) * period)
+    return start + _largest_scale(robot, start, swing, period) * swing
+
+
+def _draw_swing(rng: np.random.Generator, dof: int, time: Float) -> Float:
+    """Sums of sines that set in slowly, at most 1 rad, (len(time), dof)."""
+    frequency = 2.0 * np.pi / rng.uniform(FASTEST, SLOWEST, (SINES, dof))
+    phase = rng.uniform(0.0, 2.0 * np.pi, (SINES, dof))
+    weight = rng.dirichlet(np.ones(SINES), dof).T
+    sines = (weight * np.sin(frequency * time[:, None, None] + phase)).sum(axis=1)
+    share = np.minimum(time / RUN_UP, 1.0)
+    return np.asarray((share**2 * (3.0 - 2.0 * share))[:, None] * sines)
+
+
+def _largest_scale(robot: Robot, start: Float, swing: Float, period: float) -> Float:
+    """By what each joint's swing may be multiplied to keep its range, speed and acceleration, (dof,)."""
+    speed = np.diff(swing, axis=0, prepend=swing[:1]) / period  # the first row: at rest
+    change = np.diff(speed, axis=0) / period
+    limits = [
+        (robot.upper - start, swing.max(axis=0)),
+        (start - robot.lower, -swing.min(axis=0)),
+        (SPEED * robot.max_speed, np.abs(speed).max(axis=0)),
+        (ACCELERATION * robot.max_acceleration, np.abs(change).max(axis=0)),
+    ]
+    scales = [limit / np.maximum(reached, NOTHING) for limit, reached in limits]
+    return np.asarray(np.minimum(np.min(scales, axis=0), np.pi))

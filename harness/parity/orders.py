@@ -1,0 +1,58 @@
+"""What every simulator is told."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.parity.dives import dive_motions
+from harness.parity.motions import smooth_motions
+from harness.parity.placement import random_poses
+from harness.robot import Robot
+
+Float = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What orders are drawn from.
+
+    Attributes:
+        robot: The arm.
+        steps: Control periods of each smooth motion, >= 1.
+        episodes: How many smooth motions, and how many dives, >= 1.
+        seed: Of all that is drawn, >= 0.
+        period: Control period, [s].
+    """
+
+    robot: Robot
+    steps: int = 200
+    episodes: int = 8
+    seed: int = 0
+    period: float = 0.1
+
+
+class Orders(NamedTuple):
+    """Joint positions to be placed at and driven to, [rad]."""
+
+    poses: Float
+    """(rounds, episodes, dof)"""
+    motion: Float
+    """(steps + 1, episodes, dof)"""
+    dives: Float | None
+    """(rows, episodes, dof); None if the arm does not reach the ground."""
+
+
+def draw_orders(setting: Setting) -> Orders:
+    """The same for the same setting.
+
+    Raises:
+        UsageError: Next to every motion of the robot meets the ground.
+    """
+    robot, seed, episodes = setting.robot, setting.seed, setting.episodes
+    return Orders(
+        random_poses(robot, seed, episodes),
+        smooth_motions(robot, seed, episodes, setting.steps, setting.period),
+        dive_motions(robot, seed, episodes, setting.period),
+    )

@@ -1,0 +1,178 @@
+"""Simulators compared: the same poses, motions and dives through each."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from harness.parity.contact import CONTACT_KEYS, Contact, compare_contacts
+from harness.parity.contenders import Contenders, Missing
+from harness.parity.cost import time_in_turns
+from harness.parity.dives import DEPTH
+from harness.parity.drift import Drift, drift_between
+from harness.parity.failure import Failure, attempt, part
+from harness.parity.orders import Orders, Setting, draw_orders
+from harness.parity.performance import Performance, perform
+from harness.parity.placement import Placement, placement_of
+from harness.parity.track import Track
+from harness.robot import Robot
+
+FORMAT = 1
+"""Of the JSON."""
+NO_DIVES = f"the arm reaches no point {DEPTH:g} m below the ground"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One simulator.
+
+    Attributes:
+        name: Its name, parameters included.
+        placement: Errors of an arm that is placed.
+        tracking: How far the driven arm is from where it was told to be.
+        seconds_per_step: Of one arm, median, [s].
+    """
+
+    name: str
+    placement: Placement
+    tracking: Drift
+    seconds_per_step: float
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "name": self.name,
+            "placement_error_m": self.placement.error_m,
+            "placement_error_rad": self.placement.error_rad,
+            "tracking_error_m": self.tracking.max_tip_error_m,
+            "tracking_error_rad": self.tracking.max_joint_error_rad,
+            "seconds_per_step": self.seconds_per_step,
+        }
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two simulators.
+
+    Attributes:
+        a: The first one's name.
+        b: The second one's.
+        drift: How far they are apart in smooth motion.
+        contact: When they see the ground in dives; None if the arm does not reach it.
+        placed_disagreement: Share of the random poses in which one sees contact and the other does not.
+    """
+
+    a: str
+    b: str
+    drift: Drift
+    contact: Contact | None
+    placed_disagreement: float
+
+    @property
+    def contact_note(self) -> str:
+        """What a reader has to know about the dives; empty where every one touches the ground in both."""
+        return self.contact.note if self.contact else NO_DIVES
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        contact = dict.fromkeys(CONTACT_KEYS) if self.contact is None else self.contact.to_json()
+        return {
+            "a": self.a,
+            "b": self.b,
+            "max_tip_error_m": self.drift.max_tip_error_m,
+            "mean_tip_error_m": self.drift.mean_tip_error_m,
+            "max_joint_error_rad": self.drift.max_joint_error_rad,
+            **contact,
+            "contact_note": self.contact_note,
+            "placed_contact_disagreement": self.placed_disagreement,
+            "curves": {name: curve.tolist() for name, curve in self.drift.curves().items()},
+        }
+
+
+@dataclass(frozen=True)
+class Parity:
+    """How far simulators differ.
+
+    Attributes:
+        reference: What the others are compared with, in the first place; it may have failed.
+        setting: What was driven.
+        simulators: Those that got through, the reference first.
+        pairs: Each two of them, in the same order.
+        failed: The others, by name, and why.
+        missing: Those that are not installed.
+    """
+
+    reference: str
+    setting: Setting
+    simulators: tuple[Measured, ...]
+    pairs: tuple[Pair, ...]
+    failed: dict[str, Failure]
+    missing: tuple[Missing, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, finite numbers only."""
+        return {
+            "format": FORMAT,
+            "reference": self.reference,
+            "robot": self.setting.robot.name,
+            "steps": self.setting.steps,
+            "episodes": self.setting.episodes,
+            "seed": self.setting.seed,
+            "control_period_s": self.setting.period,
+            "simulators": [simulator.to_json() for simulator in self.simulators],
+            "failed": [{"name": name, "reason": failure.reason} for name, failure in self.failed.items()],
+            "missing": [missing._asdict() for missing in self.missing],
+            "pairs": [pair.to_json() for pair in self.pairs],
+        }
+
+
+def compare_simulators(contenders: Contenders, setting: Setting) -> Parity:
+    """Place and drive the same arm in each simulator; one that fails costs itself alone.
+
+    Raises:
+        UsageError: Next to every motion of the robot meets the ground.
+    """
+    orders = draw_orders(setting)
+    simulators, failed = part(contenders.simulators)
+    performed, broken = part(
+        {name: attempt(partial(perform, simulator, setting, orders)) for name, simulator in simulators.items()}
+    )
+    going = {name: simulators[name] for name in performed}
+    seconds, stopped = part(time_in_turns(going, setting.robot, orders.motion[:, 0], setting.period))
+    sound = {name: performed[name] for name in seconds}
+    return Parity(
+        contenders.reference,
+        setting,
+        _measure(sound, seconds, setting.robot, orders),
+        tuple(_compare(*first, *second, setting.period) for first, second in combinations(sound.items(), 2)),
+        failed | broken | stopped,
+        contenders.missing,
+    )
+
+
+def _measure(
+    performed: Mapping[str, Performance], seconds: Mapping[str, float], robot: Robot, orders: Orders
+) -> tuple[Measured, ...]:
+    motion = orders.motion
+    ideal = Track(motion, robot.end_effector(motion), np.zeros(motion.shape[:2], bool))
+    return tuple(
+        Measured(
+            name,
+            placement_of(performance.placed, robot, orders.poses),
+            drift_between(ideal, performance.driven),
+            seconds[name],
+        )
+        for name, performance in performed.items()
+    )
+
+
+def _compare(a: str, first: Performance, b: str, second: Performance, period: float) -> Pair:
+    dives = first.dived, second.dived
+    contact = None
+    if dives[0] is not None and dives[1] is not None:
+        contact = compare_contacts(dives[0].contact, dives[1].contact, period)
+    disagreement = float((first.placed.contact != second.placed.contact).mean())
+    return Pair(a, b, drift_between(first.driven, second.driven), contact, disagreement)
