@@ -1,0 +1,62 @@
+"""``harness transfer``: policies trained in one simulator, evaluated in others."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.errors import UsageError
+
+
+def transfer(
+    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    to: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Simulators to evaluate in, as mujoco:substeps=40.",
+            show_default="those of the experiment and all that are installed",
+            metavar="NAME,...",
+        ),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Evaluations at once.", show_default="as many as cores", metavar="N")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> int:
+    """Evaluate an experiment's policies in other simulators: how much of the success goes with them?
+
+    Trains nothing. What was evaluated before is not again.
+    """
+    from harness.cli.transfer_progress import TransferProgress
+    from harness.plugins import load_registry
+    from harness.results import Results
+    from harness.transfer import plan_transfers, run_transfers
+    from harness.transfer_matrix import load_transfers
+    from harness.workers import core_count
+
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"--jobs {jobs}: must be at least 1")
+    registry = load_registry()
+    results = Results(folder, registry)
+    plan = plan_transfers(results, to, registry)
+    try:
+        with TransferProgress(plan) as progress:
+            run_transfers(plan, jobs or core_count(), progress)
+    except KeyboardInterrupt:
+        kept = f"harness: interrupted: what was evaluated is kept in '{folder}', the same command goes on from there"
+        typer.echo(kept, err=True)
+        raise
+    transfers = load_transfers(results)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(transfers.to_json(), indent=1, allow_nan=False))
+    elif transfers.matrices:
+        from rich.console import Console
+
+        from harness.report.transfer_table import transfer_table
+
+        Console().print(transfer_table(transfers))
+    else:
+        typer.echo("Nothing to evaluate: the policies were trained in the only simulator that there is.")
+    return 1 if transfers.failed else 0
