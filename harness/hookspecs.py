@@ -60,5 +60,9 @@ class Hooks:
     def register_executors(self, register: Register) -> None:
         """Targets: a dataclass that is a `harness.executor.Executor`."""
 
+    @hookspec
+    def register_commands(self, register: Register) -> None:
+        """Targets: a function that becomes ``harness NAME``; its typed parameters are what typer makes options of."""
+
 
 KINDS = tuple(name.removeprefix("register_") for name in vars(Hooks) if name.startswith("register_"))

@@ -1,0 +1,52 @@
+"""Commands that plugins bring."""
+
+from collections.abc import Callable
+from typing import Any
+
+import typer
+
+from harness.plugins import Registry, conflict
+
+KIND = "commands"
+PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
+"""Every argument goes to the plugin's function, ``--help`` included."""
+
+
+def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
+    """Add the commands of plugins, by name and summary alone; a name of ours stays ours."""
+    own = names_of(app)
+    for name in registry.names(KIND):
+        if name not in own:
+            specs = registry.specs[KIND, name]
+            summary = conflict(specs) if len(specs) > 1 else specs[0].summary
+            app.command(name, help=summary, context_settings=PASS_ON)(_called(registry, name))
+
+
+def names_of(app: typer.Typer) -> list[str]:
+    """Names of the commands that were added to `app`."""
+    return [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
+
+
+def hidden_commands(registry: Registry) -> list[str]:
+    """One line for each command of a plugin that cannot be called: one of ours has its name."""
+    from harness.cli.app import build_app  # which knows all commands, those that call this too
+
+    own = names_of(build_app())
+    return [
+        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.distribution}) is hidden by our own"
+        for name in registry.names(KIND)
+        if name in own
+        for spec in registry.specs[KIND, name]
+    ]
+
+
+def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:
+    """A command that imports the one of that name when it is called, and hands it all arguments."""
+
+    def command(context: typer.Context) -> Any:
+        one = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+        one.command(name)(registry.get(KIND, name).load())
+        loaded = typer.main.get_command(one)
+        return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)
+
+    return command

@@ -1,0 +1,153 @@
+"""The arm's own kinematics as a policy."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Self, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.inverse import reach_position
+from harness.kinematics import Chain, chain_length, end_effector_position, position_jacobian
+from harness.motion.limits import JointLimits
+from harness.policy.policy import Float32, Policy
+from harness.policy.uniform import Uniform
+from harness.robot import Robot
+from harness.urdf import JointKind
+
+Float = NDArray[np.float64]
+
+MODES = ("movej", "movej-absolute", "set-joints")
+"""Action modes that it acts in; see `harness.motion`."""
+
+KINDS = ("revolute", "continuous", "prismatic")
+SHAPES = {"joints": (4, 4), "axes": (3,), "lower": (), "upper": (), "max_speed": (), "max_change": ()}
+"""Of each array's part for one joint."""
+
+
+@dataclass(frozen=True, eq=False)
+class InverseKinematics(Policy):
+    """Finds joint positions that bring the end effector to the target, and goes there as fast as the joints can.
+
+    Acts on the observations of `harness.observation.ArmObservation`. All that it needs to know of the arm is in its
+    arrays: no robot's file is read, and a robot that has changed since changes nothing.
+
+    Attributes:
+        weights: ``joints`` (dof, 4, 4), ``axes`` (dof, 3) and ``tip`` (4, 4) of the `harness.kinematics.Chain`;
+            ``lower``, ``upper``, ``max_speed`` and ``max_change`` (dof,) of the `harness.motion.JointLimits`.
+        joint_kinds: How each joint moves, as in the chain.
+        mode: The action mode, one of `MODES`.
+        period: Control period, [s].
+        robot: Name of the arm and the SHA-256 of its URDF, for the reader of the card.
+        algorithm: The same.
+    """
+
+    kind: ClassVar[str] = "inverse-kinematics"
+
+    weights: Mapping[str, Float32]
+    joint_kinds: tuple[str, ...]
+    mode: str
+    period: float
+    robot: Mapping[str, str]
+    algorithm: str = ""
+
+    @classmethod
+    def of(cls, robot: Robot, limits: JointLimits, mode: str, algorithm: str = "") -> Self:
+        """For an arm within the limits of a task."""
+        chain = robot.chain
+        numbers = {
+            "joints": chain.T_previous_joint,
+            "axes": chain.axes,
+            "tip": chain.T_last_tip,
+            "lower": robot.lower,
+            "upper": robot.upper,
+            "max_speed": limits.max_speed,
+            "max_change": limits.max_change,
+        }
+        named = {"name": robot.name, "urdf_sha256": hashlib.sha256(robot.urdf.encode()).hexdigest()}
+        weights = {name: array.astype(np.float32) for name, array in numbers.items()}
+        return cls(weights, tuple(chain.kinds), mode, limits.period, named, algorithm)
+
+    def act(self, observation: Float32, rng: np.random.Generator | None = None) -> Float32:
+        """See `harness.policy.policy.Policy.act`; there is one action for each observation, drawn or not."""
+        dof, limits = len(self.joint_kinds), self._limits
+        seen = np.asarray(observation, np.float64)
+        qpos = limits.position(seen[:, :dof])
+        # An arm that has no such pose goes as near as the search came.
+        goal, _ = reach_position(self._arm, seen[:, 3 * dof : 3 * dof + 3], qpos)
+        action = self._speed(goal - qpos) / limits.max_speed if self.mode == "movej" else limits.normalised(goal)
+        clipped: Float32 = np.clip(action, -1.0, 1.0).astype(np.float32)
+        return clipped
+
+    def floor(self) -> Uniform:
+        """See `harness.policy.policy.Policy.floor`."""
+        return Uniform((-1.0,) * len(self.joint_kinds), (1.0,) * len(self.joint_kinds))
+
+    def card(self) -> dict[str, Any]:
+        """See `harness.policy.policy.Policy.card`."""
+        dof = len(self.joint_kinds)
+        return {
+            "observation": {"size": 3 * dof + 10},
+            "action": {"type": "continuous", "low": [-1.0] * dof, "high": [1.0] * dof},
+            "joint_kinds": list(self.joint_kinds),
+            "mode": self.mode,
+            "period": self.period,
+            "robot": dict(self.robot),
+        }
+
+    @classmethod
+    def from_card(cls, card: Mapping[str, Any], weights: Mapping[str, Float32]) -> Self:
+        """See `harness.policy.policy.Policy.from_card`."""
+        kinds = tuple(card["joint_kinds"])
+        if not kinds or not set(kinds) <= set(KINDS):
+            raise ValueError(f"no arm has the joints {kinds}")
+        if card["mode"] not in MODES:
+            raise ValueError(f"no action mode {card['mode']!r}; there is: {', '.join(MODES)}")
+        for name, shape in {**{name: (len(kinds), *part) for name, part in SHAPES.items()}, "tip": (4, 4)}.items():
+            if weights[name].shape != shape or not np.isfinite(weights[name]).all():
+                raise ValueError(f"{name} is {weights[name].shape}, not finite numbers {shape}")
+        return cls(weights, kinds, card["mode"], float(card["period"]), card["robot"], card["algorithm"])
+
+    def _speed(self, room: Float) -> Float:
+        """Speeds, (n, dof), that end the way `room` in this period, or are as high as stopping at its end allows."""
+        limits = self._limits
+        fastest = np.minimum(limits.stopping_speed(np.abs(room)), limits.max_speed)
+        return np.copysign(fastest, room)
+
+    @cached_property
+    def _limits(self) -> JointLimits:
+        lower, upper, speed, change = map(self._exact, ("lower", "upper", "max_speed", "max_change"))
+        return JointLimits(lower, upper, speed, change, self.period)
+
+    @cached_property
+    def _arm(self) -> "KnownArm":
+        joints, axes, tip, lower, upper = map(self._exact, ("joints", "axes", "tip", "lower", "upper"))
+        kinds = cast(tuple[JointKind, ...], self.joint_kinds)
+        return KnownArm(Chain(joints, axes, kinds, tip), lower, upper)
+
+    def _exact(self, name: str) -> Float:
+        return self.weights[name].astype(np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class KnownArm:
+    """What a search for joint positions has to know of an arm; see `harness.inverse.Arm`."""
+
+    chain: Chain
+    lower: Float
+    upper: Float
+
+    @cached_property
+    def reach(self) -> float:
+        """As of `harness.robot.Robot`."""
+        return chain_length(self.chain, self.lower, self.upper)
+
+    def end_effector(self, qpos: Float) -> Float:
+        """As of `harness.robot.Robot`."""
+        return end_effector_position(self.chain, qpos)
+
+    def jacobian(self, qpos: Float) -> Float:
+        """As of `harness.robot.Robot`."""
+        return position_jacobian(self.chain, qpos)

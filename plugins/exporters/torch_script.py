@@ -1,0 +1,89 @@
+"""A TorchScript model, which C++ programs load without Python."""
+
+import io
+import json
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import torch
+
+from harness.policy.continuous import ContinuousNetwork
+from harness.policy.network import MEAN, STD, Network
+
+CARD = "card.json"
+ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
+
+
+class Scale(torch.nn.Module):
+    """Observations less their mean, in standard deviations."""
+
+    def __init__(self, mean: torch.Tensor, std: torch.Tensor) -> None:
+        super().__init__()
+        self.register_buffer("mean", mean)
+        self.register_buffer("std", std)
+
+    def forward(self, observation: torch.Tensor) -> torch.Tensor:
+        """(batch, observation_size), the same."""
+        return (observation - self.mean) / self.std
+
+
+class Box(torch.nn.Module):
+    """Numbers clipped to the action box, squashed into it before or not."""
+
+    def __init__(self, low: torch.Tensor, high: torch.Tensor, half: torch.Tensor, squashes: bool) -> None:
+        super().__init__()
+        self.register_buffer("low", low)
+        self.register_buffer("high", high)
+        self.register_buffer("half_range", half)
+        self.squashes = squashes
+
+    def forward(self, action: torch.Tensor) -> torch.Tensor:
+        """(batch, action_size), the same."""
+        if self.squashes:
+            action = (torch.tanh(action) + 1.0) * self.half_range + self.low
+        return torch.minimum(torch.maximum(action, self.low), self.high)
+
+
+class First(torch.nn.Module):
+    """The first of the largest."""
+
+    def forward(self, values: torch.Tensor) -> torch.Tensor:
+        """(batch, choices), (batch,)."""
+        return torch.argmax(values, dim=1)
+
+
+def model_of(policy: Network, card: Mapping[str, Any]) -> bytes:
+    """The file of the model, for `torch.jit.load`; the card is the extra file ``card.json``.
+
+    It takes (batch, observation_size) of float32, and gives (batch, action_size) of float32, or (batch,) of int64 where
+    the policy chooses.
+    """
+    module = torch.nn.Sequential(*_steps(policy)).eval().requires_grad_(False)
+    file = io.BytesIO()
+    with warnings.catch_warnings():
+        # torch advises torch.export instead, whose files need Python: no substitute for those who ask for this.
+        warnings.filterwarnings("ignore", "`torch.jit.*` is deprecated", DeprecationWarning)
+        torch.jit.save(torch.jit.script(module), file, _extra_files={CARD: json.dumps(card)})
+    return file.getvalue()
+
+
+def _steps(policy: Network) -> list[torch.nn.Module]:
+    steps: list[torch.nn.Module] = []
+    if policy.is_normalised:
+        steps.append(Scale(*(torch.tensor(policy.weights[name]) for name in (MEAN, STD))))
+    for index in range(policy.depth):
+        steps += [_linear(policy, f"hidden.{index}"), ACTIVATIONS[policy.activation]()]
+    steps.append(_linear(policy, policy.heads[0]))
+    if isinstance(policy, ContinuousNetwork):
+        steps.append(Box(*map(torch.tensor, policy.bounds), policy.squashes))
+    else:
+        steps.append(First())
+    return steps
+
+
+def _linear(policy: Network, layer: str) -> torch.nn.Linear:
+    weight, bias = (torch.tensor(policy.weights[f"{layer}.{part}"]) for part in ("weight", "bias"))
+    linear = torch.nn.Linear(weight.shape[1], weight.shape[0])
+    linear.load_state_dict({"weight": weight, "bias": bias})
+    return linear

@@ -1,0 +1,136 @@
+"""Commands that plugins bring: listed by name and summary, imported when they are called."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+COMMAND = """
+import typer
+from harness.errors import UsageError
+
+def wave(times: int = 1, name: str = typer.Argument("all")) -> int | None:
+    "Wave an arm at someone."
+    if times < 0:
+        raise UsageError("no arm waves less than not at all")
+    if times > 9:
+        raise typer.Exit(4)
+    print(f"waves {times} times at {name}")
+"""
+
+
+@pytest.fixture
+def add_commands(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch):
+    """Install a package that registers a command under each of these names."""
+
+    def add(*names: str, package: str = "waving", target: str = "wave") -> None:
+        folder = tmp_path_factory.mktemp("site-packages")
+        module = f"{package}_{folder.name}".replace("-", "_")
+        body = "".join(
+            f"    register({name!r}, '{module}_command:{target}', summary='waves an arm')\n" for name in names
+        )
+        hook = f"import harness\n@harness.hookimpl\ndef register_commands(register):\n{body}"
+        (folder / f"{module}.py").write_text(hook)
+        (folder / f"{module}_command.py").write_text(COMMAND)
+        metadata = folder / f"{package}-1.0.dist-info"
+        metadata.mkdir()
+        (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
+        (metadata / "entry_points.txt").write_text(f"[harness]\n{package} = {module}\n")
+        monkeypatch.syspath_prepend(folder)
+
+    return add
+
+
+def _imported() -> list[str]:
+    return [name for name in sys.modules if name.startswith("waving") and name.endswith("_command")]
+
+
+def test_help_shows_the_summary_and_imports_nothing(harness, add_commands):
+    """The target of a command is not imported to list it."""
+    before = _imported()
+    add_commands("wave")
+    assert "waves an arm" in harness("--help").out
+    assert "waves an arm" in harness("list", "commands").out
+    assert _imported() == before
+
+
+def test_command_gets_its_arguments(harness, add_commands):
+    """Options and arguments reach the function, by their types."""
+    add_commands("wave")
+    assert harness("wave", "--times", "3", "you") == (0, "waves 3 times at you\n", "")
+
+
+def test_command_explains_itself(harness, add_commands):
+    """`--help` behind the name is the function's own."""
+    add_commands("wave")
+    out = harness("wave", "--help").out
+    assert "Usage: harness wave" in out
+    assert "--times" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "told"),
+    [
+        (("--times", "-1"), 2, "harness: no arm waves less than not at all\n"),
+        (("--times", "often"), 2, "Invalid value for '--times'"),
+        (("--loudly",), 2, "No such option: --loudly"),
+        (("--times", "10"), 4, ""),
+    ],
+)
+def test_errors_and_status_come_through(harness, add_commands, arguments: tuple, status: int, told: str):
+    """As those of our own commands, in one line."""
+    add_commands("wave")
+    answer = harness("wave", *arguments)
+    assert answer.status == status
+    assert told in answer.err
+    assert answer.err.count("\n") == bool(told)
+
+
+def test_command_that_cannot_be_imported_names_its_plugin(harness, add_commands):
+    """And breaks no other."""
+    add_commands("wave", target="no_such_function")
+    answer = harness("wave")
+    assert answer.status == 1
+    assert "Plugin 'waving' (waving)" in answer.err
+    assert harness("list", "commands").status == 0
+
+
+def test_command_of_two_plugins_names_both(harness, add_commands):
+    """Neither is called."""
+    add_commands("wave")
+    add_commands("wave", package="waving_too")
+    answer = harness("wave")
+    assert answer.status == 1
+    assert "Command 'wave' is claimed by the plugins 'waving' (waving) and 'waving_too' (waving_too)" in answer.err
+
+
+def test_our_own_command_is_not_replaced(harness, add_commands, monkeypatch):
+    """A plugin's command of the same name is hidden, and `plugins` and `doctor` say so."""
+    monkeypatch.setattr("harness.cli.doctor._try_rendering", lambda backend: "works")
+    add_commands("eta", "wave")
+    hidden = "Command 'eta' of the plugin 'waving' (waving) is hidden by our own"
+    assert "recorded" in harness("eta", "--help").out
+    assert json.loads(harness("plugins", "--json").out)["conflicts"] == [hidden]
+    assert hidden in harness("doctor").out
+    assert harness("wave").status == 0
+
+
+def test_command_is_described(harness, add_commands):
+    """`harness describe` knows whatever `harness list` shows."""
+    add_commands("wave")
+    assert harness("describe", "wave").out == "command wave: waves an arm (plugin 'waving' of waving)\n"
+
+
+def test_unknown_command_offers_those_of_plugins(harness, add_commands):
+    """The nearest match may be a plugin's."""
+    add_commands("wave")
+    assert "Did you mean 'wave'" in harness("wav").err
+
+
+def test_folder_stays_empty(harness, add_commands):
+    """Listing and calling leave nothing behind."""
+    add_commands("wave")
+    harness("--help")
+    harness("wave")
+    assert list(Path().iterdir()) == []

@@ -1,0 +1,148 @@
+"""Exported models: other programs get the actions that the policy gives."""
+
+import io
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import onnx
+import onnxruntime
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Network, SquashedGaussian
+from harness_plugins.exporters import onnx_model, torch_script
+
+Make = Callable[..., Network]
+Act = Callable[[np.ndarray], np.ndarray]
+CARD = {"format": 2, "algorithm": "wander", "cell": {"seed": 3, "reward": "¼ of it"}}
+
+
+def _load_onnx(model: bytes) -> Act:
+    session = onnxruntime.InferenceSession(model, providers=["CPUExecutionProvider"])
+    return lambda seen: session.run(["action"], {"observation": seen})[0]
+
+
+def _load_torch(model: bytes) -> Act:
+    with pytest.warns(DeprecationWarning, match=r"torch.jit.load"):  # torch's opinion of the format
+        module = torch.jit.load(io.BytesIO(model))
+    return lambda seen: module(torch.from_numpy(seen)).numpy()
+
+
+FORMS = {"onnx": (onnx_model.model_of, _load_onnx), "torchscript": (torch_script.model_of, _load_torch)}
+NETWORKS = (SquashedGaussian, Gaussian, Deterministic, Greedy, Categorical)
+every_form = pytest.mark.parametrize("form", FORMS.values(), ids=FORMS)
+every_kind = pytest.mark.parametrize("kind", NETWORKS)
+
+
+def _observations(count: int, scale: float) -> np.ndarray:
+    return (scale * np.random.default_rng(2).normal(size=(count, 5))).astype(np.float32)
+
+
+def _assert_equal(form: Any, policy: Network, seen: np.ndarray) -> None:
+    export, load = form
+    actions, expected = load(export(policy, CARD))(seen), policy.act(seen)
+    assert (actions.shape, actions.dtype) == (expected.shape, expected.dtype)
+    np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-5)
+
+
+@every_form
+@every_kind
+@pytest.mark.parametrize("layers", [0, 1, 3])
+@pytest.mark.parametrize("activation", ["relu", "tanh"])
+@pytest.mark.parametrize("is_normalised", [False, True])
+def test_model_acts_as_the_policy(
+    make_network: Make, form: Any, kind: Any, layers: int, activation: str, is_normalised: bool
+):
+    """To 1e-5 on random observations, scaling of observations and actions included."""
+    policy = make_network(kind, layers=layers, activation=activation, is_normalised=is_normalised, low=-0.5, high=2.0)
+    _assert_equal(form, policy, _observations(200, 1.0))
+
+
+EXTREMES = np.array(
+    [*np.vstack([np.eye(5), -np.eye(5)]) * 1e6, [0.0] * 5, [-0.0] * 5, [1e6] * 5, [-1e6] * 5, [1e-30] * 5], np.float32
+)
+
+
+@every_form
+@every_kind
+@pytest.mark.parametrize("activation", ["relu", "tanh"])
+@pytest.mark.parametrize("is_normalised", [False, True])
+def test_model_acts_as_the_policy_far_out(
+    make_network: Make, form: Any, kind: Any, activation: str, is_normalised: bool
+):
+    """To 1e-5 on observations that saturate the network, on zeros and on denormal-small ones."""
+    policy = make_network(kind, activation=activation, is_normalised=is_normalised, low=-0.5, high=2.0)
+    _assert_equal(form, policy, EXTREMES)
+
+
+@given(
+    kind=st.sampled_from(NETWORKS),
+    seed=st.integers(0, 1000),
+    ends=st.tuples(st.floats(-5, 5, width=32), st.floats(-5, 5, width=32)),
+    count=st.integers(1, 5),
+)
+def test_any_policy_is_exported_right(make_network: Make, kind: Any, seed: int, ends: tuple, count: int):
+    """Whatever the weights, the box and the batch."""
+    policy = make_network(kind, seed, is_normalised=bool(seed % 2), low=min(ends), high=max(ends))
+    _assert_equal(FORMS["onnx"], policy, _observations(count, 1.0))
+
+
+@every_form
+@pytest.mark.parametrize("count", [0, 1, 1000])
+def test_any_batch_is_taken(make_network: Make, form: Any, count: int):
+    """One model for all sizes, none included."""
+    _assert_equal(form, make_network(SquashedGaussian), _observations(count, 1.0))
+
+
+@every_form
+@pytest.mark.parametrize("kind", [SquashedGaussian, Gaussian, Deterministic])
+def test_actions_of_a_model_stay_in_the_box(make_network: Make, form: Any, kind: Any):
+    """Bounds included, where high - low is rounded."""
+    export, load = form
+    policy = make_network(kind, low=-9.899999618530273, high=0.10000000149011612, scale=30.0)
+    actions = load(export(policy, CARD))(_observations(100, 10.0))
+    assert actions.min() >= np.float32(policy.action_low[0])
+    assert actions.max() <= np.float32(policy.action_high[0])
+
+
+def test_onnx_model_has_names_and_the_card(make_network: Make):
+    """A reader finds input, output, batch axis and the card in the file alone."""
+    model = onnx.load_from_string(onnx_model.model_of(make_network(Gaussian), CARD))
+    ends = [*model.graph.input, *model.graph.output]
+    shapes = [[axis.dim_param or axis.dim_value for axis in end.type.tensor_type.shape.dim] for end in ends]
+    assert [end.name for end in ends] == ["observation", "action"]
+    assert shapes == [["batch", 5], ["batch", 2]]
+    (entry,) = model.metadata_props
+    assert (entry.key, json.loads(entry.value)) == ("card", CARD)
+
+
+def test_choices_are_a_row_of_whole_numbers(make_network: Make):
+    """The action of a policy that chooses is (batch,) of int64."""
+    model = onnx.load_from_string(onnx_model.model_of(make_network(Greedy), CARD))
+    (action,) = model.graph.output
+    assert action.type.tensor_type.elem_type == onnx.TensorProto.INT64
+    assert [axis.dim_param for axis in action.type.tensor_type.shape.dim] == ["batch"]
+
+
+def test_onnx_model_runs_where_programs_are_older(make_network: Make):
+    """It asks for no more than programs of 2022 know."""
+    model = onnx.load_from_string(onnx_model.model_of(make_network(SquashedGaussian), CARD))
+    assert (model.opset_import[0].version, model.ir_version) == (17, 8)
+
+
+def test_same_policy_gives_the_same_file(make_network: Make):
+    """Byte for byte, so that files can be compared."""
+    first, second = (onnx_model.model_of(make_network(Greedy), CARD) for _ in range(2))
+    assert first == second
+
+
+@pytest.mark.filterwarnings("ignore:`torch.jit.load` is deprecated:DeprecationWarning")
+def test_torchscript_model_has_the_card(make_network: Make):
+    """As an extra file, which C++ reads too."""
+    files = {"card.json": ""}
+    torch.jit.load(io.BytesIO(torch_script.model_of(make_network(Gaussian), CARD)), _extra_files=files)
+    assert json.loads(files["card.json"]) == CARD

@@ -1,0 +1,315 @@
+"""A saved policy: what is in its folder, and what becomes of a folder that was damaged."""
+
+import contextlib
+import json
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import safetensors.numpy
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from harness.errors import SchemaError
+from harness.policy import (
+    CARD,
+    FORMAT,
+    KINDS,
+    WEIGHTS,
+    Categorical,
+    Deterministic,
+    Gaussian,
+    Greedy,
+    Network,
+    Policy,
+    SquashedGaussian,
+    Uniform,
+    UniformChoice,
+)
+from harness.policy.network import ACTIVATIONS
+
+Make = Callable[..., Network]
+Observations = Callable[..., np.ndarray]
+
+EXAMPLES: dict[str, Callable[[Make], Policy]] = {
+    "squashed": lambda make: make(SquashedGaussian, low=-0.3, high=0.7),
+    "squashed, no layer": lambda make: make(SquashedGaussian, layers=0),
+    "gaussian": lambda make: make(Gaussian, activation="relu"),
+    "gaussian, normalised": lambda make: make(Gaussian, is_normalised=True),
+    "deterministic": lambda make: make(Deterministic, noise=0.25),
+    "greedy": lambda make: make(Greedy, epsilon=0.5, is_normalised=True),
+    "categorical": lambda make: make(Categorical, layers=1),
+    "uniform": lambda make: Uniform((-1.0,), (2.0,), "floor"),
+    "uniform choice": lambda make: UniformChoice(7, "floor"),
+}
+EVERY = pytest.mark.parametrize("example", EXAMPLES.values(), ids=EXAMPLES)
+
+
+def _card(folder: Path) -> Any:
+    return json.loads((folder / CARD).read_text())
+
+
+def _change(folder: Path, **changes: Any) -> None:
+    """Other entries into the card."""
+    (folder / CARD).write_text(json.dumps({**_card(folder), **changes}))
+
+
+def _change_arrays(folder: Path, **changes: np.ndarray | None) -> None:
+    """Other arrays into the weights; None takes one out. Names have a double underscore for the dot."""
+    arrays = safetensors.numpy.load_file(folder / WEIGHTS)
+    arrays |= {name.replace("__", "."): array for name, array in changes.items()}
+    kept = {name: array for name, array in arrays.items() if array is not None}
+    safetensors.numpy.save_file(kept, folder / WEIGHTS)
+
+
+@pytest.fixture
+def saved(make_network: Make, tmp_path: Path) -> Path:
+    """The folder of a policy with two hidden layers of 4, normalised."""
+    make_network(SquashedGaussian, is_normalised=True).save(tmp_path / "policy")
+    return tmp_path / "policy"
+
+
+@EVERY
+def test_policy_is_loaded_as_it_was_saved(make_network: Make, observations: Observations, tmp_path: Path, example: Any):
+    """Kind, every array bit for bit, every field, the same actions with noise and without."""
+    policy = example(make_network)
+    policy.save(tmp_path / "policy")
+    loaded = Policy.load(tmp_path / "policy")
+    assert type(loaded) is type(policy)
+    assert {name: array.tobytes() for name, array in loaded.weights.items()} == {
+        name: array.tobytes() for name, array in policy.weights.items()
+    }
+    fields = set(policy.__dataclass_fields__) - {"weights"}
+    assert {name: getattr(loaded, name) for name in fields} == {name: getattr(policy, name) for name in fields}
+    for seed in (None, 3):
+        ours, theirs = (
+            each.act(observations(), None if seed is None else np.random.default_rng(seed)) for each in (policy, loaded)
+        )
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_kinds_have_names_of_their_own():
+    """A card says unmistakably what it is the card of."""
+    assert len({kind.kind for kind in KINDS}) == len(KINDS)
+
+
+def test_card_says_what_the_policy_is(make_network: Make, tmp_path: Path):
+    """Another program finds format, kind, sizes, bounds, normalisation and the training cell in plain JSON."""
+    policy = make_network(Deterministic, is_normalised=True, low=-0.5)
+    policy.save(tmp_path / "policy", {"seed": 3})
+    assert _card(tmp_path / "policy") == {
+        "format": FORMAT,
+        "kind": "deterministic",
+        "algorithm": "wander",
+        "observation": {"size": 5},
+        "action": {"type": "continuous", "low": [-0.5, -0.5], "high": [1.0, 1.0]},
+        "normalisation": {"mean": "observation.mean", "std": "observation.std"},
+        "activation": "tanh",
+        "noise": 0.1,
+        "cell": {"seed": 3},
+    }
+    assert {path.name for path in (tmp_path / "policy").iterdir()} == {CARD, WEIGHTS}
+
+
+def test_card_of_choices_says_how_many(make_network: Make, tmp_path: Path):
+    """Where actions are discrete, the card has their number."""
+    make_network(Greedy).save(tmp_path / "policy")
+    assert _card(tmp_path / "policy")["action"] == {"type": "discrete", "choices": 3}
+
+
+def test_weights_in_column_order_are_saved_right(make_network: Make, observations: Observations, tmp_path: Path):
+    """A transposed view keeps its numbers where they belong."""
+    policy = make_network(SquashedGaussian)
+    weights = {name: np.asfortranarray(weight) for name, weight in policy.weights.items()}
+    SquashedGaussian(weights, "tanh", policy.action_low, policy.action_high).save(tmp_path / "policy")
+    np.testing.assert_array_equal(Policy.load(tmp_path / "policy").act(observations()), policy.act(observations()))
+
+
+def test_policy_of_format_1_is_read(make_network: Make, observations: Observations, tmp_path: Path):
+    """What an earlier version saved acts as it did."""
+    policy = make_network(SquashedGaussian, low=-0.5)
+    policy.save(tmp_path / "policy")
+    card = {
+        "format": 1,
+        "kind": "squashed-gaussian-mlp",
+        "algorithm": "sac",
+        "activation": "tanh",
+        "observation_size": 5,
+        "action_low": [-0.5, -0.5],
+        "action_high": [1.0, 1.0],
+    }
+    (tmp_path / "policy" / CARD).write_text(json.dumps(card))
+    loaded = Policy.load(tmp_path / "policy")
+    assert (type(loaded), loaded.algorithm) == (SquashedGaussian, "sac")
+    np.testing.assert_array_equal(loaded.act(observations()), policy.act(observations()))
+
+
+def test_newer_card_is_refused(saved: Path):
+    """A policy of a later version is not guessed at."""
+    _change(saved, format=FORMAT + 1)
+    with pytest.raises(SchemaError, match=f"has format {FORMAT + 1}, this version reads up to {FORMAT}"):
+        Policy.load(saved)
+
+
+class _Bomb:
+    """Unpickling this runs code."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Path.touch, (Path("exploded"),)
+
+
+@pytest.mark.parametrize("file", [CARD, WEIGHTS])
+def test_loading_never_unpickles(saved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str):
+    """A pickle in the place of either file is refused, and what it would run does not run."""
+    monkeypatch.chdir(tmp_path)
+    (saved / file).write_bytes(pickle.dumps(_Bomb(), protocol=0))
+    with pytest.raises(SchemaError, match="holds no readable policy"):
+        Policy.load(saved)
+    assert not (tmp_path / "exploded").exists()
+    pickle.loads((saved / file).read_bytes())
+    assert (tmp_path / "exploded").exists()  # the bomb was live
+
+
+@pytest.mark.parametrize(
+    "card", ["", "{", "[]", "3", "null", "{}", '{"format": 1}', '{"format": "x"}', '{"format": 2, "kind": []}', "\xff"]
+)
+def test_damaged_card_is_refused(saved: Path, card: str):
+    """Whatever is in the file, the error is ours and names the folder."""
+    (saved / CARD).write_text(card, encoding="latin-1")
+    with pytest.raises(SchemaError, match="policy holds no readable policy"):
+        Policy.load(saved)
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.just(10**400) | st.floats() | st.text(max_size=3),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=2),
+    max_leaves=4,
+)
+
+
+@EVERY
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@given(data=st.data())
+def test_odd_card_is_refused_or_read(make_network: Make, tmp_path: Path, example: Any, data: Any):
+    """With anything at all in one entry, loading gives a policy or an error of ours."""
+    folder = tmp_path / "policy"
+    example(make_network).save(folder)
+    card = _card(folder)
+    entry = data.draw(st.sampled_from(sorted(card)))
+    if isinstance(card[entry], dict) and card[entry] and data.draw(st.booleans()):
+        card[entry][data.draw(st.sampled_from(sorted(card[entry])))] = data.draw(JSON)
+    else:
+        card[entry] = data.draw(JSON)
+    (folder / CARD).write_text(json.dumps(card))
+    with contextlib.suppress(SchemaError):
+        assert isinstance(Policy.load(folder), Policy)
+
+
+def test_unknown_kind_is_refused(saved: Path):
+    """The error names the kinds that there are."""
+    _change(saved, kind="oracle")
+    with pytest.raises(SchemaError, match="no kind 'oracle'; there is: squashed-gaussian, gaussian"):
+        Policy.load(saved)
+
+
+def test_unknown_activation_is_refused(saved: Path):
+    """A card that asks for what this version cannot do is refused when it is loaded, not when the policy acts."""
+    _change(saved, activation="swish")
+    with pytest.raises(SchemaError, match=f"no activation 'swish'; there is: {', '.join(ACTIVATIONS)}"):
+        Policy.load(saved)
+
+
+BOXES = {
+    "an end less": ([-1.0], [1.0, 1.0], "1 lower and 2 upper ends"),
+    "no action": ([], [], "0 lower and 0 upper ends"),
+    "ends swapped": ([1.0, 1.0], [-1.0, -1.0], "no action lies between"),
+    "no number": ([float("nan"), 0.0], [1.0, 1.0], "no action lies between"),
+    "another size": ([-1.0] * 3, [1.0] * 3, "mean does not have 3 outputs"),
+}
+
+
+@pytest.mark.parametrize(("low", "high", "reason"), BOXES.values(), ids=BOXES)
+def test_impossible_box_is_refused(saved: Path, low: list[float], high: list[float], reason: str):
+    """The actions of a card have to exist, and to be those of the network."""
+    _change(saved, action={"type": "continuous", "low": low, "high": high})
+    with pytest.raises(SchemaError, match=reason):
+        Policy.load(saved)
+
+
+@pytest.mark.parametrize(("choices", "reason"), [(0, "0 choices leave none"), (4, "value does not have 4 outputs")])
+def test_impossible_choices_are_refused(make_network: Make, tmp_path: Path, choices: int, reason: str):
+    """As with a box."""
+    make_network(Greedy).save(tmp_path / "policy")
+    _change(tmp_path / "policy", action={"type": "discrete", "choices": choices})
+    with pytest.raises(SchemaError, match=reason):
+        Policy.load(tmp_path / "policy")
+
+
+@pytest.mark.parametrize("name", ["mean.weight", "log_std.bias", "hidden.0.bias", "hidden.1.weight", "observation.std"])
+def test_missing_array_is_refused(saved: Path, name: str):
+    """A network that lacks a part is refused when it is loaded, and the part is named."""
+    _change_arrays(saved, **{name.replace(".", "__"): None})
+    with pytest.raises(SchemaError, match=f"'{name}' is missing"):
+        Policy.load(saved)
+
+
+ARRAYS = {
+    "not of float32": ("mean.bias", np.zeros(2), "mean.bias is float64, not float32"),
+    "not finite": ("mean.bias", np.full(2, np.nan, np.float32), "mean.bias has numbers that are not finite"),
+    "bias too long": ("hidden.0.bias", np.zeros(5, np.float32), r"hidden.0 is \(4, 5\) and \(5,\)"),
+    "no matrix": ("hidden.0.weight", np.zeros(4, np.float32), r"hidden.0 is \(4,\) and \(4,\)"),
+    "other inputs": ("hidden.1.weight", np.zeros((4, 3), np.float32), r"hidden.1 is \(4, 3\) and \(4,\), on 4 inputs"),
+    "other outputs": ("mean.weight", np.zeros((3, 4), np.float32), "mean is"),
+    "other mean": ("observation.mean", np.zeros(4, np.float32), r"observation.mean is \(4,\), on 5 numbers"),
+    "no deviation": ("observation.std", np.zeros(5, np.float32), "observation.std is not above 0 everywhere"),
+    "a gap": ("hidden.7.weight", np.zeros((4, 4), np.float32), "'hidden.2.weight' is missing"),
+    "no index": ("hidden.x.weight", np.zeros((4, 4), np.float32), "invalid literal"),
+}
+
+
+@pytest.mark.parametrize(("name", "array", "reason"), ARRAYS.values(), ids=ARRAYS)
+def test_array_that_does_not_fit_is_refused(saved: Path, name: str, array: np.ndarray, reason: str):
+    """What would fail later, or act without meaning, is refused when it is loaded."""
+    _change_arrays(saved, **{name.replace(".", "__"): array})
+    with pytest.raises(SchemaError, match=reason):
+        Policy.load(saved)
+
+
+@pytest.mark.parametrize("log_std", [None, np.zeros(3, np.float32)])
+def test_gaussian_without_its_deviation_is_refused(make_network: Make, tmp_path: Path, log_std: Any):
+    """The array has to be there, with one number for each action."""
+    make_network(Gaussian).save(tmp_path / "policy")
+    _change_arrays(tmp_path / "policy", log_std=log_std)
+    with pytest.raises(SchemaError, match="log_std"):
+        Policy.load(tmp_path / "policy")
+
+
+@pytest.mark.parametrize(
+    ("kind", "entry", "value"),
+    [(Deterministic, "noise", -0.1), (Deterministic, "noise", float("nan")), (Greedy, "epsilon", 1.1)],
+)
+def test_impossible_noise_is_refused(make_network: Make, tmp_path: Path, kind: Any, entry: str, value: float):
+    """A deviation is at least 0, a share at most 1."""
+    make_network(kind).save(tmp_path / "policy")
+    _change(tmp_path / "policy", **{entry: value})
+    with pytest.raises(SchemaError, match=f"{entry} is {value}"):
+        Policy.load(tmp_path / "policy")
+
+
+def test_truncated_weights_are_refused(saved: Path):
+    """A copy that broke off is no policy."""
+    whole = (saved / WEIGHTS).read_bytes()
+    for length in (0, 7, 100, len(whole) - 1):
+        (saved / WEIGHTS).write_bytes(whole[:length])
+        with pytest.raises(SchemaError, match="holds no readable policy"):
+            Policy.load(saved)
+
+
+def test_missing_files_are_refused(tmp_path: Path):
+    """An empty folder holds no policy, nor does one that is not there."""
+    for folder in (tmp_path, tmp_path / "nowhere"):
+        with pytest.raises(SchemaError, match="holds no readable policy"):
+            Policy.load(folder)
