@@ -1,20 +1,24 @@
 """The interface that an algorithm fills: it learns on a vector env and yields a policy."""
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 from harness.policy import Policy
+from harness.progress import Progress
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
+    from harness.robot import Robot
+    from harness.task import Task
 
 ActionSpace: TypeAlias = Literal["continuous", "discrete"]
-Progress: TypeAlias = Callable[[int], None]
-"""Told the number of environment steps done so far."""
 
 
 class Algorithm(Protocol):
-    """A frozen dataclass whose fields are the hyperparameters."""
+    """A frozen dataclass whose fields are the hyperparameters.
+
+    It may also have ``learns``, False for one that only acts (see `learns`), and ``why_not(task, robot)``, for one that
+    cannot do every task whose actions it takes (see `why_not`).
+    """
 
     @property
     def action_spaces(self) -> frozenset[ActionSpace]:
@@ -30,7 +34,19 @@ class Algorithm(Protocol):
         Args:
             env: Already seeded by whoever made it: reset it without a seed. It starts new episodes by itself
                 (`gymnasium.vector.AutoresetMode.SAME_STEP`).
-            steps: Environment steps to take, a multiple of `num_envs`.
+            steps: Environment steps to take, a multiple of `num_envs`: decide while `env.environment_steps` has grown
+                by less. A decision is not cut short.
             seed: Of everything random in the algorithm; the same seed gives the same policy, bit for bit.
-            progress: Call it now and then.
+            progress: Call it now and then, and at the end; see `harness.progress.Progress` for more.
         """
+
+
+def learns(algorithm: Algorithm) -> bool:
+    """Whether training changes the policy; an algorithm that says nothing of it learns."""
+    return bool(getattr(algorithm, "learns", True))
+
+
+def why_not(algorithm: Algorithm, task: "Task", robot: "Robot") -> str:
+    """Why an algorithm cannot do a task whose actions it takes; empty if it can, and if it says nothing of it."""
+    ask = getattr(algorithm, "why_not", None)
+    return str(ask(task, robot)) if ask else ""

@@ -1,9 +1,9 @@
 """Inverse kinematics: joint positions that bring the end effector to a point."""
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
-
-from harness.robot import Robot
 
 Float = NDArray[np.float64]
 
@@ -14,8 +14,30 @@ STRIDE = 0.15
 """Of one step, as a share of the arm's reach: the Jacobian says nothing about far away, and arms overshoot."""
 
 
+class Arm(Protocol):
+    """What the search has to know; `harness.robot.Robot` says what each means."""
+
+    @property
+    def lower(self) -> Float:
+        """Smallest joint positions, (dof,)."""
+
+    @property
+    def upper(self) -> Float:
+        """Largest joint positions, (dof,)."""
+
+    @property
+    def reach(self) -> float:
+        """No end effector position is farther from the first joint's origin [m]."""
+
+    def end_effector(self, qpos: Float) -> Float:
+        """Its position in the world frame, (n, 3) of (n, dof)."""
+
+    def jacobian(self, qpos: Float) -> Float:
+        """The derivative of that by the joint positions, (n, 3, dof)."""
+
+
 def reach_position(
-    robot: Robot, position: Float, start: Float, tolerance: float = 1e-3, iterations: int = 60
+    robot: Arm, position: Float, start: Float, tolerance: float = 1e-3, iterations: int = 60
 ) -> tuple[Float, NDArray[np.bool_]]:
     """Joint positions within the ranges whose end effector is at `position`, by damped least squares.
 

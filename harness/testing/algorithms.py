@@ -1,7 +1,9 @@
 """What an algorithm must satisfy. Each check takes the algorithm.
 
 They train it for real, on an easy task without an engine, with the hyperparameters that it was given: `FEW` steps have
-to be enough for it to begin learning, `MANY` to learn something.
+to be enough for it to begin learning, `MANY` to learn something. The task's actions are of the kind that it takes; what
+may go wrong with one kind alone is tried with each. One that says that it does not learn, ``learns = False``, is
+held to that, and to nothing about learning.
 """
 
 import random
@@ -10,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.algorithm import Algorithm
+from harness.algorithm import Algorithm, learns
 from harness.policy import Policy
-from harness.testing.trainings import mean_return, observations, steps_for, train
+from harness.testing.trainings import in_several_envs, mean_return, observations, steps_for, train, trainings
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
 
 FEW, MANY = 200, 1000
@@ -38,8 +40,9 @@ def action_spaces_are_declared(algorithm: Algorithm) -> None:
 
 def the_budget_is_spent_exactly(algorithm: Algorithm) -> None:
     """Training takes as many environment steps as it was given, counted over all envs."""
-    taken, given = train(algorithm, FEW).env.steps, steps_for(algorithm, FEW)
-    require(taken == given, f"{taken} environment steps were taken, {given} were given")
+    given = steps_for(algorithm, FEW)
+    for done in trainings(algorithm, FEW):
+        require(done.env.steps == given, f"{done.env.steps} environment steps were taken, {given} were given")
 
 
 def progress_is_told_to_the_end(algorithm: Algorithm) -> None:
@@ -57,18 +60,21 @@ def the_env_keeps_its_seed(algorithm: Algorithm) -> None:
 
 def actions_of_training_are_in_the_box(algorithm: Algorithm) -> None:
     """Every action while training is finite and in the env's action space."""
-    require(train(algorithm, FEW).env.actions_in_box, "an action was outside the env's action space")
+    for done in trainings(algorithm, FEW):
+        require(done.env.actions_in_box, f"an action was outside the env's action space, {done.env.action_space}")
 
 
 def actions_of_the_policy_are_in_the_box(algorithm: Algorithm) -> None:
     """The policy's actions, with noise and without, are finite, in the action space, one row per observation."""
-    done = train(algorithm, FEW)
-    space, seen = done.env.single_action_space, observations()
-    for rng in (None, np.random.default_rng(0)):
-        actions = done.policy.act(seen, rng)
-        shape = (len(seen), *(space.shape or ()))
-        require(actions.shape == shape, f"{len(seen)} observations gave actions of shape {actions.shape}, not {shape}")
-        require(all(map(space.contains, actions)), f"an action is outside the action space: {actions}")
+    seen = observations()
+    for done in trainings(algorithm, FEW):
+        space = done.env.single_action_space
+        for rng in (None, np.random.default_rng(0)):
+            actions = done.policy.act(seen, rng)
+            shape = (len(seen), *(space.shape or ()))
+            given = f"{len(seen)} observations gave actions of shape {actions.shape}"
+            require(actions.shape == shape, f"{given}, not {shape}")
+            require(all(map(space.contains, actions)), f"an action is outside the action space: {actions}")
 
 
 def the_same_seed_gives_the_same_policy(algorithm: Algorithm) -> None:
@@ -81,20 +87,51 @@ def the_same_seed_gives_the_same_policy(algorithm: Algorithm) -> None:
 
 def another_seed_gives_another_policy(algorithm: Algorithm) -> None:
     """Two trainings with two seeds give different weights: the seed is used."""
+    if not learns(algorithm):
+        return
     first, second = (train(algorithm, FEW, seed=seed).policy for seed in (1, 2))
     require(not _same_weights(first, second), "two seeds gave the same weights")
 
 
 def learning_goes_on(algorithm: Algorithm) -> None:
     """A longer training changes the weights further: learning does not stop half-way."""
+    if not learns(algorithm):
+        return
     first, second = (train(algorithm, steps).policy for steps in (FEW, 2 * FEW))
     require(not _same_weights(first, second), f"{2 * FEW} steps gave the weights of {FEW} steps")
 
 
 def the_return_rises(algorithm: Algorithm) -> None:
-    """On an easy task the trained policy's return is higher than that of a policy that was barely trained."""
-    before, after = (mean_return(train(algorithm, steps).policy) for steps in (1, MANY))
-    require(after > before + MIN_RISE, f"the return goes from {before:.2f} to {after:.2f} in {MANY} steps")
+    """On an easy task the trained policy's return is higher than that of a policy that was barely trained.
+
+    In several envs too, where their number can be chosen, and given as many steps of each: a reward that is counted for
+    another env teaches nothing.
+    """
+    if not learns(algorithm):
+        return
+    _require_rise(algorithm, MANY)
+    several = in_several_envs(algorithm)
+    if several is not algorithm:
+        _require_rise(several, MANY * several.num_envs)
+
+
+def every_env_counts(algorithm: Algorithm) -> None:
+    """What any one env pays makes a difference: none is trained on in vain."""
+    if not learns(algorithm):
+        return
+    each = in_several_envs(algorithm)
+    for env in range(each.num_envs):
+        fined, paid = (train(each, FEW, bonus=bonus, env=env).policy for bonus in (-100.0, 100.0))
+        require(not _same_weights(fined, paid), f"whatever env {env} of {each.num_envs} pays, the weights are the same")
+
+
+def what_learns_nothing_says_so(algorithm: Algorithm) -> None:
+    """`learns` is False only where no training makes a difference: neither its length nor its seed."""
+    if learns(algorithm):
+        return
+    first, longer, other = (train(algorithm, *how).policy for how in ((FEW, 1), (2 * FEW, 1), (FEW, 2)))
+    same = _same_weights(first, longer) and _same_weights(first, other)
+    require(same, "learns is False, and a longer training or another seed gave other weights")
 
 
 def the_policy_comes_back_from_its_folder(algorithm: Algorithm) -> None:
@@ -119,8 +156,23 @@ ALGORITHM_CHECKS = (
     another_seed_gives_another_policy,
     learning_goes_on,
     the_return_rises,
+    every_env_counts,
+    what_learns_nothing_says_so,
     the_policy_comes_back_from_its_folder,
 )
+
+
+def _require_rise(algorithm: Algorithm, steps: int) -> None:
+    """A slow learner is given twice the steps before it is found not to learn."""
+    for space in sorted(algorithm.action_spaces):
+        before = mean_return(train(algorithm, 1, space=space))
+        for given in (steps, 2 * steps):
+            after = mean_return(train(algorithm, given, space=space))
+            if after > before + MIN_RISE:
+                break
+        else:
+            where = f"with {space} actions, in {algorithm.num_envs} envs"
+            require(False, f"{where}, the return goes from {before:.2f} to {after:.2f} in {given} steps")
 
 
 def _same_weights(first: Policy, second: Policy) -> bool:

@@ -1,25 +1,29 @@
 """What the algorithm checks train on: an easy task, an env that keeps an account, and a policy's evaluation."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.algorithm import Algorithm
-from harness.env import Infos, Mask, ReachVectorEnv
-from harness.make import load_robot
+from harness.algorithm import ActionSpace, Algorithm
+from harness.env import Actions, Infos, Mask, ReachVectorEnv
 from harness.policy import Policy
+from harness.progress import Progress
+from harness.reach import ReachTask
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
-from harness.task import ReachTask
+from harness.robot_by_name import load_robot
 from harness.testing.ideal import IdealSimulator
 
 Float32 = NDArray[np.float32]
 
 EASY = ReachTask(epsilon=0.2, horizon=20, target_center=(0.6, 0.6, 0.6), target_half_extent=(0.0, 0.0, 0.0))
 """One target, about 0.7 m from home: the arm gets there in 10 steps and more."""
+MODES: dict[ActionSpace, str] = {"continuous": "movej", "discrete": "discrete:action=movej"}
+"""The action mode of that task for each kind of action."""
 ENV_SEED = 7
 EVALUATION_EPISODES = 8
 
@@ -44,10 +48,18 @@ class NegativeDistance:
 
 
 class WatchedEnv(ReachVectorEnv):
-    """Keeps an account of what an algorithm does with the env."""
+    """The easy task with one kind of action; keeps an account of what an algorithm does with it.
 
-    def __init__(self, num_envs: int) -> None:
-        super().__init__(IdealSimulator(), easy_robot(), EASY, NegativeDistance(), num_envs)
+    Attributes:
+        space: The kind of action.
+        bonus: Paid on top, (num_envs,): whether a training heeds what each env pays.
+    """
+
+    def __init__(self, num_envs: int, space: ActionSpace = "continuous") -> None:
+        task = replace(EASY, action=MODES[space])
+        super().__init__(IdealSimulator(), easy_robot(), task, NegativeDistance(), num_envs)
+        self.space = space
+        self.bonus = np.zeros(num_envs)
         self.steps = 0
         self.actions_in_box = True
         self.seeds: list[Any] = []
@@ -57,11 +69,23 @@ class WatchedEnv(ReachVectorEnv):
         self.seeds.append(seed)
         return super().reset(seed=seed, options=options)
 
-    def step(self, actions: Float32) -> tuple[Float32, NDArray[np.float64], Mask, Mask, Infos]:  # type: ignore[override]
+    def step(self, actions: Actions) -> tuple[Float32, NDArray[np.float64], Mask, Mask, Infos]:  # type: ignore[override]
         """As any step; counts it, and looks at the actions."""
         self.steps += self.num_envs
-        self.actions_in_box &= self.action_space.contains(np.asarray(actions, np.float32))
-        return super().step(actions)
+        self.actions_in_box &= self.action_space.contains(np.asarray(actions, self.action_space.dtype))
+        observations, rewards, terminated, truncated, infos = super().step(actions)
+        return observations, rewards + self.bonus, terminated, truncated, infos
+
+
+class Told(Progress):
+    """Keeps what it is told."""
+
+    def __init__(self) -> None:
+        self.steps: list[int] = []
+
+    def __call__(self, steps: int) -> None:
+        """See `harness.progress.Progress`."""
+        self.steps.append(steps)
 
 
 @dataclass
@@ -73,14 +97,40 @@ class Training:
     told: list[int] = field(default_factory=list)
 
 
-def train(algorithm: Algorithm, steps: int, seed: int = 0) -> Training:
-    """Train on the easy task for `steps`, or a few more to make it a multiple of the algorithm's envs."""
-    env = WatchedEnv(algorithm.num_envs)
-    told: list[int] = []
-    env.reset(seed=ENV_SEED)
-    env.seeds.clear()
-    policy = algorithm.train(env, steps_for(algorithm, steps), seed, told.append)
-    return Training(policy, env, told)
+def trainings(algorithm: Algorithm, steps: int, seed: int = 0) -> Iterator[Training]:
+    """One training with each kind of action that the algorithm takes."""
+    for space in sorted(algorithm.action_spaces):
+        yield train(algorithm, steps, seed, space)
+
+
+def train(
+    algorithm: Algorithm, steps: int, seed: int = 0, space: ActionSpace | None = None, bonus: float = 0.0, env: int = 0
+) -> Training:
+    """Train on the easy task for `steps`, or a few more to make it a multiple of the algorithm's envs.
+
+    Args:
+        algorithm: What learns.
+        steps: Environment steps.
+        seed: Of the algorithm.
+        space: The kind of action; None for the first that the algorithm takes.
+        bonus: Paid on top on every step of one env.
+        env: Which one.
+    """
+    watched = WatchedEnv(algorithm.num_envs, space or min(algorithm.action_spaces))
+    watched.bonus[env] = bonus
+    told = Told()
+    watched.reset(seed=ENV_SEED)
+    watched.seeds.clear()
+    policy = algorithm.train(watched, steps_for(algorithm, steps), seed, told)
+    return Training(policy, watched, told.steps)
+
+
+def in_several_envs(algorithm: Algorithm) -> Algorithm:
+    """The algorithm on two envs at least, where its `num_envs` is a hyperparameter; else as it is."""
+    settings: Any = algorithm  # a dataclass, but that is another check's to say
+    chooses = is_dataclass(settings) and "num_envs" in {field.name for field in fields(settings)}
+    several: Algorithm = replace(settings, num_envs=2) if chooses and settings.num_envs < 2 else settings
+    return several
 
 
 def steps_for(algorithm: Algorithm, steps: int) -> int:
@@ -97,13 +147,13 @@ def observations() -> Float32:
     return np.concatenate(seen)
 
 
-def mean_return(policy: Policy) -> float:
-    """The mean return of episodes in which the policy acts without noise."""
-    env = WatchedEnv(EVALUATION_EPISODES)
+def mean_return(training: Training) -> float:
+    """The mean return of episodes in which the policy of a training acts without noise."""
+    env = WatchedEnv(EVALUATION_EPISODES, training.env.space)
     seen, _ = env.reset(seed=ENV_SEED)
     running, returns = np.ones(env.num_envs, bool), np.zeros(env.num_envs)
     while running.any():
-        seen, rewards, terminated, truncated, _ = env.step(policy.act(seen))
+        seen, rewards, terminated, truncated, _ = env.step(training.policy.act(seen))
         returns += np.where(running, rewards, 0.0)
         running &= ~(terminated | truncated)
     return float(returns.mean())

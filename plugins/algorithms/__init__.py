@@ -2,14 +2,36 @@
 
 import harness
 
+SB3 = (
+    ("sac", "sac:Sac", "soft actor-critic"),
+    ("td3", "td3:Td3", "twin delayed deep deterministic policy gradient"),
+    ("ppo", "ppo:Ppo", "proximal policy optimisation, continuous or discrete"),
+    ("dqn", "dqn:Dqn", "deep Q-learning for discrete actions"),
+    ("ddqn", "ddqn:Ddqn", "double deep Q-learning for discrete actions"),
+)
+
 
 @harness.hookimpl
 def register_algorithms(register: harness.Register) -> None:
     """Announce the built-in algorithms."""
+    for name, target, summary in SB3:
+        register(
+            name,
+            f"harness_plugins.algorithms.{target}",
+            summary=f"{summary}, by stable-baselines3 on the CPU",
+            requires=("stable_baselines3", "torch"),
+            extra="sb3",
+        )
     register(
-        "sac",
-        "harness_plugins.algorithms.sac:Sac",
-        summary="soft actor-critic of stable-baselines3, on the CPU",
-        requires=("stable_baselines3", "torch"),
+        "spg",
+        "harness_plugins.algorithms.spg:Spg",
+        summary="the note's stochastic policy gradient, on the CPU",
+        requires=("torch",),
         extra="sb3",
+    )
+    register("random", "harness_plugins.algorithms.random:Random", summary="acts at random, learns nothing: the floor")
+    register(
+        "ik",
+        "harness_plugins.algorithms.ik:Ik",
+        summary="reaches by inverse kinematics, learns nothing: the ceiling",
     )

@@ -1,21 +1,29 @@
 """Soft actor-critic, by stable-baselines3."""
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
-import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace, Progress
+from harness.algorithm import ActionSpace
 from harness.policy import Policy
+from harness.progress import Progress
+from harness_plugins.sb3.settings import (
+    Activation,
+    BatchSize,
+    BufferSize,
+    Gamma,
+    GradientSteps,
+    Layers,
+    LearningRate,
+    LearningStarts,
+    NumEnvs,
+    Tau,
+    TrainFreq,
+)
 
 if TYPE_CHECKING:
-    from stable_baselines3 import SAC
-
     from harness.env import ReachVectorEnv
-
-Positive = Annotated[float, Field(gt=0)]
-Count = Annotated[int, Field(gt=0)]
 
 
 @dataclass(frozen=True)
@@ -26,18 +34,15 @@ class Sac:
     a step pays some 0.1, and from the library's 1 it takes thousands of steps before the reward outweighs the noise.
     """
 
-    learning_rate: Annotated[Positive, Field(description="of actor, critics and entropy coefficient")] = 1e-3
-    gamma: Annotated[float, Field(ge=0, le=1, description="discount")] = 0.95
-    net_arch: Annotated[tuple[Count, ...], Field(min_length=1, description="hidden layers of actor and critics")] = (
-        64,
-        64,
-    )
-    batch_size: Annotated[Count, Field(description="transitions per update")] = 256
-    buffer_size: Annotated[Count, Field(description="transitions kept for replay")] = 1_000_000
-    learning_starts: Annotated[int, Field(ge=0, description="steps with random actions before the first update")] = 100
-    train_freq: Annotated[Count, Field(description="steps between updates")] = 1
-    gradient_steps: Annotated[int, Field(ge=-1, description="updates each time; -1: as many as steps taken")] = 1
-    tau: Annotated[float, Field(gt=0, le=1, description="share of the new weights in the target critics")] = 0.005
+    learning_rate: LearningRate = 1e-3
+    gamma: Gamma = 0.95
+    net_arch: Layers = (64, 64)
+    batch_size: BatchSize = 256
+    buffer_size: BufferSize = 1_000_000
+    learning_starts: LearningStarts = 100
+    train_freq: TrainFreq = 1
+    gradient_steps: GradientSteps = 1
+    tau: Tau = 0.005
     ent_coef: Annotated[
         str,
         Field(
@@ -45,23 +50,23 @@ class Sac:
             description="entropy coefficient: a number, or auto_X to learn it from X on (auto: from 1)",
         ),
     ] = "auto_0.1"
-    activation: Annotated[Literal["relu", "tanh"], Field(description="between the layers")] = "relu"
-    num_envs: Annotated[Count, Field(description="envs that are trained on at once")] = 1
+    activation: Activation = "relu"
+    num_envs: NumEnvs = 1
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
-        import torch
         from stable_baselines3 import SAC
 
-        from harness_plugins.sb3 import SilentProgress, VecEnvAdapter
+        from harness_plugins.sb3.policies import squashed_gaussian
+        from harness_plugins.sb3.training import network, train
 
-        torch.set_num_threads(1)
-        model = SAC(
-            "MlpPolicy",
-            VecEnvAdapter(env),
+        return train(
+            SAC, env, steps, seed, progress,
+            lambda model: squashed_gaussian(model, self.activation, "sac"),
+            decisions_per_update=self.train_freq * self.num_envs,
             learning_rate=self.learning_rate,
             gamma=self.gamma,
             batch_size=self.batch_size,
@@ -71,28 +76,5 @@ class Sac:
             gradient_steps=self.gradient_steps,
             tau=self.tau,
             ent_coef=self.ent_coef if self.ent_coef.startswith("auto") else float(self.ent_coef),
-            policy_kwargs={"net_arch": list(self.net_arch), "activation_fn": _activation(self.activation)},
-            seed=seed % 2**32,
-            device="cpu",
-        )
-        model.learn(steps, callback=SilentProgress(progress, steps))
-        return _policy_of(model, self.activation)
-
-
-def _activation(name: str) -> Any:
-    import torch
-
-    return {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}[name]
-
-
-def _policy_of(model: "SAC", activation: str) -> Policy:
-    """The actor's weights under the names that `Policy` gives them."""
-    actor: Any = model.policy.actor
-    hidden = [layer for layer in actor.latent_pi if hasattr(layer, "weight")]
-    layers = {**{f"hidden.{i}": layer for i, layer in enumerate(hidden)}, "mean": actor.mu, "log_std": actor.log_std}
-    weights = {}
-    for name, layer in layers.items():
-        weights[f"{name}.weight"] = layer.weight.detach().numpy().astype(np.float32, copy=True)
-        weights[f"{name}.bias"] = layer.bias.detach().numpy().astype(np.float32, copy=True)
-    space: Any = model.action_space
-    return Policy(weights, activation, tuple(space.low.tolist()), tuple(space.high.tolist()), "sac")
+            policy_kwargs=network(self.net_arch, self.activation),
+        )  # fmt: skip

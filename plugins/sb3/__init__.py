@@ -1,6 +1,4 @@
-"""What the algorithms of stable-baselines3 share: its view of our vector env, and its progress."""
+"""What the algorithms of stable-baselines3 share: their training, and the policies that come of it.
 
-from harness_plugins.sb3.callback import SilentProgress
-from harness_plugins.sb3.vec_env import VecEnvAdapter
-
-__all__ = ["SilentProgress", "VecEnvAdapter"]
+The modules are imported one by one: `settings` is light, the others import torch.
+"""

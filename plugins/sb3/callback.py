@@ -1,33 +1,84 @@
-"""Tells how far a training is."""
+"""Tells how a training goes, and ends it at its budget."""
+
+from collections.abc import Callable
+from typing import Any
 
 from stable_baselines3.common.callbacks import BaseCallback
 
-from harness.algorithm import Progress
+from harness.env import ReachVectorEnv
+from harness.policy import Policy
+from harness.progress import Progress
+from harness_plugins.sb3.entropy import actor_entropy
+from harness_plugins.sb3.scalars import Scalars
 
 EVERY = 100
+SCALARS_EVERY = 1000
 
 
 class SilentProgress(BaseCallback):
-    """Passes the number of steps on, now and then and at the end; ends a training that would go beyond its budget."""
+    """Passes on environment steps, the policy and scalars, now and then and at the end; ends a training at its budget.
 
-    def __init__(self, progress: Progress, budget: int) -> None:
+    The library counts decisions, of which a task may make one in several environment steps.
+    """
+
+    def __init__(
+        self,
+        env: ReachVectorEnv,
+        progress: Progress,
+        budget: int,
+        policy_of: Callable[[Any], Policy],
+        decisions_per_update: int,
+    ) -> None:
+        """Begin to count.
+
+        Args:
+            env: What is trained on.
+            progress: Is told.
+            budget: Environment steps to take.
+            policy_of: The policy of a model as it stands.
+            decisions_per_update: Between two updates, over all envs.
+        """
         super().__init__()
-        self._progress = progress
-        self._budget = budget
-        self._told = 0
+        self._env, self._before = env, env.environment_steps
+        self._progress, self._budget, self._policy_of = progress, budget, policy_of
+        self._decisions_per_update = decisions_per_update
+        self._told = self._scalars_told = 0
+        self._scalars = Scalars()
+
+    @property
+    def _steps(self) -> int:
+        return self._env.environment_steps - self._before
 
     def _on_step(self) -> bool:
-        if self.num_timesteps >= self._told + EVERY:
-            self._told = self.num_timesteps
-            self._progress(self.num_timesteps)
-        return self._is_within_budget()
+        steps = self._steps
+        self._scalars.watch(self.locals["infos"], self.locals["dones"])
+        self._progress.policy(steps, self._make_policy)
+        if steps >= self._told + EVERY:
+            self._told = steps
+            self._progress(steps)
+        if steps >= self._scalars_told + SCALARS_EVERY:
+            self._tell_scalars(steps)
+        return self._is_within_budget(steps)
 
-    def _is_within_budget(self) -> bool:
+    def _is_within_budget(self, steps: int) -> bool:
         """False at the last step of the budget, unless a rollout ends there: then the update that is due still runs."""
-        if self.num_timesteps < self._budget:
+        if steps < self._budget:
             return True
-        length = self.model.train_freq.frequency * self.training_env.num_envs  # type: ignore[attr-defined]
-        return self.num_timesteps % length == 0
+        if self.num_timesteps < self._budget:
+            return False
+        return self.num_timesteps % self._decisions_per_update == 0
 
     def _on_training_end(self) -> None:
-        self._progress(self.num_timesteps)
+        steps = self._steps
+        if steps > self._scalars_told:
+            self._tell_scalars(steps)
+        self._progress.policy(steps, self._make_policy)
+        self._progress(steps)
+
+    def _make_policy(self) -> Policy:
+        return self._policy_of(self.model)
+
+    def _tell_scalars(self, steps: int) -> None:
+        self._scalars_told = steps
+        values, entropy = self._scalars.take(self.logger.name_to_value), actor_entropy(self.model)
+        self._progress.scalars(steps, values if entropy is None else {**values, "Policy/Entropy": entropy})

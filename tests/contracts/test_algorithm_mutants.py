@@ -14,9 +14,9 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from harness.algorithm import Progress
 from harness.env import ReachVectorEnv
-from harness.policy import Policy
+from harness.policy import Policy, SquashedGaussian
+from harness.progress import Progress
 from harness.testing import ALGORITHM_CHECKS, algorithms, violations
 
 EPISODE = 20
@@ -41,7 +41,7 @@ class Search:
             candidates = best + 0.5 * rng.standard_normal((self.num_envs, env.robot.dof))
             returns = self.try_out(env, candidates, periods)
             if periods == EPISODE and self.may_learn(first):
-                best = candidates[returns.argmax()]
+                best = candidates[self.choose(returns)]
         self.finish(env, steps, progress)
         return self.policy(best.astype(np.float32), env.single_observation_space.shape[0])
 
@@ -60,6 +60,9 @@ class Search:
     def may_learn(self, step: int) -> bool:
         return True
 
+    def choose(self, returns: np.ndarray) -> int:
+        return int(returns.argmax())
+
     def finish(self, env: ReachVectorEnv, steps: int, progress: Progress) -> None:
         progress(steps)
 
@@ -73,7 +76,7 @@ class Search:
         return returns
 
     def policy(self, best: np.ndarray, observation_size: int) -> Policy:
-        return Policy(self.weights(best, observation_size), "relu", (-1.0,) * len(best), (1.0,) * len(best))
+        return SquashedGaussian(self.weights(best, observation_size), "relu", (-1.0,) * len(best), (1.0,) * len(best))
 
     def weights(self, best: np.ndarray, observation_size: int) -> dict[str, np.ndarray]:
         nothing = np.zeros((len(best), observation_size), np.float32)
@@ -146,7 +149,7 @@ class YieldsABroadPolicy(Sound):
     """The policy's action box is too large."""
 
     def policy(self, best: np.ndarray, observation_size: int) -> Policy:
-        return Policy(self.weights(best, observation_size), "relu", (-1.5,) * len(best), (1.5,) * len(best))
+        return SquashedGaussian(self.weights(best, observation_size), "relu", (-1.5,) * len(best), (1.5,) * len(best))
 
 
 class CountsItsTrainings(Sound):
@@ -165,11 +168,11 @@ class IgnoresItsSeed(Sound):
         return np.random.default_rng(0)
 
 
-class BeginsLate(Sound):
-    """It learns nothing before the 400th step."""
+class StopsEarly(Sound):
+    """It learns nothing after the 160th step."""
 
     def may_learn(self, step: int) -> bool:
-        return step >= 400
+        return step < 160
 
 
 class ReadsAnotherEnvsReward(Sound):
@@ -179,6 +182,20 @@ class ReadsAnotherEnvsReward(Sound):
         return np.roll(rewards, 1)
 
 
+class ReadsTheFirstEnvsReward(Sound):
+    """It takes the reward of one env for that of all, and still learns from which episodes end."""
+
+    def read(self, rewards: np.ndarray) -> np.ndarray:
+        return np.full_like(rewards, rewards[0])
+
+
+class LeavesAnEnvOut(Sound):
+    """What the last env finds out is never looked at."""
+
+    def choose(self, returns: np.ndarray) -> int:
+        return int(returns[:-1].argmax())
+
+
 class Minimises(Sound):
     """It has the sign of the reward wrong."""
 
@@ -186,12 +203,12 @@ class Minimises(Sound):
         return -rewards
 
 
-class CarelessPolicy(Policy):
+class CarelessPolicy(SquashedGaussian):
     """A policy that rounds what it saves."""
 
-    def save(self, folder: Path) -> None:
+    def save(self, folder: Path, cell: Any = None) -> None:
         rounded = {name: np.float32(np.float16(weight)) for name, weight in self.weights.items()}
-        Policy(rounded, self.activation, self.action_low, self.action_high).save(folder)
+        SquashedGaussian(rounded, self.activation, self.action_low, self.action_high).save(folder, cell)
 
 
 class SavesCarelessly(Sound):
@@ -208,6 +225,12 @@ class NeverLearns(Sound):
         return False
 
 
+class DeniesThatItLearns(Sound):
+    """It says that no training makes a difference."""
+
+    learns: ClassVar[bool] = False
+
+
 MUTANTS = {
     Thawed: algorithms.settings_are_frozen,
     SetUpWithASet: algorithms.settings_survive_json,
@@ -220,9 +243,12 @@ MUTANTS = {
     YieldsABroadPolicy: algorithms.actions_of_the_policy_are_in_the_box,
     CountsItsTrainings: algorithms.the_same_seed_gives_the_same_policy,
     IgnoresItsSeed: algorithms.another_seed_gives_another_policy,
-    BeginsLate: algorithms.learning_goes_on,
+    StopsEarly: algorithms.learning_goes_on,
     ReadsAnotherEnvsReward: algorithms.the_return_rises,
     Minimises: algorithms.the_return_rises,
+    ReadsTheFirstEnvsReward: algorithms.every_env_counts,
+    LeavesAnEnvOut: algorithms.every_env_counts,
+    DeniesThatItLearns: algorithms.what_learns_nothing_says_so,
     SavesCarelessly: algorithms.the_policy_comes_back_from_its_folder,
 }
 
@@ -238,9 +264,9 @@ def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
     assert failing(mutant) == [check.__name__]
 
 
-def test_an_algorithm_that_never_learns_fails_both_checks_of_learning():
+def test_an_algorithm_that_never_learns_fails_all_checks_of_learning():
     """Weights that stay as they were drawn are noticed, and so is a return that stays."""
-    assert failing(NeverLearns) == ["learning_goes_on", "the_return_rises"]
+    assert failing(NeverLearns) == ["learning_goes_on", "the_return_rises", "every_env_counts"]
 
 
 def test_every_check_has_a_mutant():

@@ -11,17 +11,21 @@ import pytest
 
 import harness
 from harness.errors import ContractViolation
+from harness.motion import MODES
 from harness.plugins import load_registry
+from harness.reach import ReachTask
 from harness.testing import (
     ALGORITHM_CHECKS,
     METRIC_CHECKS,
     REWARD_CHECKS,
     SIMULATOR_CHECKS,
+    TASK_CHECKS,
     IdealSimulator,
     check_algorithm,
     check_metric,
     check_reward,
     check_simulator,
+    check_task,
     violations,
 )
 from harness.testing.simulators import frames_show_the_target, render_gives_a_frame_or_says_why_not
@@ -31,7 +35,7 @@ REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
 FRAME_CHECKS = (render_gives_a_frame_or_says_why_not, frames_show_the_target)
 OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
-CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS]
+CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS, *TASK_CHECKS]
 
 
 def registered(kind: str, checks: tuple[Callable[..., None], ...]) -> pytest.MarkDecorator:
@@ -63,6 +67,21 @@ def test_simulator_renders(check: Callable[..., None], name: str):
     )
     # In a process of its own: MuJoCo chooses the library to render with when it is imported.
     subprocess.run([sys.executable, "-c", code], env={**os.environ, "MUJOCO_GL": "egl"}, check=True)
+
+
+@registered("tasks", TASK_CHECKS)
+def test_task(check: Callable[..., None], name: str):
+    """Every registered task keeps the contract with its own robot."""
+    task = build("tasks", name)
+    check(task, harness.load_robot(task.robot, REGISTRY))
+
+
+@pytest.mark.parametrize("action", MODES)
+@pytest.mark.parametrize("name", REGISTRY.names("tasks"))
+def test_task_with_every_action_mode(name: str, action: str):
+    """Every registered task keeps the contract whatever the learner does in it."""
+    task = REGISTRY.get("tasks", name).load()(action=action)
+    assert list(violations(TASK_CHECKS, task, harness.load_robot(task.robot, REGISTRY))) == []
 
 
 @registered("rewards", REWARD_CHECKS)
@@ -101,7 +120,7 @@ def test_every_check_says_what_it_holds(check: Callable[..., None]):
     assert len(check.__doc__ or "") > 40
 
 
-@pytest.mark.parametrize("check", [check_simulator, check_reward, check_algorithm, check_metric])
+@pytest.mark.parametrize("check", [check_simulator, check_reward, check_algorithm, check_metric, check_task])
 def test_first_violation_is_raised(check: Callable[..., None]):
     """Something that is no plugin at all fails at the first check, which the error names."""
     with pytest.raises(ContractViolation, match="settings_are_frozen: object is no dataclass") as caught:
@@ -113,6 +132,7 @@ def test_all_is_well_without_an_error():
     """What keeps the contract passes through all checks without a word, on the default robot."""
     assert check_simulator(IdealSimulator()) is None
     assert check_reward(NegativeDistance()) is None
+    assert check_task(ReachTask()) is None
 
 
 def test_whatever_a_check_meets_is_a_violation():

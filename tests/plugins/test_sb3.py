@@ -1,5 +1,6 @@
 """stable-baselines3's view of the vector env."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,18 @@ from stable_baselines3.common.vec_env import VecEnv
 import harness
 from harness.env import ReachVectorEnv
 from harness.inverse import reach_position
-from harness.task import ReachTask
+from harness.progress import Progress
+from harness.reach import ReachTask
 from harness.testing import IdealSimulator
 from harness.testing.trainings import NegativeDistance
-from harness_plugins.sb3 import SilentProgress, VecEnvAdapter
+from harness_plugins.sb3.callback import SilentProgress
+from harness_plugins.sb3.vec_env import VecEnvAdapter
+from harness_plugins.tasks.unity import Arp2021
 
 ROBOT = harness.load_robot("fd100")
+ARM = harness.load_robot("unity-arm")
+ARM_HOME = (ARM.home / ARM.upper).astype(np.float32)
+"""The action that leaves the arm where it starts."""
 
 
 def adapt(num_envs: int = 3, **task: Any) -> VecEnvAdapter:
@@ -144,12 +151,44 @@ def test_no_env_is_wrapped():
     assert adapt().env_is_wrapped(object) == [False] * 3
 
 
+class Told(Progress):
+    """Keeps the steps that it is told."""
+
+    def __init__(self) -> None:
+        self.steps: list[int] = []
+
+    def __call__(self, steps: int) -> None:
+        """Kept."""
+        self.steps.append(steps)
+
+
+def watch(env: ReachVectorEnv, progress: Progress) -> SilentProgress:
+    """The callback of a training that has no model yet."""
+    callback = SilentProgress(env, progress, 1000, policy_of=lambda model: None, decisions_per_update=1)
+    callback.model = SimpleNamespace(logger=SimpleNamespace(name_to_value={}))
+    callback.locals = {"infos": [{}] * env.num_envs, "dones": np.zeros(env.num_envs, bool)}
+    return callback
+
+
 def test_progress_is_told_now_and_then_and_at_the_end():
-    """Every hundred steps the number is passed on, and once more when training ends."""
-    told: list[int] = []
-    callback = SilentProgress(told.append, budget=1000)
-    for steps in range(3, 252, 3):
-        callback.num_timesteps = steps
+    """Every hundred environment steps the number is passed on, and once more when training ends."""
+    told, adapter = Told(), adapt()
+    adapter.env.environment_steps = 7  # taken before the training
+    callback = watch(adapter.env, told)
+    for _ in range(83):
+        stand(adapter)
         assert callback._on_step()
     callback._on_training_end()
-    assert told == [102, 204, 249]
+    assert told.steps == [102, 204, 249]
+
+
+def test_progress_counts_environment_steps():
+    """A decision of five steps counts as five, and one that the horizon cuts as what it took."""
+    told = Told()
+    env = ReachVectorEnv(IdealSimulator(), ARM, Arp2021(horizon=7), NegativeDistance(), 2)
+    env.reset(seed=0)
+    callback = watch(env, told)
+    for _ in range(2):
+        env.step(np.tile(ARM_HOME, (2, 1)))
+        callback._on_training_end()
+    assert told.steps == [10, 14]

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import stable_baselines3
 
 from harness.errors import UsageError
 from harness.parameters import build
@@ -15,20 +14,6 @@ from harness.testing.trainings import observations, train
 from harness_plugins.algorithms.sac import Sac
 
 STEPS = 160
-
-
-@pytest.fixture
-def models(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The models that stable-baselines3 makes while the test runs."""
-    made: list[Any] = []
-
-    class Watched(stable_baselines3.SAC):
-        def __init__(self, *args: Any, **kwargs: Any) -> None:
-            super().__init__(*args, **kwargs)
-            made.append(self)
-
-    monkeypatch.setattr(stable_baselines3, "SAC", Watched)
-    return made
 
 
 @pytest.mark.parametrize("settings", [{}, {"activation": "tanh"}, {"net_arch": (16,)}, {"net_arch": (8, 16, 24)}])

@@ -1,0 +1,27 @@
+"""A random generator as an array, and back: what a checkpoint holds of it, without pickle."""
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import SchemaError
+
+
+def pack_generator(rng: np.random.Generator) -> NDArray[np.uint8]:
+    """Where `rng` stands, as the bytes of a JSON text."""
+    # Its numbers have up to 128 bits: no array holds them, JSON does.
+    return np.frombuffer(json.dumps(rng.bit_generator.state).encode(), np.uint8)
+
+
+def restore_generator(rng: np.random.Generator, packed: NDArray[Any]) -> None:
+    """Put `rng` where the generator of `pack_generator` stood.
+
+    Raises:
+        SchemaError: It was none of the same kind.
+    """
+    try:
+        rng.bit_generator.state = json.loads(packed.tobytes())
+    except (ValueError, TypeError, KeyError) as error:
+        raise SchemaError(f"no state of a {type(rng.bit_generator).__name__}: {error!r}") from error

@@ -1,0 +1,26 @@
+"""Deep Q-learning, by stable-baselines3."""
+
+from typing import TYPE_CHECKING
+
+from pydantic.dataclasses import dataclass
+
+from harness.policy import Policy
+from harness.progress import Progress
+from harness_plugins.sb3.q_learning import QLearning
+
+if TYPE_CHECKING:
+    from harness.env import ReachVectorEnv
+
+
+@dataclass(frozen=True)
+class Dqn(QLearning):
+    """Deep Q-learning (DQ), the NOTE's algorithm for discrete actions, by stable-baselines3.
+
+    Q(s, a) is moved towards r + gamma max_a' Q_target(s', a'); r alone where the episode is terminated.
+    """
+
+    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+        """See `harness.algorithm.Algorithm`."""
+        from stable_baselines3 import DQN
+
+        return self.train_with(DQN, "dqn", env, steps, seed, progress)

@@ -1,0 +1,40 @@
+"""The floor: actions drawn uniformly."""
+
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from gymnasium.spaces import Discrete
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.acting import act_for
+from harness.algorithm import ActionSpace
+from harness.policy import Policy, Uniform, UniformChoice
+from harness.progress import Progress
+
+if TYPE_CHECKING:
+    from harness.env import ReachVectorEnv
+
+
+@dataclass(frozen=True)
+class Random:
+    """Acts uniformly at random and learns nothing: what is no better than this has learned nothing.
+
+    It spends its budget acting, so that its trace can be compared with those of trainings.
+    """
+
+    num_envs: Annotated[int, Field(gt=0, description="envs that it acts in at once")] = 1
+
+    action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous", "discrete"})
+    learns: ClassVar[bool] = False
+
+    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+        """See `harness.algorithm.Algorithm`."""
+        policy = _uniform(env.single_action_space)
+        act_for(env, steps, policy, seed, progress)
+        return policy
+
+
+def _uniform(space: Any) -> Policy:
+    if isinstance(space, Discrete):
+        return UniformChoice(int(space.n), "random")
+    return Uniform(tuple(space.low.tolist()), tuple(space.high.tolist()), "random")

@@ -1,0 +1,86 @@
+"""Twin delayed deep deterministic policy gradient, by stable-baselines3."""
+
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.algorithm import ActionSpace
+from harness.policy import Policy
+from harness.progress import Progress
+from harness_plugins.sb3.settings import (
+    Activation,
+    BatchSize,
+    BufferSize,
+    Gamma,
+    GradientSteps,
+    Layers,
+    LearningRate,
+    LearningStarts,
+    NumEnvs,
+    Tau,
+    TrainFreq,
+)
+
+if TYPE_CHECKING:
+    from harness.env import ReachVectorEnv
+
+NotNegative = Annotated[float, Field(ge=0)]
+
+
+@dataclass(frozen=True)
+class Td3:
+    """Twin delayed deep deterministic policy gradient (TD3) of stable-baselines3.
+
+    A policy without spread of its own: noise is added to its actions while it trains.
+    """
+
+    learning_rate: LearningRate = 1e-3
+    gamma: Gamma = 0.95
+    net_arch: Layers = (64, 64)
+    batch_size: BatchSize = 256
+    buffer_size: BufferSize = 1_000_000
+    learning_starts: LearningStarts = 100
+    train_freq: TrainFreq = 1
+    gradient_steps: GradientSteps = 1
+    tau: Tau = 0.005
+    action_noise: Annotated[
+        NotNegative, Field(description="standard deviation of what is added to actions, of a box [-1, 1]")
+    ] = 0.1
+    policy_delay: Annotated[int, Field(gt=0, description="updates of the critics for one of the actor")] = 2
+    target_noise: Annotated[NotNegative, Field(description="the same in the critics' targets")] = 0.2
+    target_noise_clip: Annotated[NotNegative, Field(description="largest size of that noise")] = 0.5
+    activation: Activation = "relu"
+    num_envs: NumEnvs = 1
+
+    action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
+
+    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+        """See `harness.algorithm.Algorithm`."""
+        # Imported here: the settings above are checked before anything runs, and torch takes seconds.
+        import numpy as np
+        from stable_baselines3 import TD3
+        from stable_baselines3.common.noise import NormalActionNoise
+
+        from harness_plugins.sb3.policies import deterministic
+        from harness_plugins.sb3.training import network, train
+
+        dimensions = np.ones(env.single_action_space.shape)
+        return train(
+            TD3, env, steps, seed, progress,
+            lambda model: deterministic(model, self.activation, "td3", self.action_noise),
+            decisions_per_update=self.train_freq * self.num_envs,
+            learning_rate=self.learning_rate,
+            gamma=self.gamma,
+            batch_size=self.batch_size,
+            buffer_size=min(self.buffer_size, steps),
+            learning_starts=self.learning_starts,
+            train_freq=self.train_freq,
+            gradient_steps=self.gradient_steps,
+            tau=self.tau,
+            action_noise=NormalActionNoise(0.0 * dimensions, self.action_noise * dimensions),
+            policy_delay=self.policy_delay,
+            target_policy_noise=self.target_noise,
+            target_noise_clip=self.target_noise_clip,
+            policy_kwargs=network(self.net_arch, self.activation),
+        )  # fmt: skip

@@ -1,0 +1,22 @@
+"""How random the actions of a soft actor are: the library trains it without telling."""
+
+from typing import Any
+
+import torch
+
+LAST = 256
+"""Observations, the newest of the replay buffer, that the mean is taken over."""
+
+
+def actor_entropy(model: Any) -> float | None:
+    """Mean entropy of the actions, squashed into [-1, 1], in nats; None of a model that has no soft actor.
+
+    Estimated from one draw per observation. The training takes no notice: its random numbers stay where they are.
+    """
+    actor, buffer = getattr(model, "actor", None), getattr(model, "replay_buffer", None)
+    if not hasattr(actor, "action_log_prob") or buffer is None or buffer.pos == 0:
+        return None
+    newest = buffer.observations[max(buffer.pos - LAST, 0) : buffer.pos].reshape(-1, *buffer.obs_shape)
+    with torch.random.fork_rng(devices=[]), torch.no_grad():
+        _, log_prob = actor.action_log_prob(torch.as_tensor(newest))
+    return -float(log_prob.mean())

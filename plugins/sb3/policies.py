@@ -1,0 +1,66 @@
+"""The networks of stable-baselines3 as policies that act with numpy alone."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
+
+Float32 = NDArray[np.float32]
+
+
+def squashed_gaussian(model: Any, activation: str, algorithm: str) -> SquashedGaussian:
+    """Of SAC's actor."""
+    actor = model.policy.actor
+    weights = _weights(actor.latent_pi, mean=actor.mu, log_std=actor.log_std)
+    return SquashedGaussian(weights, activation, *_box(model), algorithm)
+
+
+def deterministic(model: Any, activation: str, algorithm: str, noise: float) -> Deterministic:
+    """Of TD3's actor."""
+    *hidden, mean = _linear_layers(model.policy.actor.mu)
+    return Deterministic(_weights(hidden, mean=mean), activation, *_box(model), algorithm, noise)
+
+
+def gaussian(model: Any, activation: str, algorithm: str) -> Gaussian:
+    """Of PPO's actor on continuous actions."""
+    policy = model.policy
+    weights = _weights(policy.mlp_extractor.policy_net, mean=policy.action_net)
+    weights["log_std"] = _array(policy.log_std)
+    return Gaussian(weights, activation, *_box(model), algorithm)
+
+
+def categorical(model: Any, activation: str, algorithm: str) -> Categorical:
+    """Of PPO's actor on discrete actions."""
+    policy = model.policy
+    weights = _weights(policy.mlp_extractor.policy_net, logits=policy.action_net)
+    return Categorical(weights, activation, int(model.action_space.n), algorithm)
+
+
+def greedy(model: Any, activation: str, algorithm: str, epsilon: float) -> Greedy:
+    """Of a deep Q network."""
+    *hidden, value = _linear_layers(model.q_net.q_net)
+    return Greedy(_weights(hidden, value=value), activation, int(model.action_space.n), algorithm, epsilon)
+
+
+def _weights(hidden: Iterable[Any], **heads: Any) -> dict[str, Float32]:
+    """Copies of the layers' weights, under the names that policies give them."""
+    layers = {f"hidden.{i}": layer for i, layer in enumerate(_linear_layers(hidden))} | heads
+    parts = ("weight", "bias")
+    return {f"{name}.{part}": _array(getattr(layer, part)) for name, layer in layers.items() for part in parts}
+
+
+def _linear_layers(layers: Iterable[Any]) -> list[Any]:
+    return [layer for layer in layers if hasattr(layer, "weight")]
+
+
+def _array(parameter: Any) -> Float32:
+    array: Float32 = parameter.detach().numpy().astype(np.float32, copy=True)
+    return array
+
+
+def _box(model: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    space = model.action_space
+    return tuple(space.low.tolist()), tuple(space.high.tolist())

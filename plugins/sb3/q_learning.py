@@ -1,0 +1,83 @@
+"""What deep Q-learning and its double form share: the settings, and the training."""
+
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.algorithm import ActionSpace
+from harness.policy import Policy
+from harness.progress import Progress
+from harness_plugins.sb3.settings import (
+    Activation,
+    BatchSize,
+    BufferSize,
+    Gamma,
+    GradientSteps,
+    Layers,
+    LearningRate,
+    LearningStarts,
+    NumEnvs,
+    Tau,
+    TrainFreq,
+)
+
+if TYPE_CHECKING:
+    from harness.env import ReachVectorEnv
+
+Share = Annotated[float, Field(ge=0, le=1)]
+
+
+@dataclass(frozen=True)
+class QLearning:
+    """Learns what each choice is worth in each state, and mostly takes the best."""
+
+    learning_rate: LearningRate = 1e-3
+    gamma: Gamma = 0.95
+    net_arch: Layers = (64, 64)
+    batch_size: BatchSize = 128
+    buffer_size: BufferSize = 1_000_000
+    learning_starts: LearningStarts = 100
+    train_freq: TrainFreq = 1
+    gradient_steps: GradientSteps = 1
+    target_update_interval: Annotated[
+        int, Field(gt=0, description="decisions, over all envs, between updates of the target network")
+    ] = 1
+    tau: Tau = 0.01
+    exploration_fraction: Annotated[
+        float, Field(gt=0, le=1, description="share of the training in which random choices become rarer")
+    ] = 0.3
+    exploration_start: Annotated[Share, Field(description="share of random choices in the beginning")] = 1.0
+    exploration_end: Annotated[Share, Field(description="and in the end, also of the policy where it explores")] = 0.05
+    max_gradient: Annotated[float, Field(gt=0, description="longest gradient")] = 10.0
+    activation: Activation = "relu"
+    num_envs: NumEnvs = 1
+
+    action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"discrete"})
+
+    def train_with(
+        self, library: Any, name: str, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress
+    ) -> Policy:
+        """Train the library's class; the policy's card says `name`. See `harness.algorithm.Algorithm`."""
+        from harness_plugins.sb3.policies import greedy
+        from harness_plugins.sb3.training import network, train
+
+        return train(
+            library, env, steps, seed, progress,
+            lambda model: greedy(model, self.activation, name, self.exploration_end),
+            decisions_per_update=self.train_freq * self.num_envs,
+            learning_rate=self.learning_rate,
+            gamma=self.gamma,
+            batch_size=self.batch_size,
+            buffer_size=min(self.buffer_size, steps),
+            learning_starts=self.learning_starts,
+            train_freq=self.train_freq,
+            gradient_steps=self.gradient_steps,
+            target_update_interval=max(self.target_update_interval, self.num_envs),  # it cannot be more often
+            tau=self.tau,
+            exploration_fraction=self.exploration_fraction,
+            exploration_initial_eps=self.exploration_start,
+            exploration_final_eps=self.exploration_end,
+            max_grad_norm=self.max_gradient,
+            policy_kwargs=network(self.net_arch, self.activation),
+        )  # fmt: skip

@@ -1,0 +1,57 @@
+"""A training by stable-baselines3, on the CPU, with one thread."""
+
+from collections.abc import Callable
+from typing import Any
+
+import torch
+
+from harness.env import ReachVectorEnv
+from harness.policy import Policy
+from harness.progress import Progress
+from harness_plugins.sb3.callback import SilentProgress
+from harness_plugins.sb3.vec_env import VecEnvAdapter
+
+ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
+
+
+def train(
+    library: Any,
+    env: ReachVectorEnv,
+    steps: int,
+    seed: int,
+    progress: Progress,
+    policy_of: Callable[[Any], Policy],
+    decisions_per_update: int,
+    **settings: Any,
+) -> Policy:
+    """Train a class of the library for `steps` environment steps and yield the policy.
+
+    Args:
+        library: The class, such as `stable_baselines3.SAC`.
+        env: See `harness.algorithm.Algorithm.train`.
+        steps: The same.
+        seed: The same.
+        progress: The same.
+        policy_of: The policy of a model as it stands.
+        decisions_per_update: Between two updates, over all envs.
+        settings: What the class is made with, besides.
+    """
+    # One thread each is faster than two that wait for one another, and sums come out the same.
+    torch.set_num_threads(1)
+    before = env.environment_steps
+
+    class Model(library):  # type: ignore[misc, valid-type]
+        def _update_current_progress_remaining(self, num_timesteps: int, total_timesteps: int) -> None:
+            """Schedules end with the budget; the library would count decisions."""
+            super()._update_current_progress_remaining(env.environment_steps - before, steps)
+
+    model = Model("MlpPolicy", VecEnvAdapter(env), seed=seed % 2**32, device="cpu", **settings)
+    callback = SilentProgress(env, progress, steps, policy_of, decisions_per_update)
+    # Without log_interval the logger keeps the last losses for `progress`, and prints nothing.
+    model.learn(steps, callback=callback, log_interval=None)
+    return policy_of(model)
+
+
+def network(layers: tuple[int, ...], activation: str) -> dict[str, Any]:
+    """The library's ``policy_kwargs``."""
+    return {"net_arch": list(layers), "activation_fn": ACTIVATIONS[activation]}

@@ -1,0 +1,143 @@
+"""IK: the ceiling reaches next to every target, from the observation alone, and comes back from its folder."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.algorithm import learns, why_not
+from harness.choice import choose
+from harness.errors import SchemaError
+from harness.evaluate import EVALUATION_SEED
+from harness.observation import ArmObservation
+from harness.plan import check_experiment, expand
+from harness.plugins import load_registry
+from harness.policy import CARD, InverseKinematics, Policy, Uniform
+from harness.reach import ReachTask
+from harness.testing.trainings import observations, train
+from harness_plugins.algorithms.ik import Ik
+
+MODES = ("movej", "movej-absolute", "set-joints")
+REGISTRY = load_registry()
+
+
+def _policy(task: ReachTask, robot: str = "fd100", mode: str = "movej") -> InverseKinematics:
+    arm = harness.load_robot(robot, REGISTRY)
+    return InverseKinematics.of(arm, task.motion(arm).limits, mode, "ik")  # type: ignore[attr-defined]
+
+
+def _success(simulator: str, mode: str, robot: str, episodes: int) -> float:
+    env = harness.make_env(simulator, f"fd100-reach:action={mode}", "dense", robot, num_envs=episodes)
+    policy = _policy(ReachTask(action=mode), robot, mode)
+    seen, _ = env.reset(seed=EVALUATION_SEED)
+    running, reached = np.ones(episodes, bool), np.zeros(episodes, bool)
+    while running.any():
+        seen, _, terminated, truncated, infos = env.step(policy.act(seen))
+        reached |= running & infos["is_success"]
+        running &= ~(terminated | truncated)
+    env.close()
+    return float(reached.mean())
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_it_reaches_the_targets_without_dynamics(mode: str):
+    """99 of 100 and more, in every mode."""
+    assert _success("kinematic", mode, "fd100", 500) >= 0.99
+
+
+def test_it_reaches_the_targets_with_dynamics():
+    """In MuJoCo as well: the arm follows."""
+    pytest.importorskip("mujoco")
+    assert _success("mujoco", "movej", "fd100", 100) >= 0.99
+
+
+def test_it_reaches_with_another_arm():
+    """With five joints, and targets scaled by its reach; some of them lie behind the arm's ranges."""
+    assert _success("kinematic", "movej", "unity-arm", 200) >= 0.9
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_policy_comes_back_from_its_folder(tmp_path: Path, mode: str):
+    """It acts the same, bit for bit, and says of which arm it is."""
+    policy = _policy(ReachTask(action=mode), mode=mode)
+    policy.save(tmp_path)
+    loaded = Policy.load(tmp_path)
+    np.testing.assert_array_equal(policy.act(observations()), loaded.act(observations()))
+    card = json.loads((tmp_path / CARD).read_text())
+    assert card["robot"]["name"] == harness.load_robot("fd100", REGISTRY).name
+    assert len(card["robot"]["urdf_sha256"]) == 64
+    assert isinstance(loaded.floor(), Uniform)
+
+
+def test_nothing_is_drawn():
+    """With a generator it does the same as without."""
+    policy = _policy(ReachTask())
+    drawn = policy.act(observations(), np.random.default_rng(0))
+    np.testing.assert_array_equal(drawn, policy.act(observations()))
+
+
+def test_card_has_the_size_of_the_observation():
+    """Joint angles, speeds and accelerations, and ten numbers more."""
+    arm = harness.load_robot("fd100", REGISTRY)
+    assert _policy(ReachTask()).card()["observation"]["size"] == len(ArmObservation(arm, 0.1).low)
+
+
+DAMAGES: dict[str, Callable[[dict[str, Any]], None]] = {
+    "'mode' is missing": lambda card: card.pop("mode"),
+    "no action mode 'fly'": lambda card: card.update(mode="fly"),
+    "no arm has the joints": lambda card: card.update(joint_kinds=["ball"] * 6),
+    "joints is": lambda card: card.update(joint_kinds=["revolute"] * 5),
+}
+
+
+@pytest.mark.parametrize(("message", "damage"), DAMAGES.items(), ids=DAMAGES)
+def test_damaged_card_is_refused(tmp_path: Path, message: str, damage: Callable[[dict[str, Any]], None]):
+    """By name, before it acts."""
+    _policy(ReachTask()).save(tmp_path)
+    card = json.loads((tmp_path / CARD).read_text())
+    damage(card)
+    (tmp_path / CARD).write_text(json.dumps(card))
+    with pytest.raises(SchemaError, match=message):
+        Policy.load(tmp_path)
+
+
+def test_it_says_that_it_does_not_learn():
+    """So that nobody asks it to."""
+    assert not learns(Ik())
+
+
+def test_training_yields_the_policy():
+    """It spends its budget acting."""
+    done = train(Ik(), 200)
+    assert (done.env.steps, done.told[-1]) == (200, 200)
+    assert isinstance(done.policy, InverseKinematics)
+
+
+@pytest.mark.parametrize(
+    ("task", "reason"),
+    [
+        ("fd100-reach", ""),
+        ("fd100-reach:action=movej-absolute", ""),
+        ("fd100-reach:action=movel", "ik knows the action modes movej, movej-absolute, set-joints"),
+        ("unity-reach", "ik reads joint angles and target from the observation of fd100-reach"),
+    ],
+)
+def test_what_it_cannot_do_has_a_reason(task: str, reason: str):
+    """Of the action mode, and of the observation."""
+    built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
+    said = why_not(Ik(), built, harness.load_robot(built.robot, REGISTRY))
+    assert said.startswith(reason)
+    assert bool(said) == bool(reason)
+
+
+def test_plan_skips_what_it_cannot_do():
+    """With the reason, and nothing fails later."""
+    plan = expand(
+        check_experiment({"sim": "kinematic", "algo": ["ik"], "task": "fd100-reach:action=movel", "seeds": 1}), REGISTRY
+    )
+    assert not plan.cells
+    assert {reason.split(",")[0] for _, reason in plan.skipped} == {"ik knows the action modes movej"}

@@ -1,0 +1,103 @@
+"""What a training by stable-baselines3 tells, and when it ends."""
+
+from collections.abc import Callable, Mapping
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.env import ReachVectorEnv
+from harness.progress import Progress
+from harness.reach import ReachTask
+from harness.testing import IdealSimulator
+from harness.testing.trainings import NegativeDistance
+from harness_plugins.sb3.callback import SilentProgress
+from harness_plugins.sb3.vec_env import VecEnvAdapter
+
+ROBOT = harness.load_robot("fd100")
+
+
+class Told(Progress):
+    """Keeps what it is told."""
+
+    def __init__(self) -> None:
+        self.policies: list[tuple[int, Any]] = []
+        self.told: list[tuple[int, Mapping[str, float]]] = []
+
+    def policy(self, steps: int, make: Callable[[], Any]) -> None:
+        """Kept."""
+        self.policies.append((steps, make()))
+
+    def scalars(self, steps: int, values: Mapping[str, float]) -> None:
+        """Kept."""
+        self.told.append((steps, values))
+
+
+def adapt(num_envs: int = 3, **task: Any) -> VecEnvAdapter:
+    """The adapter of an env without an engine, seeded."""
+    env = ReachVectorEnv(IdealSimulator(), ROBOT, ReachTask(**task), NegativeDistance(), num_envs)
+    env.reset(seed=2)
+    return VecEnvAdapter(env)
+
+
+def stand(adapter: VecEnvAdapter) -> Any:
+    """A step without motion."""
+    return adapter.step(np.zeros((adapter.num_envs, 6), np.float32))
+
+
+def watch(env: ReachVectorEnv, told: Told, budget: int = 10_000, **logged: float) -> SilentProgress:
+    """The callback of a model that logged something, before its first step; an update comes every 12 decisions."""
+    callback: Any = SilentProgress(env, told, budget, lambda model: f"policy of {model.name}", 12)  # type: ignore[arg-type, return-value]
+    names = {f"train/{name}": value for name, value in logged.items()}
+    callback.model = SimpleNamespace(name="the model", logger=SimpleNamespace(name_to_value=names))
+    callback.locals = {"infos": [{}] * env.num_envs, "dones": np.zeros(env.num_envs, bool)}
+    return callback
+
+
+def test_policy_is_offered_at_every_step_and_at_the_end():
+    """Whoever watches decides when an evaluation is due."""
+    told, adapter = Told(), adapt()
+    callback = watch(adapter.env, told)
+    for _ in range(2):
+        stand(adapter)
+        callback._on_step()
+    callback._on_training_end()
+    assert told.policies == [(steps, "policy of the model") for steps in (3, 6, 6)]
+
+
+@pytest.mark.parametrize(("decisions", "goes_on"), [(9, False), (12, True), (15, False)])
+def test_training_ends_at_its_budget(decisions: int, goes_on: bool):
+    """No further step is taken; a rollout that is complete is still learned from."""
+    adapter = adapt()
+    callback = watch(adapter.env, Told(), budget=decisions)
+    for _ in range(decisions // 3):
+        assert callback._on_step()
+        stand(adapter)
+    callback.num_timesteps = decisions
+    assert callback._on_step() is goes_on
+
+
+def test_scalars_are_told_every_thousand_steps():
+    """Under the names of ML-Agents, as they are then; in the end only what is news."""
+    told, adapter = Told(), adapt(num_envs=100)
+    callback = watch(adapter.env, told, actor_loss=0.5, entropy_loss=-3.0, unknown=1.0)
+    for _ in range(25):
+        stand(adapter)
+        callback._on_step()
+    callback._on_training_end()
+    callback._on_training_end()
+    assert told.told == [(n, {"Losses/Policy Loss": 0.5, "Policy/Entropy": 3.0}) for n in (1000, 2000, 2500)]
+
+
+def test_returns_of_episodes_are_told():
+    """The info of an env whose episode ended holds its return and its length; the next episode counts from 0."""
+    adapter = adapt(horizon=3)
+    adapter.reset()
+    for _ in range(2):
+        steps = [stand(adapter) for _ in range(3)]
+        returns = np.sum([rewards for _, rewards, _, _ in steps], axis=0)
+        told = [info["episode"] for info in steps[-1][3]]
+        assert [episode["l"] for episode in told] == [3, 3, 3]
+        np.testing.assert_allclose([episode["r"] for episode in told], returns, rtol=1e-6)
