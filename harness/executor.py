@@ -8,10 +8,15 @@ from harness.cell import Cell
 
 
 class Job(NamedTuple):
-    """A cell and the folder that `harness.run_cell.run_cell` has to leave."""
+    """What to give to `harness.run_cell.run_cell`."""
 
     cell: Cell
     folder: Path
+    """It has to leave."""
+    checkpoint_every: int = 0
+    """Environment steps from one checkpoint to the next, at least; 0 for none."""
+    tensorboard: bool = False
+    """Whether it is to leave event files of scalars too."""
 
 
 class Event(NamedTuple):
@@ -22,6 +27,8 @@ class Event(NamedTuple):
     steps: int = 0
     reason: str = ""
     """Of an ended cell: why it failed. An executor says it of a cell that left no folder."""
+    note: str = ""
+    """Of an ended cell: what else there is to say, for who looks on; not for an executor to say."""
 
 
 OnEvent: TypeAlias = Callable[[Event], None]

@@ -8,7 +8,7 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,7 +16,9 @@ from typing import Any, Literal, TypeAlias
 
 from harness.cell import Cell
 from harness.errors import SchemaError
+from harness.hookspecs import KINDS
 from harness.plugins import Registry
+from harness.robot_by_name import load_robot
 
 FORMAT = 1
 FILE = "manifest.json"
@@ -45,8 +47,10 @@ class Manifest:
         reason: Why it is not done; empty if it is.
         started: UTC, ISO 8601.
         seconds: Wall time of the whole cell.
-        training_seconds: Of the training alone.
+        training_seconds: Of the training alone, up to the checkpoint it was resumed from included.
         environment: Versions, machine, commit, command, hashes of the sources; see `describe_environment`.
+        resumed_from: Environment steps that an earlier process, which was killed, left in a checkpoint; 0 if none did.
+        note: After such a process: where the training went on, or why it started over.
     """
 
     cell: Cell
@@ -56,6 +60,8 @@ class Manifest:
     seconds: float = 0.0
     training_seconds: float = 0.0
     environment: dict[str, Any] = field(default_factory=dict)
+    resumed_from: int = 0
+    note: str = ""
 
     def write(self, folder: Path) -> None:
         """Write ``manifest.json`` into `folder`."""
@@ -86,14 +92,17 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-def describe_environment(cell: Cell | None, registry: Registry | None) -> dict[str, Any]:
-    """What decides a result beside the cell: versions, machine, commit, command, hashes of the plugins' sources."""
+def describe_environment(cell: Cell | None, registry: Registry | None, kinds: Iterable[str] = KINDS) -> dict[str, Any]:
+    """What decides a result beside the cell: versions, machine, commit, command, hashes of the plugins' sources.
+
+    `kinds` are those of the cell's choices that made the result.
+    """
     return {
         "versions": {"python": platform.python_version(), **installed_versions()},
         "machine": describe_machine(),
         "commit": source_commit(),
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
-        "sources": source_hashes(cell, registry) if cell and registry else {},
+        "sources": source_hashes(cell, registry, kinds) if cell and registry else {},
     }
 
 
@@ -139,12 +148,16 @@ def source_commit() -> str:
     return described.stdout.strip()
 
 
-def source_hashes(cell: Cell, registry: Registry) -> dict[str, str]:
-    """SHA-256 of the file behind each choice: a result whose reward changed since can be told."""
-    chosen = {"simulators": cell.simulator, "tasks": cell.task, "algorithms": cell.algorithm, "rewards": cell.reward}
+def source_hashes(cell: Cell, registry: Registry, kinds: Iterable[str] = KINDS) -> dict[str, str]:
+    """SHA-256 of the file behind each choice, and of the robot: a result whose reward changed since can be told.
+
+    `kinds` are those of the choices that made the result.
+    """
+    every = {"simulators": cell.simulator, "tasks": cell.task, "algorithms": cell.algorithm, "rewards": cell.reward}
+    chosen = {kind: choice for kind, choice in every.items() if kind in kinds}
     hashes = {}
     for kind, choice in chosen.items():
         source = inspect.getsourcefile(registry.get(kind, choice.name).load())
         if source:
             hashes[kind] = hashlib.sha256(Path(source).read_bytes()).hexdigest()
-    return hashes
+    return {**hashes, "robots": load_robot(cell.robot, registry).digest}

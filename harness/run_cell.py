@@ -7,18 +7,24 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.algorithm import Algorithm, Progress
+from harness.algorithm import Algorithm
+from harness.attempt import Attempt, begin_attempt
 from harness.cell import Cell
-from harness.cell_folder import EVALUATION, LOG, POLICY, RANDOM, TRACE, partial_folder, publish
-from harness.evaluate import evaluate, random_actions
+from harness.cell_evaluations import CellEvaluations
+from harness.cell_folder import LOG, POLICY, TENSORBOARD, TRACE, partial_folder, publish
+from harness.cell_progress import CellProgress, Report
+from harness.checkpoint import FILE as CHECKPOINT
+from harness.event_log import EventLog
 from harness.make import build_env
 from harness.manifest import Manifest, describe_environment, now
 from harness.plugins import Registry, load_registry
 from harness.policy import Policy
-from harness.trace import TraceWriter
+from harness.trace_parts import TraceParts, discard_parts
 
 
-def run_cell(cell: Cell, folder: Path, progress: Progress) -> Manifest:
+def run_cell(
+    cell: Cell, folder: Path, report: Report, checkpoint_every: int = 0, tensorboard: bool = False
+) -> Manifest:
     """Do `cell` and leave its trace, policy, evaluation and manifest in `folder`.
 
     The folder is written beside its final name and renamed when complete. What a plugin raises ends up in the
@@ -27,7 +33,10 @@ def run_cell(cell: Cell, folder: Path, progress: Progress) -> Manifest:
     Args:
         cell: What to do.
         folder: Of the cell; replaced if it exists.
-        progress: Told the environment steps done so far.
+        report: Told the environment steps done so far.
+        checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none. If
+            this process is killed, the next call goes on from the last one.
+        tensorboard: Whether to leave event files of scalars too.
     """
     started, clock = now(), time.perf_counter()
     partial = partial_folder(folder)
@@ -36,36 +45,46 @@ def run_cell(cell: Cell, folder: Path, progress: Progress) -> Manifest:
     manifest = Manifest(cell, "done", started=started)
     try:
         manifest = replace(manifest, environment=describe_environment(cell, registry))
-        manifest = replace(manifest, training_seconds=_train_and_evaluate(cell, partial, registry, progress))
+        attempt = begin_attempt(cell, partial, manifest.environment, checkpoint_every)
+        manifest = replace(manifest, resumed_from=attempt.begun_from, note=attempt.note)
+        events = partial / TENSORBOARD if tensorboard else None
+        manifest = replace(manifest, training_seconds=_train_and_evaluate(cell, attempt, registry, report, events))
     except (Exception, SystemExit) as error:  # a plugin may raise anything: it costs this cell alone
         with (partial / LOG).open("a") as log:
             traceback.print_exc(file=log)
         manifest = replace(manifest, status="failed", reason=f"{type(error).__name__}: {' '.join(str(error).split())}")
     manifest = replace(manifest, seconds=round(time.perf_counter() - clock, 3))
+    (partial / CHECKPOINT).unlink(missing_ok=True)
+    discard_parts(partial / TRACE)
     manifest.write(partial)
     publish(partial, folder)
     return manifest
 
 
-def _train_and_evaluate(cell: Cell, folder: Path, registry: Registry, progress: Progress) -> float:
+def _train_and_evaluate(
+    cell: Cell, attempt: Attempt, registry: Registry, report: Report, event_folder: Path | None
+) -> float:
     """Returns the seconds that the training took."""
-    clock = time.perf_counter()
-    policy = _train(cell, folder, registry, progress)
-    seconds = round(time.perf_counter() - clock, 3)
-    policy.save(folder / POLICY)
-    evaluate(cell, registry, policy.act, folder / EVALUATION)
-    evaluate(cell, registry, random_actions(len(policy.action_low)), folder / RANDOM)
+    with EventLog(event_folder) as events:
+        evaluations = CellEvaluations(cell, registry, attempt, events)
+        policy = _train(cell, attempt, registry, report, evaluations, events)
+        seconds = round(attempt.seconds - evaluations.seconds, 3)
+        policy.save(attempt.folder / POLICY, cell.to_json())
+        evaluations.finish(policy)
     return seconds
 
 
-def _train(cell: Cell, folder: Path, registry: Registry, progress: Progress) -> Policy:
+def _train(
+    cell: Cell, attempt: Attempt, registry: Registry, report: Report, evaluations: CellEvaluations, events: EventLog
+) -> Policy:
     algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
     env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
     env = build_env(registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=algorithm.num_envs)
     try:
-        with TraceWriter(folder / TRACE, dof=env.robot.dof, action_size=env.robot.dof) as recorder:
-            env.recorder = recorder
+        with TraceParts(attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], attempt.parts) as parts:
+            env.recorder = parts.recorder
             env.reset(seed=env_seed)
+            progress = CellProgress(report, attempt, env, parts, evaluations, events)
             return algorithm.train(env, cell.steps, algorithm_seed, progress)
     finally:
         env.close()

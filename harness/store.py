@@ -6,6 +6,8 @@
     plan.json                      the cells of all experiments that were run here, and the baseline
     cells/<id>/                    one folder per cell, there only when the cell has ended
         manifest.json trace.parquet evaluation.parquet random.parquet policy/ log.txt
+        evaluations/<steps>.parquet tensorboard/  where they were asked for
+    transfer/<id>/<simulator id>/  policies evaluated in other simulators; see `harness.transfer_record`
     results.parquet report.html    made from the cells
 """
 
@@ -13,7 +15,7 @@ import fcntl
 import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +24,7 @@ import tomli_w
 
 from harness.cell import Cell
 from harness.cell_folder import partial_folder, publish
+from harness.checkpoint import FILE as CHECKPOINT
 from harness.errors import SchemaError, UsageError
 from harness.manifest import FILE, Manifest, Status, now, read_manifest
 
@@ -126,10 +129,20 @@ class Store:
         publish(partial, folder)
         return manifest
 
-    def discard_partial(self) -> None:
-        """Remove what a killed run left."""
+    def discard_partial(self, keep: Container[Path] = ()) -> None:
+        """Remove what a killed run left, but for partial folders in `keep`, and those that a cell can go on from."""
         for folder in (self.folder / CELLS).glob(".*.partial"):
-            shutil.rmtree(folder)
+            if folder not in keep and not (folder / CHECKPOINT).is_file():
+                shutil.rmtree(folder)
+
+    def reopen(self, cell: Cell) -> Path:
+        """The partial folder of a cell that is not done; a checkpoint of a process that was killed is in it again."""
+        folder = self.cell_folder(cell)
+        partial = partial_folder(folder)
+        if (folder / CHECKPOINT).is_file() and not partial.exists():
+            folder.rename(partial)
+            (partial / FILE).unlink(missing_ok=True)
+        return partial
 
     def manifests(self) -> list[Manifest]:
         """Of all cells that have ended, by start."""

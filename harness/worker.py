@@ -1,7 +1,11 @@
 """The process in which an executor runs one cell: ``python -m harness.worker``.
 
-Reads one line of JSON, the cell and its folder, from standard input; writes the number of steps done, a line each, to
-standard output. What the cell itself prints goes into its log; what it reads is empty. Ends when its parent does.
+Reads one line of JSON, the order, from standard input; writes the number of steps done, a line each, to standard
+output. What the work itself prints goes into its log; what it reads is empty. Ends when its parent does.
+
+An order has ``folder``, which it has to leave, ``command``, what the user typed, and either ``cell``, to be trained
+and evaluated, with ``checkpoint_every``, steps, if it is to leave checkpoints, and ``tensorboard``, whether to leave
+event files, or ``policy_of``, a done cell's folder, and ``simulator``, where its policy is to be evaluated.
 """
 
 import json
@@ -9,17 +13,20 @@ import os
 import sys
 import threading
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from harness.cell import Cell
 from harness.cell_folder import LOG, partial_folder
+from harness.cell_progress import Report
+from harness.choice import Choice
 from harness.run_cell import run_cell
+from harness.transfer_evaluation import evaluate_elsewhere
 
 
 def main() -> None:
-    """Do the cell that standard input names."""
+    """Do what standard input orders."""
     order = json.loads(sys.stdin.readline())
-    cell, folder = Cell.from_json(order["cell"]), Path(order["folder"])
+    folder = Path(order["folder"])
     sys.argv = order["command"]  # the manifest records what the user typed
     threading.Thread(target=_end_with_parent, args=(_keep_stdin(),), daemon=True).start()
     partial = partial_folder(folder)
@@ -29,11 +36,19 @@ def main() -> None:
         os.dup2(log.fileno(), 2)
         sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]  # a killed process flushes nothing
 
-        def progress(steps: int) -> None:
+        def report(steps: int) -> None:
             parent.write(f"{int(steps)}\n")
             parent.flush()
 
-        run_cell(cell, folder, progress)
+        _do(order, folder, report)
+
+
+def _do(order: dict[str, Any], folder: Path, report: Report) -> None:
+    if "cell" in order:
+        options = order.get("checkpoint_every", 0), order.get("tensorboard", False)
+        run_cell(Cell.from_json(order["cell"]), folder, report, *options)
+    else:
+        evaluate_elsewhere(Path(order["policy_of"]), Choice.from_json(order["simulator"]), folder)
 
 
 def _keep_stdout() -> IO[str]:
