@@ -1,0 +1,167 @@
+"""``harness tune``: hyperparameters, with an equal budget for every reward."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from harness.cell import Cell
+    from harness.executor import OnEvent
+    from harness.tune.trial import TrialRecord, Tuned
+    from harness.tune.tune import Watch
+    from harness.tune.tuning import Tuning
+
+Names = list[str] | None
+
+
+def tune(
+    file: Annotated[
+        Path | None, typer.Argument(help="Tuning file (TOML). Its keys are the flags below; a flag wins.")
+    ] = None,
+    sim: Annotated[Names, typer.Option(help="The simulator.", metavar="NAME")] = None,
+    algo: Annotated[
+        Names, typer.Option(help="The algorithm, with what is not searched, as sac:tau=0.01.", metavar="NAME")
+    ] = None,
+    reward: Annotated[
+        Names, typer.Option(help="Proposed rewards, as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...")
+    ] = None,
+    baseline: Annotated[
+        str | None, typer.Option(help="Tuned beside them.", show_default="baseline", metavar="NAME")
+    ] = None,
+    task: Annotated[
+        str | None, typer.Option(help="As fd100-reach:epsilon=0.02.", show_default="fd100-reach", metavar="NAME")
+    ] = None,
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            help="Robot: a name, a URDF, or a folder with robot.toml.", show_default="the task's", metavar="NAME"
+        ),
+    ] = None,
+    search: Annotated[
+        Names,
+        typer.Option(
+            help="What to search: gamma=0.9..0.999, learning_rate=1e-4..1e-2:log, net_arch=64x64|256x256.",
+            show_default="learning_rate and gamma",
+            metavar="KEY=SPACE",
+        ),
+    ] = None,
+    trials: Annotated[
+        int | None, typer.Option(help="Settings to try, in each search.", show_default="20", metavar="N")
+    ] = None,
+    seeds: Annotated[
+        int | None, typer.Option(help="Trainings of each setting and reward.", show_default="2", metavar="N")
+    ] = None,
+    steps: Annotated[
+        int | None, typer.Option(help="Environment steps of each training.", show_default="10000", metavar="N")
+    ] = None,
+    validation_episodes: Annotated[
+        int | None, typer.Option(help="Episodes that each policy is judged by.", show_default="100", metavar="N")
+    ] = None,
+    per_reward: Annotated[
+        bool | None, typer.Option("--per-reward/--joint", help="A search for each reward, or one for all.")
+    ] = None,
+    pruner: Annotated[str | None, typer.Option(help="median or none.", show_default="median", metavar="NAME")] = None,
+    batch: Annotated[
+        int | None, typer.Option(help="Trials drawn at once, to run at once.", show_default="1", metavar="N")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Of what is drawn from the search space.", show_default="0", metavar="S")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The tuning's folder.", show_default="one under results/runs/", metavar="DIR")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Cells at once.", show_default="as many as cores", metavar="N")
+    ] = None,
+    executor: Annotated[str, typer.Option(help="What runs the cells.", metavar="NAME")] = "processes",
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> int:
+    """Search the hyperparameters of one algorithm, with an equal budget for every reward.
+
+    Leaves DIR/tuned.toml, an experiment for harness run. The same command goes on where it stopped.
+    """
+    from harness.plugins import load_registry
+    from harness.tune.tune import default_folder, run_searches
+    from harness.tune.tuning import resolve
+    from harness.workers import core_count
+
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"--jobs {jobs}: must be at least 1")
+    given = {
+        "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
+        "search": _parse_search(search), "trials": trials, "seeds": seeds, "steps": steps,
+        "validation_episodes": validation_episodes, "per_reward": per_reward, "pruner": pruner, "batch": batch,
+        "seed": seed,
+    }  # fmt: skip
+    registry = load_registry()
+    setup = resolve(_read(file, {key: value for key, value in given.items() if value is not None}), registry)
+    folder = out or default_folder(setup)
+    try:
+        tuned = run_searches(setup, folder, registry, jobs or core_count(), executor, _watch(setup.tuning.trials))
+    except KeyboardInterrupt:
+        kept = f"harness: interrupted: finished cells are kept in '{folder}', the same command goes on from there"
+        typer.echo(kept, err=True)
+        raise
+    _show(tuned, as_json)
+    return 1 if tuned.failed or tuned.file is None else 0
+
+
+def _read(path: Path | None, flags: dict[str, Any]) -> "Tuning":
+    from harness.tune.tuning import check_tuning, read_tuning
+
+    return check_tuning(flags) if path is None else read_tuning(path, flags)
+
+
+def _parse_search(texts: list[str] | None) -> dict[str, str] | None:
+    if texts is None:
+        return None
+    search: dict[str, str] = {}
+    for text in texts:
+        name, equals, space = (part.strip() for part in text.partition("="))
+        if not (name and equals and space):
+            raise UsageError(f"--search '{text}' is malformed: write KEY=LOW..HIGH, KEY=LOW..HIGH:log or KEY=A|B|C")
+        if name in search:
+            raise UsageError(f"--search names '{name}' twice")
+        search[name] = space
+    return search
+
+
+def _watch(trials: int) -> "Watch":
+    from harness.cli.progress import LiveProgress
+    from harness.tune.table import outcome_text, params_text
+    from harness.tune.tune import Watch
+
+    @contextmanager
+    def follow(cells: "Sequence[Cell]", done: "Sequence[Cell]") -> "Iterator[OnEvent]":
+        with LiveProgress(cells, done) as progress:
+            yield progress
+
+    def tell(rewards: tuple[str, ...], trial: "TrialRecord") -> None:
+        success, distance = outcome_text(trial)
+        told = f": {trial.reason}" if trial.reason else f": success {success}, final distance {distance}"
+        where = f"[trial {trial.number + 1}/{trials}] {' and '.join(rewards)}"
+        typer.echo(f"{where} · {params_text(trial)} · {trial.status}{told}", err=True)
+
+    return Watch(follow, tell)
+
+
+def _show(tuned: "Tuned", as_json: bool) -> None:
+    from rich.console import Console
+
+    from harness.tune.table import tuning_table
+
+    console = Console(stderr=True)
+    console.print(tuning_table(tuned))
+    if tuned.file is None:
+        console.print("No setting to recommend: a search has no complete trial", soft_wrap=True)
+    else:
+        console.print(f"Tuned: {tuned.file} (next: harness run {tuned.file})", soft_wrap=True)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(tuned.to_json(), indent=1, allow_nan=False))

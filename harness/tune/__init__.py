@@ -1,0 +1,1 @@
+"""Hyperparameters of one algorithm, searched with an equal budget for every reward."""

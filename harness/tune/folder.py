@@ -1,0 +1,88 @@
+"""A tuning's folder.
+
+::
+
+    tuning.toml           what is searched; reads as a tuning file
+    study.log             Optuna's journal of the trials
+    trials/               an experiment with the cells of all trials
+    validation/           <cell id>.parquet: the episodes that each policy was judged by; log.txt
+    tuned.toml            an experiment with the best settings, once every search has all its trials
+"""
+
+import fcntl
+import os
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from harness.errors import UsageError
+from harness.tune.tuning import Setup
+
+TUNING, TUNED, LOCK = "tuning.toml", "tuned.toml", ".lock"
+
+
+@contextmanager
+def tuning_folder(folder: Path, setup: Setup) -> Iterator[None]:
+    """Make the folder, or go on with one of the same search, and keep others out of it.
+
+    Raises:
+        UsageError: It cannot be written, holds something else or another search, or is in use. Nothing is written.
+    """
+    _require_same(folder, setup)
+    _make(folder)
+    with (folder / LOCK).open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise UsageError(f"Another search is using '{folder}': wait for it, or name another --out") from None
+        write_whole(folder / TUNING, tomli_w.dumps({**setup.keys, "trials": setup.tuning.trials}))
+        yield
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file that is there completely or not at all."""
+    partial = path.with_name(f".{path.name}.partial")
+    partial.write_text(text)
+    partial.rename(path)
+
+
+def _require_same(folder: Path, setup: Setup) -> None:
+    """More trials are the same search; any other key makes another."""
+    if folder.exists() and not folder.is_dir():
+        raise UsageError(f"--out '{folder}' is a file: name a folder")
+    if not (folder / TUNING).is_file():
+        if folder.is_dir() and {path.name for path in folder.iterdir()} - {LOCK, f".{TUNING}.partial"}:
+            raise UsageError(f"--out '{folder}' holds something else than a tuning: name a new or empty folder")
+        return
+    there = _read(folder / TUNING)
+    for key, value in setup.keys.items():
+        if there.get(key) != value:
+            now, then = _short(value), _short(there.get(key))
+            raise UsageError(f"--out '{folder}' holds another search: {key} was {then}, now {now}: name another folder")
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text())
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"'{path}' cannot be read: {error}") from None
+
+
+def _short(value: Any) -> str:
+    """The value, or where it is long its beginning."""
+    text = str(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def _make(folder: Path) -> None:
+    existing = next(parent for parent in [folder, *folder.absolute().parents] if parent.exists())
+    if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
+        raise UsageError(f"--out '{folder}' cannot be written: '{existing}' allows no writing here")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"--out '{folder}' cannot be made: {error.strerror}. Name another folder") from None

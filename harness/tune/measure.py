@@ -1,0 +1,88 @@
+"""From cells to outcomes: train what is not trained, validate what is not validated."""
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TypeAlias
+
+from harness.cell import Cell
+from harness.executor import OnEvent
+from harness.experiment import run_plan
+from harness.manifest import read_manifest
+from harness.metric import Metric
+from harness.plan import Plan
+from harness.plugins import Registry
+from harness.store import Store
+from harness.trace import read_trace
+from harness.tune.outcome import Outcome, outcome_of
+from harness.tune.validation import Order
+from harness.tune.validator import validate_all
+
+TRIALS, VALIDATION = "trials", "validation"
+
+Follow: TypeAlias = Callable[[Sequence[Cell], Sequence[Cell]], AbstractContextManager[OnEvent]]
+"""Given all cells of a stage and those that were done before: who is told what happens to them."""
+
+Measure: TypeAlias = Callable[[Plan, Sequence[Cell]], dict[Cell, Outcome | str]]
+"""The outcome of each cell of a plan that is asked for, or the reason why it has none."""
+
+
+@dataclass(frozen=True)
+class Measurer:
+    """Runs cells by the executor and keeps them, as any experiment, in the folder ``trials``; a `Measure`.
+
+    Attributes:
+        folder: Of the tuning.
+        registry: The plugins.
+        episodes: Of each validation.
+        jobs: Cells at once.
+        executor: Registered name of what runs the cells.
+        follow: Told what happens.
+    """
+
+    folder: Path
+    registry: Registry
+    episodes: int
+    jobs: int
+    executor: str
+    follow: Follow
+
+    def __call__(self, plan: Plan, cells: Sequence[Cell]) -> dict[Cell, Outcome | str]:
+        """See `Measure`."""
+        store = Store.create(self.folder / TRIALS, plan)
+        self._train(replace(plan, cells=tuple(cells)), store)
+        reasons = {cell: read_manifest(store.cell_folder(cell)).reason for cell in cells if not store.is_done(cell)}
+        orders = {cell: self._order(cell, store) for cell in cells if cell not in reasons}
+        validate_all(list(orders.values()), self.jobs, self.folder / VALIDATION)
+        return {**reasons, **{cell: self._outcome(order) for cell, order in orders.items()}}
+
+    def forget_failures(self) -> None:
+        """A validation that failed before is tried again, one that was cut short is done anew."""
+        folder = self.folder / VALIDATION
+        folder.mkdir(exist_ok=True)
+        for path in [*folder.glob("*.failed"), *folder.glob("*.partial")]:
+            path.unlink()
+
+    def _train(self, plan: Plan, store: Store) -> None:
+        done = [cell for cell in plan.cells if store.is_done(cell)]
+        with self.follow(plan.cells, done) as on_event:
+            run_plan(plan, store, self.registry, self.jobs, on_event, self.executor)
+
+    def _order(self, cell: Cell, store: Store) -> Order:
+        path = self.folder / VALIDATION / f"{cell.id}.parquet"
+        return Order(str(store.cell_folder(cell)), str(path), self.episodes)
+
+    def _outcome(self, order: Order) -> Outcome | str:
+        if order.failure.exists():
+            return order.failure.read_text()
+        try:
+            return outcome_of(
+                read_trace(Path(order.path)), self._metric("success_rate"), self._metric("final_distance")
+            )
+        except ValueError as error:
+            return str(error)
+
+    def _metric(self, name: str) -> Metric:
+        metric: Metric = self.registry.get("metrics", name).load()()
+        return metric

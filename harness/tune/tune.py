@@ -1,0 +1,104 @@
+"""Search the hyperparameters of one algorithm, with an equal budget for every reward."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from harness.cell import Cell
+from harness.choice import Choice
+from harness.errors import UsageError
+from harness.executor import OnEvent
+from harness.experiment import DEFAULT_FOLDER
+from harness.plugins import Registry, load_registry
+from harness.tune.folder import tuning_folder
+from harness.tune.measure import Follow, Measurer
+from harness.tune.search import Searcher
+from harness.tune.study import Study, open_storage, require_optuna
+from harness.tune.trial import Search, TrialRecord, Tuned
+from harness.tune.tuned_file import write_tuned
+from harness.tune.tuning import Setup, check_tuning, resolve
+from harness.workers import core_count
+
+OnTrial: TypeAlias = Callable[[tuple[str, ...], TrialRecord], None]
+"""Told the rewards of the search and each trial that has ended."""
+
+
+@contextmanager
+def _follow_nothing(cells: Sequence[Cell], done: Sequence[Cell]) -> Iterator[OnEvent]:
+    yield lambda event: None
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Who is told what happens; by default nobody."""
+
+    follow: Follow = _follow_nothing
+    on_trial: OnTrial = lambda rewards, trial: None
+
+
+def tune(
+    *, out: str | Path | None = None, jobs: int | None = None, executor: str = "processes", **tuning: Any
+) -> Tuned:
+    """Do the trials that are not done yet, and write the best settings as an experiment file.
+
+    Args:
+        out: The tuning's folder; by default one under ``results/runs/`` named for the search, so that the same call
+            goes on where an earlier one stopped.
+        jobs: How many cells at once; by default as many as there are cores. The trials do not depend on it.
+        executor: Registered name of what runs the cells.
+        **tuning: The fields of `harness.tune.tuning.Tuning`; the lists may be single names.
+
+    Raises:
+        UsageError: Something given cannot be used, or Optuna is missing; nothing is written.
+    """
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"jobs={jobs}: must be at least 1")
+    registry = load_registry()
+    setup = resolve(check_tuning(tuning), registry)
+    return run_searches(setup, Path(out) if out else default_folder(setup), registry, jobs or core_count(), executor)
+
+
+def default_folder(setup: Setup) -> Path:
+    """A folder named for what is searched: the same search finds its trials again."""
+    return DEFAULT_FOLDER / f"tune-{setup.experiment['sim'][0]['name']}-{setup.base.name}-{setup.id}"
+
+
+def run_searches(
+    setup: Setup, folder: Path, registry: Registry, jobs: int, executor: str, watch: Watch | None = None
+) -> Tuned:
+    """Every search of a setup, one after the other, in `folder`.
+
+    Raises:
+        UsageError: Optuna is missing, an executor or a metric is not known, or the folder cannot be used.
+    """
+    watch = watch or Watch()
+    require_optuna()
+    for kind, name in (("executors", executor), ("metrics", "success_rate"), ("metrics", "final_distance")):
+        registry.get(kind, name)
+    with tuning_folder(folder, setup):
+        measurer = Measurer(folder, registry, setup.tuning.validation_episodes, jobs, executor, watch.follow)
+        measurer.forget_failures()
+        studies = _open_studies(setup, folder)
+        for labels, (rewards, study) in studies.items():
+            Searcher(setup, rewards, study, registry, measurer, _told(watch.on_trial, labels)).run()
+        searches = tuple(Search(labels, tuple(study.trials)) for labels, (_, study) in studies.items())
+        return Tuned(folder, searches, write_tuned(folder, setup, searches, registry))
+
+
+def _open_studies(setup: Setup, folder: Path) -> dict[tuple[str, ...], tuple[tuple[Choice, ...], Study]]:
+    """By labels of the rewards: the rewards and their study. All draw from the same seed."""
+    storage, tuning = open_storage(folder), setup.tuning
+    named = {tuple(reward.label for reward in rewards): rewards for rewards in setup.searches}
+    return {
+        labels: (
+            rewards,
+            Study(storage, ", ".join(labels), setup.space, seed=tuning.seed, pruner=tuning.pruner),
+        )
+        for labels, rewards in named.items()
+    }
+
+
+def _told(on_trial: OnTrial, labels: tuple[str, ...]) -> Callable[[TrialRecord], None]:
+    return lambda trial: on_trial(labels, trial)

@@ -1,0 +1,173 @@
+"""A search as a user writes it, and what it comes to."""
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tomli_w
+from pydantic import Field
+from pydantic.dataclasses import dataclass as checked_dataclass
+
+from harness.choice import Choice
+from harness.errors import UsageError
+from harness.parameters import build
+from harness.plan import Count, Given, Names, Plan, Seed, check_experiment, expand
+from harness.plugins import Registry
+from harness.tune.space import Dimension, parse_space
+
+FIRST_SEED = 1_000_000
+"""Trainings of a search have the seeds from here on: apart from 0, 1, ..., which ``harness run`` trains with."""
+
+NOUN = "search"
+
+
+def _arp() -> list[Given]:
+    return ["arp"]
+
+
+@checked_dataclass(frozen=True)
+class Tuning:
+    """A search; each field is a key of a tuning file and a flag of ``harness tune``."""
+
+    sim: Annotated[Names, Field(description="the simulator")]
+    algo: Annotated[Names, Field(description="the algorithm, with what is not searched and where to begin")]
+    reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=_arp)
+    baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
+    task: Annotated[Given, Field(description="the task")] = "fd100-reach"
+    robot: Annotated[str | None, Field(description="the robot, by default the task's")] = None
+    search: Annotated[
+        dict[str, str | list[Any]], Field(description="by parameter: LOW..HIGH, LOW..HIGH:log, A|B|C or a list")
+    ] = Field(default_factory=dict)
+    trials: Annotated[Count, Field(description="settings to try, in each search")] = 20
+    seeds: Annotated[Count, Field(description="trainings of each setting under each reward")] = 2
+    steps: Annotated[Count, Field(description="environment steps of each training")] = 10_000
+    validation_episodes: Annotated[Count, Field(description="episodes that each policy is judged by")] = 100
+    per_reward: Annotated[bool, Field(description="one search for each reward, instead of one for all")] = False
+    pruner: Annotated[
+        Literal["median", "none"], Field(description="median: a trial below the median so far gets no more seeds")
+    ] = "median"
+    batch: Annotated[Count, Field(description="trials drawn at once, which can run at once")] = 1
+    seed: Annotated[Seed, Field(description="of what is drawn from the search space")] = 0
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A search resolved.
+
+    Attributes:
+        tuning: What was asked for.
+        base: The algorithm as it was given: where the search begins, and all that is not searched.
+        space: What is searched.
+        rewards: The baseline, then the proposed ones.
+        experiment: Keys of the experiment that the search is for, defaults and all.
+        keys: Everything that decides which trials there are and what they are worth, as a tuning file holds it.
+    """
+
+    tuning: Tuning
+    base: Choice
+    space: tuple[Dimension, ...]
+    rewards: tuple[Choice, ...]
+    experiment: dict[str, Any]
+    keys: dict[str, Any]
+
+    @property
+    def id(self) -> str:
+        """A hash of what decides the trials."""
+        return hashlib.sha256(json.dumps(self.keys, sort_keys=True).encode()).hexdigest()[:8]
+
+    @property
+    def seeds(self) -> list[int]:
+        """Seeds of the trainings."""
+        return [FIRST_SEED + index for index in range(self.tuning.seeds)]
+
+    @property
+    def searches(self) -> list[tuple[Choice, ...]]:
+        """The rewards of each search."""
+        return [(reward,) for reward in self.rewards] if self.tuning.per_reward else [self.rewards]
+
+    def plan(self, algorithms: Sequence[Choice], rewards: Sequence[Choice], registry: Registry, **keys: Any) -> Plan:
+        """The cells of these algorithms and rewards; `keys` are those of an experiment to say otherwise."""
+        data = {
+            **self.experiment,
+            "algo": [table_of(algorithm) for algorithm in algorithms],
+            "reward": [table_of(reward) for reward in rewards[1:] or rewards],
+            "baseline": table_of(rewards[0]),
+            **keys,
+        }
+        return expand(check_experiment(data, NOUN), registry)
+
+
+def read_tuning(path: Path, overrides: Mapping[str, Any]) -> Tuning:
+    """The search in a TOML file; an override wins over a key.
+
+    Raises:
+        UsageError: The file cannot be read, or holds what no search has.
+    """
+    try:
+        data = tomllib.loads(path.read_text())
+    except FileNotFoundError:
+        raise UsageError(f"No tuning file '{path}'") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"Tuning file '{path}' cannot be read: {error}") from None
+    return check_tuning({**data, **overrides}, f"tuning file '{path}'")
+
+
+def check_tuning(data: Mapping[str, Any], noun: str = NOUN) -> Tuning:
+    """A search from its keys.
+
+    Raises:
+        UsageError: A key is unknown or missing, or a value is of the wrong type or out of range.
+    """
+    for key in ("sim", "algo"):
+        if not data.get(key):
+            raise UsageError(f"{noun[:1].upper()}{noun[1:]} names no {key}: give --{key} NAME, or the key '{key}'")
+    listed = {key: [value] if _is_single(key, value) else value for key, value in data.items()}
+    tuning: Tuning = build(Tuning, listed, noun)
+    return tuning
+
+
+def resolve(tuning: Tuning, registry: Registry) -> Setup:
+    """Everything that the search needs, checked.
+
+    Raises:
+        UsageError: A name or parameter is unknown, a library is missing, or the algorithm cannot do the task.
+    """
+    given = {key: getattr(tuning, key) for key in ("sim", "algo", "reward", "baseline", "task", "robot", "steps")}
+    plan = expand(check_experiment(given, NOUN), registry)
+    for _, reason in plan.skipped:
+        raise UsageError(f"Nothing to search: {reason}")
+    for key, noun, found in (
+        ("sim", "simulator", {cell.simulator for cell in plan.cells}),
+        ("algo", "algorithm", {cell.algorithm for cell in plan.cells}),
+    ):
+        if len(found) > 1:
+            raise UsageError(f"--{key} names {len(found)}: a search is of one {noun}")
+    base = plan.cells[0].algorithm
+    target = registry.get("algorithms", base.name).load()
+    space = parse_space(tuning.search, target, f"algorithm '{base.name}'")
+    experiment = {key: value for key, value in plan.resolved.items() if key not in ("seeds", "evaluation_episodes")}
+    rewards = tuple(dict.fromkeys(cell.reward for cell in plan.cells))
+    return Setup(tuning, base, space, rewards, experiment, _keys(tuning, plan.resolved, space))
+
+
+def table_of(choice: Choice) -> dict[str, Any]:
+    """A choice as an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
+    params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
+    return {"name": choice.name, **params}
+
+
+def _is_single(key: str, value: Any) -> bool:
+    return key in ("sim", "algo", "reward") and not isinstance(value, list)
+
+
+def _keys(tuning: Tuning, resolved: Mapping[str, Any], space: Sequence[Dimension]) -> dict[str, Any]:
+    """As they are read back from TOML, so that they can be compared with what a folder says."""
+    values = {field.name: getattr(tuning, field.name) for field in fields(tuning) if field.name != "trials"}
+    names = ("sim", "algo", "reward", "baseline", "task", "robot")
+    search = {dimension.name: dimension.text for dimension in space}
+    keys = {**values, **{name: resolved[name] for name in names}, "search": search}
+    return tomllib.loads(tomli_w.dumps(keys))

@@ -1,0 +1,100 @@
+"""Validation: episodes that policies of a search are judged by. ``python -m harness.tune.validation`` does them.
+
+Their starts and targets are drawn from another seed than those of the evaluation after a training (`harness.evaluate`),
+so that no comparison that follows is made on what the settings were chosen by.
+
+The process reads one line of JSON from standard input, a list of orders, and does one after another. What a plugin
+prints goes into the log. It ends when its parent does.
+"""
+
+import contextlib
+import json
+import os
+import sys
+import threading
+import traceback
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from harness.cell import Cell
+from harness.cell_folder import POLICY
+from harness.make import build_env
+from harness.manifest import read_manifest
+from harness.plugins import Registry, load_registry
+from harness.policy import Policy
+from harness.trace import TraceWriter
+
+VALIDATION_SEED = 20_230_705
+"""Of the starts and targets of every validation; not the evaluation's, and not a small number."""
+
+
+class Order(NamedTuple):
+    """One policy to validate."""
+
+    cell_folder: str
+    """Of the done cell that trained it."""
+    path: str
+    """The trace to leave; there only when it is complete."""
+    episodes: int
+
+    @property
+    def failure(self) -> Path:
+        """Where it says why there will be no trace."""
+        return Path(self.path).with_suffix(".failed")
+
+    @property
+    def is_ended(self) -> bool:
+        """Whether the trace is there, or the reason why it is not."""
+        return Path(self.path).exists() or self.failure.exists()
+
+
+def main() -> None:
+    """Do what standard input orders."""
+    orders = [Order(*order) for order in json.loads(sys.stdin.readline())]
+    kept = os.dup(0)
+    with open(os.devnull) as nothing:
+        os.dup2(nothing.fileno(), 0)  # a plugin that reads finds the end of it instead of waiting
+    threading.Thread(target=_end_with_parent, args=(kept,), daemon=True).start()
+    registry = load_registry()
+    for order in orders:
+        validate(order, registry)
+
+
+def validate(order: Order, registry: Registry) -> None:
+    """Leave the order's trace, or the reason why there is none: a plugin may raise anything."""
+    partial = Path(f"{order.path}.{os.getpid()}.partial")
+    try:
+        cell = read_manifest(Path(order.cell_folder)).cell
+        record_validation(cell, registry, Policy.load(Path(order.cell_folder) / POLICY), order.episodes, partial)
+        partial.rename(order.path)
+    except (Exception, SystemExit) as error:
+        traceback.print_exc()
+        order.failure.write_text(f"{type(error).__name__}: {' '.join(str(error).split())}")
+
+
+def record_validation(cell: Cell, registry: Registry, policy: Policy, episodes: int, path: Path) -> None:
+    """Let `policy` do so many episodes in the cell's simulator, one in each env of a batch, and record them."""
+    env = build_env(registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=episodes)
+    with (
+        contextlib.closing(env),
+        TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1) as recorder,
+    ):
+        env.recorder = recorder
+        observations, _ = env.reset(seed=VALIDATION_SEED)
+        running = np.ones(episodes, bool)
+        while running.any():
+            observations, _, terminated, truncated, _ = env.step(policy.act(observations))
+            running &= ~(terminated | truncated)
+
+
+def _end_with_parent(stdin: int) -> None:
+    """Standard input closes when the parent ends, however it ends."""
+    while os.read(stdin, 1):
+        pass
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    main()
