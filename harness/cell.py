@@ -9,6 +9,9 @@ from typing import Any
 
 from harness.choice import Choice
 
+LATER = {"evaluate_every": 0, "deterministic": True}
+"""Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
+
 
 @dataclass(frozen=True)
 class Cell:
@@ -23,7 +26,9 @@ class Cell:
         seed: Of the starts, the targets and the algorithm. Equal seeds meet equal starts and targets, whatever the
             reward or the algorithm.
         steps: Environment steps of training.
-        evaluation_episodes: Episodes after training; the same starts and targets in every cell.
+        evaluation_episodes: Episodes of an evaluation; the same starts and targets in every cell.
+        evaluate_every: Environment steps from one evaluation during training to the next; 0 for one at the end alone.
+        deterministic: Whether evaluated policies take the one action of each observation, NOTE eq. 36, or draw.
     """
 
     simulator: Choice
@@ -34,6 +39,8 @@ class Cell:
     seed: int
     steps: int
     evaluation_episodes: int
+    evaluate_every: int = 0
+    deterministic: bool = True
 
     @cached_property
     def id(self) -> str:
@@ -51,7 +58,7 @@ class Cell:
         return {
             key: value.to_json() if isinstance(value, Choice) else value
             for key, value in vars(self).items()
-            if key != "id"
+            if key != "id" and not (key in LATER and value == LATER[key])
         }
 
     @classmethod

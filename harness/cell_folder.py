@@ -4,11 +4,20 @@ import shutil
 from pathlib import Path
 
 TRACE, EVALUATION, RANDOM, POLICY, LOG = "trace.parquet", "evaluation.parquet", "random.parquet", "policy", "log.txt"
+EVALUATIONS = "evaluations"
+"""Folder of what the policy did before its training ended, a trace per evaluation, named by the environment steps."""
+TENSORBOARD = "tensorboard"
 
 
 def partial_folder(folder: Path) -> Path:
     """Where a cell's folder grows until it is complete."""
     return folder.with_name(f".{folder.name}.partial")
+
+
+def evaluation_files(folder: Path) -> dict[int, Path]:
+    """The evaluations before the end of a cell's training, by the environment steps done, in order."""
+    found = {int(path.stem): path for path in (folder / EVALUATIONS).glob("[0-9]*.parquet")}
+    return dict(sorted(found.items()))
 
 
 def publish(partial: Path, folder: Path) -> None:

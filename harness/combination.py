@@ -22,11 +22,18 @@ class Group(NamedTuple):
     algorithm: Choice
     steps: int
     evaluation_episodes: int
+    evaluate_every: int = 0
+    deterministic: bool = True
 
     @classmethod
     def of(cls, cell: Cell) -> "Group":
         """The group that a cell belongs to."""
-        return cls(cell.simulator, cell.robot, cell.task, cell.algorithm, cell.steps, cell.evaluation_episodes)
+        return cls(*(getattr(cell, name) for name in cls._fields))
+
+    @property
+    def manner(self) -> str:
+        """How the policies acted when they were evaluated."""
+        return "deterministically" if self.deterministic else "stochastically"
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, by label."""
@@ -36,6 +43,7 @@ class Group(NamedTuple):
             "robot": self.robot,
             "task": self.task.label,
             "steps": self.steps,
+            "deterministic": self.deterministic,
         }
 
 

@@ -1,6 +1,7 @@
 """Evaluation apart from training: fixed starts and targets, the same in every cell."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +11,13 @@ from numpy.typing import NDArray
 from harness.cell import Cell
 from harness.make import build_env
 from harness.plugins import Registry
+from harness.policy import Policy
 from harness.trace import TraceWriter
 
 EVALUATION_SEED = 20_211_118
 """Of the starts and targets of every evaluation; not among the small numbers that people seed training with."""
 
-Act = Callable[[NDArray[np.float32]], NDArray[np.float32]]
+Act = Callable[[NDArray[np.float32]], NDArray[Any]]
 
 
 def evaluate(cell: Cell, registry: Registry, act: Act, path: Path) -> None:
@@ -24,15 +26,14 @@ def evaluate(cell: Cell, registry: Registry, act: Act, path: Path) -> None:
     Args:
         cell: Whose simulator, robot, task and reward.
         registry: The plugins.
-        act: Observations (num_envs, observation_size) to actions (num_envs, action_size).
+        act: Observations (num_envs, observation_size) to actions (num_envs, action_size), or choices (num_envs,).
         path: The trace to write: one episode of each env.
     """
     env = build_env(
         registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=cell.evaluation_episodes
     )
-    sizes: dict[str, Any] = {"dof": env.robot.dof, "action_size": env.robot.dof}
     try:
-        with TraceWriter(path, **sizes, episodes=1) as recorder:
+        with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1) as recorder:
             env.recorder = recorder
             observations, _ = env.reset(seed=EVALUATION_SEED)
             running = np.ones(env.num_envs, bool)
@@ -43,11 +44,13 @@ def evaluate(cell: Cell, registry: Registry, act: Act, path: Path) -> None:
         env.close()
 
 
-def random_actions(action_size: int) -> Act:
-    """The floor: actions drawn uniformly, whatever is observed."""
-    rng = np.random.default_rng([EVALUATION_SEED, 1])
+def act_of(policy: Policy, cell: Cell) -> Act:
+    """How `policy` acts in an evaluation of the cell; what it draws there depends on nothing that was drawn before."""
+    if cell.deterministic:
+        return policy.act
+    return partial(policy.act, rng=np.random.default_rng([EVALUATION_SEED, 2]))
 
-    def act(observations: NDArray[np.float32]) -> NDArray[np.float32]:
-        return rng.uniform(-1.0, 1.0, (len(observations), action_size)).astype(np.float32)
 
-    return act
+def random_actions(floor: Policy) -> Act:
+    """What `floor`, a policy that chooses uniformly, draws; the same in every evaluation."""
+    return partial(floor.act, rng=np.random.default_rng([EVALUATION_SEED, 1]))

@@ -6,22 +6,26 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
+from harness.algorithm import Algorithm, why_not
 from harness.cell import Cell
 from harness.choice import Choice, choose, split_list
 from harness.errors import UsageError
-from harness.make import load_robot
 from harness.parameters import build
 from harness.plugins import Registry
+from harness.robot import Robot
+from harness.robot_by_name import load_robot
+from harness.task_form import task_for
 
 Given: TypeAlias = str | dict[str, Any]
 Names: TypeAlias = Annotated[list[Given], Field(min_length=1)]
 Count: TypeAlias = Annotated[int, Field(gt=0)]
 Seed: TypeAlias = Annotated[int, Field(ge=0)]
+Interval: TypeAlias = Annotated[int, Field(ge=0)]
 LISTS = ("sim", "algo", "reward")
 
 
@@ -41,12 +45,18 @@ class Experiment:
     reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=_arp)
     baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
     task: Annotated[Given, Field(description="the task")] = "fd100-reach"
-    robot: Annotated[str, Field(description="the robot: a name, or a folder with robot.toml")] = "fd100"
+    robot: Annotated[
+        str | None, Field(description="the robot: a name, a URDF, or a folder with robot.toml; by default the task's")
+    ] = None
     seeds: Annotated[
         Count | Annotated[list[Seed], Field(min_length=1)], Field(description="how many seeds (0, 1, ...), or a list")
     ] = 3
     steps: Annotated[Count, Field(description="environment steps of training per cell")] = 10_000
-    evaluation_episodes: Annotated[Count, Field(description="episodes of evaluation after training")] = 100
+    evaluation_episodes: Annotated[Count, Field(description="episodes of an evaluation")] = 100
+    evaluate_every: Annotated[
+        Interval, Field(description="environment steps from one evaluation to the next; 0: at the end alone")
+    ] = 0
+    deterministic: Annotated[bool, Field(description="whether evaluated policies draw no actions")] = True
 
     @property
     def seed_list(self) -> list[int]:
@@ -111,6 +121,8 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
 def expand(experiment: Experiment, registry: Registry) -> Plan:
     """All cells of an experiment: simulator x algorithm x reward x seed.
 
+    An algorithm that takes discrete actions only gets a task with continuous ones in its discrete form.
+
     Raises:
         UsageError: A name or parameter is unknown, a library is missing, or the robot cannot do the task.
     """
@@ -119,15 +131,21 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     baseline = choose(registry, "rewards", experiment.baseline)
     rewards = _choose_each(registry, "rewards", experiment.reward)
     task = choose(registry, "tasks", experiment.task)
-    robot = _locate(experiment.robot, registry)
-    task.build(registry, "tasks").check(load_robot(robot, registry))
+    built = task.build(registry, "tasks")
+    robot = _locate(experiment.robot or built.robot, registry)
+    arm = load_robot(robot, registry)
+    built.check(arm)
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
     matrix = itertools.product(experiment.seed_list, simulators, algorithms, dict.fromkeys([baseline, *rewards]))
+    forms = {algorithm: _fit(algorithm, task, arm, registry, experiment.steps) for algorithm in algorithms}
     cells = [
-        Cell(simulator, robot, task, algorithm, reward, seed, experiment.steps, experiment.evaluation_episodes)
+        Cell(
+            simulator, robot, forms[algorithm].task, algorithm, reward, seed, experiment.steps,
+            experiment.evaluation_episodes, experiment.evaluate_every, experiment.deterministic,
+        )
         for seed, simulator, algorithm, reward in matrix
-    ]
-    reasons = {algorithm: _why_not(algorithm, registry, experiment.steps) for algorithm in algorithms}
+    ]  # fmt: skip
+    reasons = {algorithm: form.reason for algorithm, form in forms.items()}
     return Plan(
         baseline.label,
         tuple(cell for cell in cells if not reasons[cell.algorithm]),
@@ -146,22 +164,37 @@ def _split_names(given: Any) -> Any:
 
 
 def _locate(robot: str, registry: Registry) -> str:
-    """A registered name as it is, a folder by its full path: a cell means the same from any working directory."""
-    return robot if robot in registry.names("robots") or not Path(robot).is_dir() else str(Path(robot).resolve())
+    """A registered name as it is, a path in full: a cell means the same from any working directory."""
+    path = Path(robot)
+    if robot in registry.names("robots") or not path.exists():
+        return robot
+    # A link to a URDF stays one: what lies beside it is looked for where the user says that it is.
+    return str(path.resolve() if path.is_dir() else path.parent.resolve() / path.name)
 
 
 def _choose_each(registry: Registry, kind: str, given: list[Given]) -> list[Choice]:
     return list(dict.fromkeys(choose(registry, kind, item) for item in given))
 
 
-def _why_not(algorithm: Choice, registry: Registry, steps: int) -> str:
-    """Why an algorithm cannot do this plan; empty if it can."""
-    built = algorithm.build(registry, "algorithms")
-    if "continuous" not in built.action_spaces:
-        return f"{algorithm.label} takes {', '.join(sorted(built.action_spaces))} actions, the task's are continuous"
+class Fit(NamedTuple):
+    """How an algorithm can do a plan."""
+
+    task: Choice
+    """In the form that it takes; as given where there is none."""
+    reason: str
+    """Why it cannot; empty if it can."""
+
+
+def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:
+    try:
+        form = task_for(algorithm, task, robot, registry)
+    except UsageError as error:
+        return Fit(task, str(error))
+    built: Algorithm = algorithm.build(registry, "algorithms")
     if steps % built.num_envs:
-        return f"steps={steps} is not a multiple of the {built.num_envs} envs that {algorithm.label} trains on"
-    return ""
+        envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
+        return Fit(form, f"steps={steps} is not a multiple of {envs}")
+    return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
 
 
 def _resolve(
@@ -188,4 +221,6 @@ def _resolve(
 
 
 def _table(choice: Choice) -> dict[str, Any]:
-    return {"name": choice.name, **choice.to_json()["params"]}
+    """As an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
+    params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
+    return {"name": choice.name, **params}

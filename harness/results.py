@@ -6,7 +6,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -17,12 +16,11 @@ from harness.choice import Choice
 from harness.combination import Combination, Group
 from harness.curve import GroupCurve, curve_of
 from harness.decompose import BB, BK, KB, KK, Pair, decompose
-from harness.errors import HarnessError
 from harness.manifest import Manifest
 from harness.metric import Metric
 from harness.plugins import Registry, load_registry
-from harness.reward import Reward
-from harness.score import score_trace
+from harness.score import SCORED
+from harness.scored_runs import score_runs
 from harness.statistics import holm
 from harness.store import RESULTS, Store
 from harness.trace import Trace, read_trace
@@ -37,7 +35,7 @@ class Results:
     def __init__(self, folder: Path, registry: Registry) -> None:
         self.folder = folder
         self.store = Store.open(folder)
-        self._registry = registry
+        self.registry = registry
         self.baseline, self._a_a, planned = self.store.read_plan()
         ended = {manifest.cell.id: manifest for manifest in self.store.manifests()}
         self.manifests = [ended.get(cell.id) or Manifest(cell, "pending", "not run yet") for cell in planned]
@@ -45,8 +43,8 @@ class Results:
     @cached_property
     def metrics(self) -> dict[str, Metric]:
         """Every registered metric, by name."""
-        names = self._registry.names("metrics")
-        return {name: self._registry.get("metrics", name).load()() for name in names}
+        names = self.registry.names("metrics")
+        return {name: self.registry.get("metrics", name).load()() for name in names}
 
     @cached_property
     def evaluations(self) -> dict[str, Values]:
@@ -74,7 +72,7 @@ class Results:
         return [manifest.cell for manifest in self._done]
 
     def to_json(self) -> dict[str, Any]:
-        """What ``harness report --json`` prints."""
+        """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""
         return {
             "combinations": [combination.to_json() for combination in self.combinations],
             "cells": [_cell_to_json(manifest) for manifest in self.manifests],
@@ -129,28 +127,14 @@ class Results:
         """The curves of both trainings under both rewards; under their own alone, with the reason, if need be."""
         traces_b, traces_k = self._traces(baseline), self._traces(proposed)
         curves = {BB: _recorded_curve(traces_b), KK: _recorded_curve(traces_k)}
-        try:
-            curves[BK] = self._scored_curve(baseline[0].reward, traces_b, traces_k)
-            curves[KB] = self._scored_curve(proposed[0].reward, traces_k, traces_b)
-        except HarnessError as error:  # a reward that is not installed any more: the rest can still be said
-            return {BB: curves[BB], KK: curves[KK]}, str(error)
-        except Exception as error:  # one that is, and cannot any more: a plugin may raise anything
-            reason = f"a reward could not score the runs: {type(error).__name__}: {' '.join(str(error).split())}"
-            return {BB: curves[BB], KK: curves[KK]}, reason
-        return curves, ""
-
-    def _scored_curve(self, choice: Choice, own: list[Trace], others: list[Trace]) -> GroupCurve:
-        reward = choice.build(self._registry, "rewards")
-        if not _pays(reward, own[0]):
-            raise HarnessError(f"reward {choice.label} pays its own recorded steps otherwise than then: it has changed")
-        scored = [score_trace(reward, trace) for trace in others]
-        if not all(np.isfinite(values).all() for values in scored):
-            raise HarnessError(f"reward {choice.label} is not finite on the runs of the other reward")
-        return curve_of(scored)
+        by_b = score_runs(baseline[0].reward, self.registry, traces_b[0], traces_k)
+        by_k = score_runs(proposed[0].reward, self.registry, traces_k[0], traces_b)
+        if by_b.reason or by_k.reason:
+            return curves, by_b.reason or by_k.reason
+        return {**curves, BK: curve_of(by_b.values), KB: curve_of(by_k.values)}, ""
 
     def _traces(self, cells: list[Cell]) -> list[Trace]:
-        columns = ["env", "step", "begin_distance", "previous_best", "distance", "reward"]
-        return [read_trace(self.store.cell_folder(cell) / TRACE, columns) for cell in cells]
+        return [read_trace(self.store.cell_folder(cell) / TRACE, [*SCORED, "reward"]) for cell in cells]
 
     def _change(self, name: str, metric: Metric, baseline: list[Cell], proposed: list[Cell]) -> Change:
         def values(cells: Sequence[Cell], column: str) -> list[float | None]:
@@ -168,11 +152,6 @@ def load_results(folder: str | Path) -> Results:
         SchemaError: A file in it is damaged or written by a newer version.
     """
     return Results(Path(folder), load_registry())
-
-
-def _pays(reward: Reward, trace: Trace) -> bool:
-    """Whether the reward pays what is recorded; up to last bits, in which another machine may differ."""
-    return np.allclose(score_trace(reward, trace), trace["reward"], rtol=1e-9, atol=1e-12)
 
 
 def _recorded_curve(traces: list[Trace]) -> GroupCurve:

@@ -21,6 +21,8 @@ CHANGED: dict[str, Any] = {
     "seed": 1,
     "steps": 13,
     "evaluation_episodes": 3,
+    "evaluate_every": 4,
+    "deterministic": False,
 }
 
 
@@ -51,6 +53,13 @@ def test_id_is_a_folder_name(make_cell: Callable[..., Cell]):
 def test_id_is_the_same_tomorrow(make_cell: Callable[..., Cell]):
     """The id of a known cell is written down here: results of earlier versions are found again."""
     assert make_cell().id == "1b16a12bbbf2b963"
+
+
+@pytest.mark.parametrize("name", ["evaluate_every", "deterministic"])
+def test_later_fields_are_left_out_at_their_defaults(make_cell: Callable[..., Cell], name: str):
+    """A cell of a version that did not have them is the same cell, with the same id."""
+    assert name not in make_cell().to_json()
+    assert make_cell(**{name: CHANGED[name]}).to_json()[name] == CHANGED[name]
 
 
 def test_cell_survives_json(make_cell: Callable[..., Cell]):

@@ -37,11 +37,20 @@ def _empty() -> Combination:
     return Combination(GROUP, "baseline", "arp", (), None, (), {})
 
 
-@pytest.mark.parametrize("field", ["simulator", "robot", "task", "algorithm", "steps", "evaluation_episodes"])
+@pytest.mark.parametrize(
+    "field", ["simulator", "robot", "task", "algorithm", "steps", "evaluation_episodes", "evaluate_every"]
+)
 def test_cells_that_differ_are_in_other_groups(make_cell: Callable[..., Cell], field: str):
     """Whatever decides a result, reward and seed apart."""
     other: Any = Choice("other") if isinstance(getattr(make_cell(), field), Choice) else 99
     assert Group.of(make_cell()) != Group.of(make_cell(**{field: other}))
+
+
+def test_manners_of_evaluation_are_not_mixed(make_cell: Callable[..., Cell]):
+    """Policies that drew their actions are not compared with some that did not, and the group says which."""
+    groups = [Group.of(make_cell(deterministic=given)) for given in (True, False)]
+    assert [group.manner for group in groups] == ["deterministically", "stochastically"]
+    assert [group.to_json()["deterministic"] for group in groups] == [True, False]
 
 
 def test_rewards_and_seeds_share_a_group(make_cell: Callable[..., Cell]):

@@ -10,8 +10,9 @@ import pytest
 import harness
 from harness.cell import Cell
 from harness.choice import choose
-from harness.evaluate import evaluate, random_actions
+from harness.evaluate import act_of, evaluate, random_actions
 from harness.plugins import load_registry
+from harness.policy import Uniform
 from harness.trace import Trace, read_trace
 
 REGISTRY = load_registry()
@@ -26,6 +27,8 @@ CELL = Cell(
     steps=10,
     evaluation_episodes=8,
 )
+
+FLOOR = Uniform((-1.0,) * 6, (1.0,) * 6)
 
 
 def stand(observations: np.ndarray) -> np.ndarray:
@@ -47,9 +50,30 @@ def starts_of(trace: Trace) -> np.ndarray:
     return np.column_stack([trace["qpos"][starts], *targets])
 
 
+def test_deterministic_policies_draw_nothing():
+    """They act as they do without a generator."""
+    seen = np.ones((3, 4), np.float32)
+    np.testing.assert_array_equal(act_of(FLOOR, CELL)(seen), FLOOR.act(seen))
+
+
+def test_stochastic_policies_draw_the_same_every_time():
+    """Each evaluation begins anew; within it, draws differ."""
+    seen, cell = np.ones((3, 4), np.float32), replace(CELL, deterministic=False)
+    one, other = act_of(FLOOR, cell), act_of(FLOOR, cell)
+    first = one(seen)
+    np.testing.assert_array_equal(first, other(seen))
+    assert not np.array_equal(first, one(seen))
+
+
+def test_draws_are_not_those_of_random_actions():
+    """Or the floor and a policy would share their noise."""
+    seen = np.ones((3, 4), np.float32)
+    assert not np.array_equal(act_of(FLOOR, replace(CELL, deterministic=False))(seen), random_actions(FLOOR)(seen))
+
+
 def test_one_episode_of_each_env(tmp_path: Path):
     """As many episodes as the cell says, one in each env, each of them finished."""
-    trace = record(tmp_path, random_actions(6))
+    trace = record(tmp_path, random_actions(FLOOR))
     assert (trace["episode"] == 0).all()
     assert trace["env"][trace["step"] == 0].tolist() == list(range(8))
     assert sorted(trace["env"][trace.last_rows]) == list(range(8))
@@ -93,7 +117,7 @@ def test_more_episodes_begin_with_the_same_ones(tmp_path: Path):
 
 def test_same_policy_gives_the_same_trace(tmp_path: Path):
     """Evaluation is deterministic, bit for bit, random actions included."""
-    first, second = (record(tmp_path, random_actions(6)) for _ in range(2))
+    first, second = (record(tmp_path, random_actions(FLOOR)) for _ in range(2))
     for name, column in first.columns.items():
         np.testing.assert_array_equal(column, second[name])
 
@@ -113,7 +137,7 @@ def test_policy_is_asked_with_the_observations(tmp_path: Path):
 
 def test_random_actions_fill_the_box():
     """The floor acts uniformly in [-1, 1], whatever is observed, and goes on drawing."""
-    act = random_actions(6)
+    act = random_actions(FLOOR)
     actions = np.concatenate([act(np.zeros((50, 28), np.float32)) for _ in range(40)])
     assert actions.shape == (2000, 6)
     assert actions.dtype == np.float32

@@ -121,7 +121,7 @@ def test_machine_names_its_cpu():
 def test_sources_are_hashes_of_the_files(make_cell: MakeCell, toys: Registry):
     """A result whose reward was changed since can be told by the hash of the reward's file."""
     hashes = source_hashes(make_cell(reward=Choice("arp", (), "arp")), toys)
-    assert set(hashes) == {"simulators", "tasks", "algorithms", "rewards"}
+    assert set(hashes) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
     assert hashes["rewards"] == sha256(Path(arp.__file__).read_bytes()).hexdigest()
 
 

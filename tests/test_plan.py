@@ -1,6 +1,7 @@
 """An experiment as a user writes it, and the cells it expands to."""
 
 import re
+import shutil
 from collections.abc import Callable
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -9,6 +10,8 @@ from typing import Any
 import pytest
 import tomli_w
 
+import harness_robots
+from harness.choice import choose
 from harness.errors import UsageError
 from harness.plan import Plan, check_experiment, expand, read_experiment
 from harness.plugins import Registry, load_registry
@@ -81,14 +84,55 @@ def test_plan_of_the_same_cells_has_the_same_id(toys: Registry):
     assert _plan(toys).id != _plan(toys, steps=10_001).id
 
 
-def test_discrete_algorithm_is_skipped_with_the_reason(toys: Registry):
+@pytest.mark.parametrize(
+    ("task", "form"),
+    [
+        ("fd100-reach", "fd100-reach:action=discrete:action=movej"),
+        ("fd100-reach:action=movel", "fd100-reach:action=discrete:action=movel"),
+        ("fd100-reach:epsilon=0.1", "fd100-reach:epsilon=0.1,action=discrete:action=movej"),
+        (
+            "fd100-reach:action=(movel:frame=tcs,tip_speed=0.3)",
+            "fd100-reach:action=(discrete:action=movel:frame=tcs,tip_speed=0.3)",
+        ),
+        ("unity-reach", "unity-reach:action=discrete:action=set-joints"),
+    ],
+)
+def test_discrete_algorithm_gets_the_discrete_form_of_a_task(toys: Registry, task: str, form: str):
+    """Its choices are among what the task's own mode can do, and the cell's task says so."""
+    plan = _plan(toys, algo=["buttons", "wander"], task=task, seeds=1)
+    assert plan.skipped == ()
+    labels = {(cell.algorithm.label, cell.task.label) for cell in plan.cells}
+    assert labels == {("buttons", form), ("wander", choose(toys, "tasks", task).label)}
+
+
+@pytest.mark.parametrize("task", ["fd100-reach", "fd100-reach:action=discrete"])
+def test_algorithm_for_both_kinds_of_action_gets_the_task_as_it_is(toys: Registry, task: str):
+    """Nothing has to be changed for it."""
+    assert {cell.task.label for cell in _plan(toys, algo=["both"], task=task).cells} == {task}
+
+
+def test_discrete_form_is_the_task_that_a_user_would_name(toys: Registry):
+    """The cells are those of the discrete task itself."""
+    named = _plan(toys, algo=["buttons"], task="fd100-reach:action=discrete:action=movej")
+    assert _plan(toys, algo=["buttons"]).cells == named.cells
+
+
+def test_continuous_algorithm_is_skipped_on_a_discrete_task(toys: Registry):
     """A combination that cannot work does not stop the others, and is never dropped silently."""
-    plan = _plan(toys, algo=["buttons", "wander"], seeds=1)
+    plan = _plan(toys, algo=["buttons", "wander"], task="fd100-reach:action=discrete", seeds=1)
+    assert {cell.algorithm.label for cell in plan.cells} == {"buttons"}
+    assert [(cell.algorithm.label, reason) for cell, reason in plan.skipped] == 2 * [
+        ("wander", "wander takes continuous actions, the task's are discrete")
+    ]
+
+
+def test_discrete_algorithm_is_skipped_on_a_task_without_a_choice_of_actions(toys: Registry):
+    """A task that has no parameter `action` keeps its actions."""
+    plan = _plan(toys, algo=["buttons", "wander"], task="handless", seeds=1)
     assert {cell.algorithm.label for cell in plan.cells} == {"wander"}
-    assert {(cell.algorithm.label, reason) for cell, reason in plan.skipped} == {
-        ("buttons", "buttons takes discrete actions, the task's are continuous")
+    assert {reason for _, reason in plan.skipped} == {
+        "buttons takes discrete actions, the task's are continuous, and it has no parameter 'action' to choose others"
     }
-    assert len(plan.skipped) == 2
 
 
 def test_steps_that_do_not_fit_the_envs_are_skipped_with_the_reason(toys: Registry):
@@ -117,13 +161,13 @@ def test_any_reward_may_be_the_baseline(toys: Registry):
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"sim": ["idael"]}, "No simulator 'idael'. There is: ideal, "),
+        ({"sim": ["idael"]}, "No simulator 'idael'. There is: dm_control, ideal, "),
         ({"algo": ["wonder"]}, "No algorithm 'wonder'."),
         ({"reward": ["apr"]}, "No reward 'apr'."),
         ({"baseline": "bsaeline"}, "No reward 'bsaeline'."),
         ({"task": "reach"}, "No task 'reach'."),
         ({"robot": "fd10"}, "No robot 'fd10'."),
-        ({"robot": "./nowhere"}, "No robot folder './nowhere'"),
+        ({"robot": "./nowhere"}, "No robot at './nowhere'"),
     ],
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
 )
@@ -156,6 +200,7 @@ def test_missing_library_is_noticed_before_anything_runs(write_plugin: Callable[
         ({"steps": -5}, "steps=-5: Input should be greater than 0"),
         ({"steps": "many"}, "steps='many': Input should be a valid integer"),
         ({"steps": 1.5}, "steps=1.5: Input should be a valid integer"),
+        ({"evaluate_every": -1}, "evaluate_every=-1: Input should be greater than or equal to 0"),
         ({"evaluation_episodes": 0}, "evaluation_episodes=0: Input should be greater than 0"),
         ({"robot": 3}, "robot=3: Input should be a valid string"),
         ({"reward": [3]}, "reward.0=3: Input should be a valid string"),
@@ -228,6 +273,8 @@ def test_resolved_experiment_has_every_key(toys: Registry):
         "seeds",
         "steps",
         "evaluation_episodes",
+        "evaluate_every",
+        "deterministic",
     }
     assert resolved["reward"] == [{"name": "arp", "k1": 1.0, "k2": 1.5}]
     assert resolved["seeds"] == [0, 1, 2]
@@ -261,3 +308,18 @@ def test_errors_in_a_file_name_the_file(tmp_path: Path, keys: dict[str, Any]):
     path = _write(tmp_path, keys)
     with pytest.raises(UsageError, match="^" + re.escape(f"Experiment file '{path}'")):
         read_experiment(path, {})
+
+
+def test_robot_is_given_by_its_full_path(toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A URDF or folder means the same in a worker that works elsewhere; a link to a URDF stays where it is."""
+    (tmp_path / "here").mkdir()
+    shutil.copytree(harness_robots.UNITY_ARM, tmp_path / "arm")
+    (tmp_path / "linked.urdf").symlink_to(tmp_path / "arm" / "unity_arm.urdf")
+    monkeypatch.chdir(tmp_path / "here")
+    for given, full in [
+        ("unity-arm", "unity-arm"),
+        ("../arm", str(tmp_path / "arm")),
+        ("../arm/unity_arm.urdf", str(tmp_path / "arm" / "unity_arm.urdf")),
+        ("../linked.urdf", str(tmp_path / "linked.urdf")),
+    ]:
+        assert _plan(toys, robot=given).cells[0].robot == full

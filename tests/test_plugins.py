@@ -78,6 +78,11 @@ def test_register_executors(write_plugin: Write):
     _assert_hook_registers("executors", write_plugin)
 
 
+def test_register_commands(write_plugin: Write):
+    """A name that is registered as a command is found among the commands alone."""
+    _assert_hook_registers("commands", write_plugin)
+
+
 def test_every_hook_has_a_test_named_after_it():
     """A new hook without its test is noticed here."""
     assert {f"test_register_{kind}" for kind in KINDS} <= set(globals())
@@ -270,7 +275,7 @@ def test_unknown_name_offers_the_nearest(toys: Registry):
     """One line: what was given, what there is, the nearest match."""
     with pytest.raises(UsageError) as error:
         toys.get("algorithms", "wandr")
-    assert str(error.value).startswith("No algorithm 'wandr'. There is: buttons, ")
+    assert str(error.value).startswith("No algorithm 'wandr'. There is: both, buttons, ")
     assert str(error.value).endswith(" Did you mean 'wander'?")
 
 

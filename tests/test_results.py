@@ -74,7 +74,8 @@ def _write_evaluation(path: Path, reached: Sequence[bool]) -> None:
     rows = np.zeros((len(reached), len(SCALARS) + 2))
     for number, (row, is_reached) in enumerate(zip(rows, reached, strict=True)):
         row[COLUMN["env"]], row[COLUMN["step"]] = number, 4
-        row[COLUMN["reached"]], row[COLUMN["truncated"]] = is_reached, not is_reached
+        row[COLUMN["reached"]] = row[COLUMN["terminated"]] = is_reached
+        row[COLUMN["truncated"]] = not is_reached
         row[COLUMN["distance"]] = 0.01 if is_reached else 0.5
     _write(path, rows)
 
@@ -132,7 +133,7 @@ def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
     promised = {"simulator", "algorithm", "robot", "task", "baseline", "proposed", "seeds", "eta_n", "eta_p"}
     promised |= {"baseline_index", "proposed_index", "success"}
     promised |= {"ruler_n", "behaviour_n", "ruler_p", "behaviour_p"}
-    added = {"steps", "behaviour", "other_path", "verdict", "basis", "p_corrected"}
+    added = {"steps", "deterministic", "behaviour", "other_path", "verdict", "basis", "p_corrected"}
     added |= {f"{name}_{letter}" for name in ("noise", "paths_disagree", "p", "seeds_needed") for letter in "np"}
     assert set(combination) == promised | added
     assert set(combination["eta_n"]) == set(combination["eta_p"]) == {"value", "low", "high", "note"}
@@ -433,7 +434,7 @@ class Broken:
     ("wrong", "reason"),
     [
         ("raise ZeroDivisionError('by\\nnothing')", "a reward could not score the runs: ZeroDivisionError: by nothing"),
-        ("return carry, np.full_like(sample.distance, np.nan)", "reward broken is not finite on the runs of the other"),
+        ("return carry, np.full_like(sample.distance, np.nan)", "reward broken is not finite on the runs of another"),
     ],
 )
 def test_reward_that_fails_on_other_runs(

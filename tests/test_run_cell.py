@@ -42,7 +42,7 @@ def test_manifest_in_the_folder_is_the_one_returned(make_cell: MakeCell, tmp_pat
     manifest = _run(make_cell(), tmp_path / "cell")
     assert read_manifest(tmp_path / "cell") == manifest
     assert 0.0 < manifest.training_seconds <= manifest.seconds
-    assert set(manifest.environment["sources"]) == {"simulators", "tasks", "algorithms", "rewards"}
+    assert set(manifest.environment["sources"]) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
 
 
 def test_trace_has_every_step_of_training(make_cell: MakeCell, tmp_path: Path):
@@ -130,7 +130,7 @@ def test_plugin_that_leaves_is_a_failed_cell(make_cell: MakeCell, tmp_path: Path
     [
         ({"simulator": Choice("gone", (), "gone")}, "UsageError: No simulator 'gone'."),
         ({"reward": Choice("arp", (("k2", -1.0),), "arp")}, "UsageError: Reward 'arp': k2=-1.0"),
-        ({"robot": "./nowhere"}, "UsageError: No robot folder './nowhere'"),
+        ({"robot": "./nowhere"}, "UsageError: No robot at './nowhere'"),
     ],
     ids=["name", "parameter", "robot"],
 )

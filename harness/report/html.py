@@ -1,19 +1,22 @@
 """The report as one HTML file that opens anywhere, offline."""
 
-import os
 from collections import Counter
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from harness.cell import Cell
 from harness.choice import Choice
 from harness.combination import Combination
-from harness.errors import UsageError
 from harness.index import Ratio
+from harness.learning import learning_of
 from harness.manifest import Manifest
 from harness.report.figure import draw_panels
+from harness.report.learning_figure import describe_learning, draw_learning
+from harness.report.page import render_page, write_page
+from harness.report.return_rows import EXPLANATION as RETURNS
+from harness.report.return_rows import TITLE as RETURN_TITLE
+from harness.report.return_rows import return_grids, return_title
 from harness.report.rows import (
     NOTHING,
     PATHS,
@@ -38,11 +41,14 @@ from harness.report.rows import (
     splits,
 )
 from harness.report.split_figure import describe_split, draw_split
+from harness.report.transfer_rows import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
+from harness.return_matrix import ReturnMatrix, return_matrices
 from harness.store import EXPERIMENT
+from harness.transfer_matrix import Transfers, load_transfers
 from harness.verdict import SUCCESS
 
-TEMPLATE = "report.html.j2"
+TEMPLATE = Path(__file__).parent / "report.html.j2"
 
 
 class Fact(NamedTuple):
@@ -59,16 +65,7 @@ def write_html(results: Results, path: Path) -> None:
     Raises:
         UsageError: A library of the extra ``report`` is missing, or `path` cannot be written.
     """
-    page = _render(results)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        temporary.write_text(page, encoding="utf-8")
-        os.replace(temporary, path)
-    except OSError as error:
-        raise UsageError(f"The report '{path}' cannot be written: {error.strerror}") from error
-    finally:
-        with suppress(OSError):  # gone if it was renamed, never there if it could not be written
-            temporary.unlink()
+    write_page(_render(results), path, "The report")
 
 
 def question(results: Results) -> str:
@@ -96,8 +93,9 @@ def describe_comparison(combination: Combination) -> str:
     success = _success(combination)
     if success:
         sentences.append(
-            f"Evaluated after training, without any reward, the policies trained with {combination.baseline} reach the "
-            f"target in {success.baseline} of the episodes, those trained with {combination.proposed} in "
+            f"Evaluated after training, without any reward and acting {group.manner}, the policies trained with "
+            f"{combination.baseline} reach the target in {success.baseline} of the episodes, those trained with "
+            f"{combination.proposed} in "
             f"{success.proposed}, random actions in {success.random}."
         )
     return " ".join(sentences)
@@ -117,47 +115,69 @@ def shared_facts(manifests: Iterable[Manifest]) -> list[Fact]:
 
 
 def _render(results: Results) -> str:
-    try:
-        import jinja2
-        from plotly.offline import get_plotlyjs
-    except ImportError as error:
-        raise UsageError(f"The HTML report needs {error.name}: pip install 'fd100-harness[report]'") from error
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template(TEMPLATE).render(
+    return render_page(
+        TEMPLATE,
+        "The HTML report",
         question=question(results),
         nothing=NOTHING,
-        sections=[_section(combination, len(results.combinations)) for combination in results.combinations],
+        sections=[_section(results, combination) for combination in results.combinations],
         split=SPLIT,
         paths=PATHS,
         cell_count=count_cells(results),
+        returns=_returns(return_matrices(results)),
+        transfer=_transfer(load_transfers(results)),
         manifests=results.manifests,
         facts=shared_facts(results.manifests),
         experiment=(results.folder / EXPERIMENT).read_text(encoding="utf-8"),
-        plotly_js=get_plotlyjs(),
     )
 
 
-def _section(combination: Combination, combinations: int) -> dict[str, Any]:
+def _section(results: Results, combination: Combination) -> dict[str, Any]:
     """What the template shows of a combination."""
+    corrected = corrected_text(combination, len(results.combinations))
     return {
         "title": combination_title(combination),
         "rewards": rewards_text(combination),
         "proposed": combination.proposed,
         "verdict": combination.verdict,
-        "basis": [line for line in (combination.basis, corrected_text(combination, combinations)) if line],
+        "basis": [line for line in (combination.basis, corrected) if line],
         "ratios": [(ratio_text(ratio), interval_text(ratio)) for ratio in (combination.eta_n, combination.eta_p)],
         "success": _success(combination),
         "summary": describe_comparison(combination),
         "split_panels": _split_panels(combination),
         "eta_grids": _full([ratio_grid(combination), split_grid(combination)]),
         "panels": _label_panels(combination),
+        "learning": _learning_panels(results, combination),
         "grids": _full([index_grid(combination), behaviour_grid(combination)]),
+    }
+
+
+def _learning_panels(results: Results, combination: Combination) -> list[dict[str, Any]]:
+    """The success rate during training, where it was evaluated then."""
+    learning = learning_of(results, combination)
+    if learning is None or SUCCESS not in learning.random:
+        return []
+    figure, caption = draw_learning(learning, SUCCESS), describe_learning(learning, SUCCESS)
+    return [{"heading": "Success rate while learning", "figure": figure, "caption": caption}]
+
+
+def _returns(matrices: list[ReturnMatrix]) -> dict[str, Any] | None:
+    """What the template shows of returns under every reward; None before a cell is done."""
+    if not matrices:
+        return None
+    blocks = [(return_title(matrix), return_grids(matrix, len(matrix.trained_with))) for matrix in matrices]
+    return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks}
+
+
+def _transfer(transfers: Transfers) -> dict[str, Any] | None:
+    """What the template shows of transfer; None where none is recorded."""
+    if not transfers.matrices:
+        return None
+    return {
+        "title": TITLE,
+        "explanation": EXPLANATION,
+        "blocks": [transfer_block(matrix) for matrix in transfers.matrices],
+        "failed": failure_lines(transfers.failed),
     }
 
 
@@ -234,5 +254,5 @@ def _facts(manifest: Manifest) -> dict[str, str]:
 
 def _chosen(cell: Cell, kind: str) -> str:
     """Name of the cell's choice of a kind: two rewards have two sources, one reward should have one."""
-    choice = getattr(cell, kind.removesuffix("s"), None)
-    return choice.name if isinstance(choice, Choice) else kind
+    choice = getattr(cell, kind.removesuffix("s"), kind)
+    return choice.name if isinstance(choice, Choice) else str(choice)

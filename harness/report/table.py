@@ -6,6 +6,7 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.combination import Combination
+from harness.report.return_rows import EXPLANATION, return_grids, return_title
 from harness.report.rows import (
     NO_REWARD,
     PATHS,
@@ -25,6 +26,7 @@ from harness.report.rows import (
     unfinished_cells,
 )
 from harness.results import Results
+from harness.return_matrix import ReturnMatrix, return_matrices
 
 
 def comparison_table(results: Results) -> RenderableType:
@@ -34,6 +36,9 @@ def comparison_table(results: Results) -> RenderableType:
     if any(combination.seeds for combination in combinations):
         told = [SCALES, *([SPLIT, PATHS] if any(map(is_split, combinations)) else []), NO_REWARD]
         blocks.append(Text(" ".join(told) + "\n"))
+    matrices = return_matrices(results)
+    if matrices:
+        blocks += [*map(_return_block, matrices), Text(EXPLANATION + "\n")]
     blocks.append(Text(count_cells(results), style="bold"))
     return Group(*blocks, *map(Text, unfinished_cells(results)))
 
@@ -43,17 +48,24 @@ def _combination_block(combination: Combination, combinations: int) -> Renderabl
     parts: list[RenderableType] = [
         Text(combination_title(combination), style="bold"),
         Text(rewards_text(combination)),
-        Text(f"{seeds_text(combination.seeds)} compared, {combination.group.steps:,} training steps per run\n"),
+        Text(f"{seeds_text(combination.seeds)} compared, {combination.group.steps:,} training steps per run"),
+        Text(f"policies evaluated {combination.group.manner}\n"),
         Text(combination.verdict, style="bold"),
     ]
     corrected = corrected_text(combination, combinations)
     parts += [Text(line) for line in (combination.basis, corrected) if line]
     for make_grid in (ratio_grid, split_grid, index_grid, behaviour_grid):
-        parts += _show(make_grid(combination))
+        parts += show_grid(make_grid(combination))
     return Group(*parts, Text())
 
 
-def _show(grid: Grid) -> list[RenderableType]:
+def _return_block(matrix: ReturnMatrix) -> RenderableType:
+    """Every training under every reward."""
+    parts = [part for grid in return_grids(matrix) for part in show_grid(grid)]
+    return Group(Text(return_title(matrix), style="bold"), *parts, Text())
+
+
+def show_grid(grid: Grid) -> list[RenderableType]:
     """The grid with its notes, an empty line before it; nothing if it is empty."""
     parts: list[RenderableType] = [_table(grid)] if grid.rows else []
     parts += map(Text, grid.notes)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.cell import Cell
-from harness.cell_folder import EVALUATION, RANDOM, TRACE
+from harness.cell_folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
 from harness.choice import Choice, choose
 from harness.errors import UsageError
 from harness.manifest import Manifest, Status
@@ -17,7 +17,7 @@ from harness.plugins import load_registry
 from harness.results import Results, load_results
 from harness.score import score_trace
 from harness.store import Store
-from harness.trace import COLUMN, INTEGERS, SCALARS, Trace, TraceWriter
+from harness.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
 
 BASELINE = "baseline"
 ENVIRONMENT = {
@@ -57,6 +57,8 @@ def build_results(
     environment: dict[str, Any] = ENVIRONMENT,
     reached: Mapping[str, Evaluation] = {},
     a_a: bool = False,
+    deterministic: bool = True,
+    learned: Mapping[int, int] = {},
 ) -> Results:
     """An experiment of `seeds` runs per reward.
 
@@ -70,9 +72,13 @@ def build_results(
         environment: Of every cell that ran.
         reached: By reward and seed, steps of the evaluation episodes that reach the target, of four in all.
         a_a: Whether the baseline is compared with itself too.
+        deterministic: How the policies were evaluated.
+        learned: By environment steps, how many episodes of an evaluation during training reached the target, of four;
+            one more under the proposed rewards.
     """
     runs = {BASELINE: baseline, **proposed}
-    cells = [_cell(sim, reward, seed) for seed in range(seeds) for sim in simulators for reward in runs]
+    manner = {"deterministic": deterministic, "evaluate_every": min(learned, default=0)}
+    cells = [_cell(sim, reward, seed, **manner) for seed in range(seeds) for sim in simulators for reward in runs]
     store = Store.create(folder, Plan(BASELINE, tuple(cells), (), {"seeds": seeds}, a_a))
     for cell in cells:
         label = cell.reward.label
@@ -80,14 +86,16 @@ def build_results(
         if status == "done":
             evaluation = reached.get(label, lambda seed: REACHED)
             _write_done(store, cell, _distances(runs[label], cell.seed), evaluation(cell.seed), environment)
+            for steps, count in learned.items():
+                _write_learned(store, cell, steps, count + (label != BASELINE))
         elif status != "pending":
             store.record(cell, status, reason)
     return load_results(folder)
 
 
-def _cell(simulator: str, reward: str, seed: int) -> Cell:
+def _cell(simulator: str, reward: str, seed: int, **manner: Any) -> Cell:
     sim, task, algorithm = (Choice(name, (), name) for name in (simulator, "fd100-reach", "sac"))
-    return Cell(sim, "fd100", task, algorithm, _reward(reward), seed, 40, 4)
+    return Cell(sim, "fd100", task, algorithm, _reward(reward), seed, 40, 4, **manner)
 
 
 def _reward(label: str) -> Choice:
@@ -103,11 +111,23 @@ def _write_done(
 ) -> None:
     folder = store.cell_folder(cell)
     folder.mkdir(parents=True)
-    missed = [_episode(_approach(20), "truncated")] * (4 - len(reached))
     _write_trace(folder / TRACE, [_episode(distances, "truncated")], cell.reward)
-    _write_trace(folder / EVALUATION, [*(_episode(_approach(steps), "reached") for steps in reached), *missed])
+    _write_trace(folder / EVALUATION, _evaluation(reached), cell.reward)
     _write_trace(folder / RANDOM, [_episode(np.full(steps, 0.9), "ground") for steps in (20, 30, 40, 50)])
     Manifest(cell, "done", started="2026-01-01T00:00:00+00:00", seconds=12.5, environment=environment).write(folder)
+
+
+def _write_learned(store: Store, cell: Cell, steps: int, reached: int) -> None:
+    """An evaluation during training."""
+    folder = store.cell_folder(cell) / EVALUATIONS
+    folder.mkdir(exist_ok=True)
+    _write_trace(folder / f"{steps}.parquet", _evaluation([9] * reached), cell.reward)
+
+
+def _evaluation(reached: Sequence[int]) -> list[np.ndarray]:
+    """Four episodes, of which some reach the target after these steps."""
+    missed = [_episode(_approach(20), "truncated") for _ in range(4 - len(reached))]
+    return [*(_episode(_approach(steps), "reached") for steps in reached), *missed]
 
 
 def _distances(run: Run, seed: int) -> np.ndarray:
@@ -136,6 +156,7 @@ def _episode(distances: np.ndarray, end: str) -> np.ndarray:
         rows[:, COLUMN[name]] = values
     rows[:, COLUMN["delta_distance"]] = distances - rows[:, COLUMN["previous_best"]]
     rows[-1, COLUMN[end]] = 1.0
+    rows[-1, COLUMN["terminated"]] = float(end != "truncated")
     return rows
 
 
@@ -153,5 +174,6 @@ def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None
 
 
 def _trace(rows: np.ndarray) -> Trace:
-    """The rows as a trace in memory, whole numbers among them as such."""
-    return Trace({name: rows[:, COLUMN[name]].astype(int if name in INTEGERS else float) for name in SCALARS})
+    """The rows as a trace in memory, whole numbers and flags among them as such."""
+    types = {**dict.fromkeys(SCALARS, float), **dict.fromkeys(INTEGERS, int), **dict.fromkeys(FLAGS, bool)}
+    return Trace({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})

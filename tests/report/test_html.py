@@ -289,3 +289,29 @@ def test_import_is_light():
     """Importing the report loads neither plotly nor jinja2."""
     code = "import sys, harness.report.html; sys.exit(bool({'plotly', 'jinja2'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_learning_is_drawn_where_it_was_recorded(build, write):
+    """With a caption in words; nothing of it where policies were evaluated at the end alone."""
+    page = write(build(learned={10: 1, 20: 2}))
+    assert "Success rate while learning baseline 25.0% after 10 steps, 75.0% after 40 steps" in page.text
+    assert [curve["name"] for curve in page.json[-1]["data"] if "name" in curve] == [
+        "baseline",
+        "arp",
+        "random actions",
+    ]
+    assert "Success rate while learning" not in write(build()).text
+
+
+def test_returns_under_every_reward_are_shown(build, write):
+    """A section of its own, with a table per simulator."""
+    page = write(build(simulators=("mujoco", "pybullet")))
+    assert "returns" in page.ids
+    assert page.text.count("evaluation return, scored by baseline arp") == 2
+
+
+@pytest.mark.parametrize("manner", ["deterministically", "stochastically"])
+def test_summary_says_how_policies_acted(build, manner):
+    """Whether they drew their actions."""
+    (combination,) = build(deterministic=manner == "deterministically").combinations
+    assert f"acting {manner}" in describe_comparison(combination)

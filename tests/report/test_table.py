@@ -4,6 +4,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
+from harness.report.return_rows import EXPLANATION
 from harness.report.rows import behaviour_grid, index_grid, ratio_grid, split_grid
 from harness.report.table import comparison_table
 
@@ -132,3 +133,25 @@ def test_pending_and_skipped_cells_are_counted(build):
 def test_markup_in_a_reason_is_text(build):
     """What looks like rich markup is printed as it is."""
     assert "[bold]no[/bold] [m]" in printed(build(ended={("arp", 1): ("failed", "[bold]no[/bold] [m]")}))
+
+
+def test_returns_under_every_reward_are_shown(build):
+    """Below the combinations, with what rows and columns are."""
+    text = squeezed(printed(build()))
+    assert "evaluation return, scored by baseline arp" in text
+    assert "events, paid on top" in text
+    assert squeezed(EXPLANATION) in text
+
+
+@pytest.mark.parametrize("manner", ["deterministically", "stochastically"])
+def test_manner_of_evaluation_is_shown(build, manner):
+    """Whether policies drew their actions."""
+    assert f"policies evaluated {manner}" in printed(build(deterministic=manner == "deterministically"))
+
+
+def test_wide_returns_are_not_cut(build):
+    """Many trainings stand below one another."""
+    proposed = dict.fromkeys(["arp", "relative", "adaptive", "sparse"], (9, 30))
+    text = printed(build(proposed=proposed))
+    assert "…" not in text
+    assert text.count("evaluation return, scored by") == 2

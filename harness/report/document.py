@@ -1,0 +1,23 @@
+"""Everything that a report says, as plain data."""
+
+from typing import Any
+
+from harness.learning import learning_of
+from harness.results import Results
+from harness.return_matrix import return_matrices
+from harness.transfer_matrix import load_transfers
+
+
+def report_to_json(results: Results) -> dict[str, Any]:
+    """What ``harness report --json`` prints.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    data = results.to_json()
+    for told, combination in zip(data["combinations"], results.combinations, strict=True):
+        learning = learning_of(results, combination)
+        told["learning"] = learning and learning.to_json()
+    data["evaluation_returns"] = [matrix.to_json() for matrix in return_matrices(results)]
+    transfers = load_transfers(results)
+    return {**data, "transfer": transfers.to_json()} if transfers.matrices else data

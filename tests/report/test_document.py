@@ -1,0 +1,27 @@
+"""Everything that a report says, as plain data."""
+
+import json
+
+from harness.report.document import report_to_json
+
+
+def test_document_is_strict_json(build):
+    """No NaN, nothing that is not plain data, with and without evaluations during training."""
+    for learned in ({}, {10: 1, 20: 2}):
+        data = report_to_json(build(learned=learned))
+        assert json.loads(json.dumps(data, allow_nan=False)) == data
+
+
+def test_document_has_learning_where_it_was_recorded(build):
+    """Per combination; null where policies were evaluated at the end alone."""
+    (with_it,) = report_to_json(build(learned={10: 1}))["combinations"]
+    (without,) = report_to_json(build())["combinations"]
+    assert set(with_it["learning"]) == {"metrics", "runs"}
+    assert without["learning"] is None
+
+
+def test_document_has_the_returns_of_each_group(build):
+    """One matrix per simulator here."""
+    data = report_to_json(build(simulators=("mujoco", "pybullet")))
+    assert [matrix["simulator"] for matrix in data["evaluation_returns"]] == ["mujoco", "pybullet"]
+    assert set(data) == {"combinations", "cells", "evaluation_returns"}
