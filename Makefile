@@ -48,5 +48,5 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
-	$(PIP) --editable '.[mujoco,pybullet,sb3,report,dev]'
+	$(PIP) --editable '.[mujoco,pybullet,dm-control,sb3,report,tune,tensorboard,dev]'
 	touch $@

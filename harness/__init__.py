@@ -9,9 +9,9 @@ from harness.hookspecs import Register, hookimpl
 
 if TYPE_CHECKING:
     from harness.experiment import run
-    from harness.robot_by_name import load_robot
     from harness.make import make_env
     from harness.results import load_results
+    from harness.robot_by_name import load_robot
 
 __version__ = "0.1.0"
 __all__ = ["Register", "__version__", "hookimpl", "load_results", "load_robot", "make_env", "run"]

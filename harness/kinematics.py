@@ -166,7 +166,7 @@ def position_jacobian(chain: Chain, qpos: ArrayLike) -> Array:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """a x b along the last axis; numpy's own takes several times as long for a few vectors."""
+    """The cross product along the last axis; numpy's own takes several times as long for a few vectors."""
     x = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
     y = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
     z = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

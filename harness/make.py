@@ -9,8 +9,8 @@ from gymnasium.vector import AutoresetMode
 from harness.choice import Choice, choose
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
-from harness.robot_by_name import load_robot
 from harness.plugins import Registry, load_registry
+from harness.robot_by_name import load_robot
 from harness.task import Task
 
 Given: TypeAlias = str | Mapping[str, Any]

@@ -51,11 +51,17 @@ def build(target: Any, given: Mapping[str, Any], noun: str) -> Any:
 
 
 def resolved(target: Any, given: Mapping[str, Any], noun: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """All parameters with their values, and of these the ones that differ from their defaults."""
+    """All parameters with their values, and of these the ones that differ from their defaults.
+
+    Where a parameter stands for several, such as a preset, the target's method ``defaults_with(values)`` gives the
+    defaults that it brings.
+    """
     values = values_of(build(target, given, noun))
     values = values_of(build(target, values, noun))  # once more: a default of 1 is 1.0 where the field is a float
     missing = object()
     defaults = {parameter.name: parameter.default for parameter in parameters_of(target)}
+    if hasattr(target, "defaults_with"):
+        defaults.update(target.defaults_with(values))
     changed = {key: value for key, value in values.items() if value != defaults.get(key, missing)}
     return values, changed
 
@@ -101,7 +107,8 @@ def _is_finite(value: Any) -> bool:
 
 
 def _split_tuple(hint: Any, value: Any) -> Any:
-    is_tuple = typing.get_origin(hint) is tuple
+    kinds = [hint, *typing.get_args(hint)]  # of an optional tuple, the tuple is one of the arguments
+    is_tuple = any(typing.get_origin(kind) is tuple for kind in kinds)
     return value.split("x") if is_tuple and isinstance(value, str) else value
 
 

@@ -7,6 +7,7 @@ from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -14,6 +15,8 @@ from harness.cell import Cell
 from harness.choice import Choice
 from harness.plan import Plan
 from harness.plugins import Registry, load_registry
+from harness.policy import Network
+from harness.policy.chooser import ChoosingNetwork
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
 settings.load_profile("no deadline")
@@ -75,10 +78,62 @@ def make_cell() -> Callable[..., Cell]:
 
 
 @pytest.fixture
+def read_events() -> Callable[[Path], dict[str, list[tuple[int, float]]]]:
+    """The scalars in a folder's event files, as TensorBoard reads them: by name, (steps, value) in order."""
+
+    def read(folder: Path) -> dict[str, list[tuple[int, float]]]:
+        from tensorboard.backend.event_processing.event_file_loader import EventFileLoader
+        from tensorboard.util.tensor_util import make_ndarray
+
+        found: dict[str, list[tuple[int, float]]] = {}
+        for path in sorted(folder.iterdir()):
+            for event in EventFileLoader(str(path)).Load():
+                for value in event.summary.value:
+                    found.setdefault(value.tag, []).append((event.step, make_ndarray(value.tensor).item()))
+        return found
+
+    return read
+
+
+@pytest.fixture
 def make_plan() -> Callable[..., Plan]:
     """A plan of given cells."""
 
     def make(*cells: Cell, skipped: tuple[tuple[Cell, str], ...] = (), baseline: str = "baseline") -> Plan:
         return Plan(baseline, cells, skipped, {"sim": ["ideal"], "algo": ["wander"]})
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def make_network() -> Callable[..., Network]:
+    """A policy of a kind of network with random weights: 5 numbers in, 2 actions or 3 choices out."""
+
+    def make(
+        kind: type[Network],
+        seed: int = 0,
+        *,
+        layers: int = 2,
+        activation: str = "tanh",
+        is_normalised: bool = False,
+        scale: float = 1.0,
+        low: float = -1.0,
+        high: float = 1.0,
+        **fields: Any,
+    ) -> Network:
+        rng = np.random.default_rng(seed)
+        is_discrete, sizes = issubclass(kind, ChoosingNetwork), [5] + [4] * layers
+        outputs = 3 if is_discrete else 2
+        shapes = {f"hidden.{index}": (4, into) for index, into in enumerate(sizes[:-1])}
+        shapes |= dict.fromkeys(kind.heads, (outputs, sizes[-1]))
+        weights = {f"{layer}.weight": scale * rng.normal(size=shape) for layer, shape in shapes.items()}
+        weights |= {f"{layer}.bias": scale * rng.normal(size=out) for layer, (out, _) in shapes.items()}
+        if is_normalised:
+            weights |= {"observation.mean": rng.normal(size=5), "observation.std": np.exp(rng.normal(size=5))}
+        if kind.kind == "gaussian":
+            weights["log_std"] = rng.normal(size=outputs)
+        arrays = {name: array.astype(np.float32) for name, array in weights.items()}
+        given = (outputs,) if is_discrete else ((low,) * outputs, (high,) * outputs)
+        return kind(arrays, activation, *given, algorithm="wander", **fields)
 
     return make

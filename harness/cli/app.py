@@ -6,15 +6,20 @@ import typer
 from typer.exceptions import TyperException
 
 from harness.cli.audit import audit
+from harness.cli.commands import add_plugin_commands, names_of
 from harness.cli.describe import describe
 from harness.cli.doctor import doctor
 from harness.cli.eta import eta
 from harness.cli.names import list_names
+from harness.cli.parity import parity
 from harness.cli.plugins import plugins
 from harness.cli.report import report
 from harness.cli.run import run
 from harness.cli.score import score
+from harness.cli.transfer import transfer
+from harness.cli.tune import tune
 from harness.errors import HarnessError, UsageError
+from harness.plugins import load_registry
 
 FAILED, USAGE = 1, 2
 
@@ -34,14 +39,17 @@ def _root(
 
 
 def build_app() -> typer.Typer:
-    """The whole command line."""
+    """The command line without what plugins bring."""
     app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
     app.callback()(_root)
     app.command()(run)
     app.command()(report)
     app.command(context_settings={"allow_extra_args": True})(eta)  # to say what a pattern without quotes becomes
     app.command()(score)
+    app.command()(transfer)
+    app.command()(tune)
     app.command()(audit)
+    app.command()(parity)
     app.command("list")(list_names)
     app.command()(describe)
     app.command()(plugins)
@@ -55,7 +63,10 @@ def main(args: list[str] | None = None) -> None:
 
 
 def _run(args: list[str]) -> int:
-    command = typer.main.get_command(build_app())
+    app = build_app()
+    if not args or args[0] not in names_of(app):  # ours wait for no plugin
+        add_plugin_commands(app, load_registry())
+    command = typer.main.get_command(app)
     try:
         return command.main(args, prog_name="harness", standalone_mode=False) or 0  # 130 when interrupted
     except TyperException as error:  # what typer refuses: an unknown option, a missing argument

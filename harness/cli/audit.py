@@ -10,7 +10,12 @@ from harness.errors import UsageError
 def audit(
     reward: Annotated[str, typer.Option(help="The reward, as arp:k2=2.", metavar="NAME")],
     task: Annotated[str, typer.Option(help="As fd100-reach:epsilon=0.02.", metavar="NAME")] = "fd100-reach",
-    robot: Annotated[str, typer.Option(help="Robot, or a folder with robot.toml.", metavar="NAME")] = "fd100",
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            help="Robot: a name, a URDF, or a folder with robot.toml.", show_default="the task's", metavar="NAME"
+        ),
+    ] = None,
     sim: Annotated[
         str | None,
         typer.Option(help="Simulator; without it no engine: the joints move exactly as told.", metavar="NAME"),
@@ -26,8 +31,8 @@ def audit(
     from harness.audit.audit import audit_reward
     from harness.audit.rollout import record_rollouts
     from harness.choice import choose
-    from harness.make import load_robot
     from harness.plugins import load_registry
+    from harness.robot_by_name import load_robot
     from harness.testing import IdealSimulator
 
     if episodes < 1:
@@ -40,6 +45,7 @@ def audit(
     engine = where.build(registry, "simulators") if where else IdealSimulator()
     label = where.label if where else "no engine: joints move exactly as told"
     world = chosen.build(registry, "tasks")
+    robot = robot or world.robot
     rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)
     judged, other = (choice.build(registry, "rewards") for choice in rewards)
     found = audit_reward(judged, other, rollouts, gamma)

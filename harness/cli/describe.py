@@ -8,18 +8,22 @@ from harness.errors import UsageError
 
 
 def describe(
-    name: Annotated[str, typer.Argument(help="Anything that `harness list` shows, as arp or arp:k2=2.")],
-    robot: Annotated[str, typer.Option(help="The robot that a task is described for.", metavar="NAME")] = "fd100",
+    name: Annotated[str, typer.Argument(help="Anything that `harness list` shows, as arp or arp:k2=2; or a URDF.")],
+    robot: Annotated[
+        str | None,
+        typer.Option(help="The robot that a task is described for.", show_default="the task's", metavar="NAME"),
+    ] = None,
 ) -> None:
     """Explain a task, reward, simulator, algorithm, metric or robot, with its parameters."""
     from harness.choice import parse
     from harness.describe import describe_name
     from harness.hookspecs import KINDS
     from harness.plugins import load_registry, unknown_name
+    from harness.robot_by_name import is_path
 
     registry = load_registry()
-    bare, _ = parse(name)
-    kinds = [kind for kind in KINDS if (kind, bare) in registry.specs]
+    bare = name if is_path(name) else parse(name)[0]
+    kinds = ["robots"] if is_path(name) else [kind for kind in KINDS if (kind, bare) in registry.specs]
     if not kinds:
         raise UsageError(unknown_name("name", bare, {known for _, known in registry.specs}))
     typer.echo("\n\n".join(describe_name(registry, kind, name, robot) for kind in kinds))

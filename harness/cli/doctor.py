@@ -5,6 +5,7 @@ import sys
 
 import typer
 
+from harness.cli.commands import hidden_commands
 from harness.plugins import Registry, load_registry
 
 RENDER = """
@@ -38,7 +39,7 @@ def _plugin_problems(registry: Registry) -> list[str]:
     lines = [
         f"plugin '{plugin.name}' of {plugin.distribution} is {plugin.status}: {plugin.reason}" for plugin in broken
     ]
-    return [*lines, *registry.conflicts()] or [f"plugins {len(registry.plugins)}, all fine"]
+    return [*lines, *registry.conflicts(), *hidden_commands(registry)] or [f"plugins {len(registry.plugins)}, all fine"]
 
 
 def _missing_libraries(registry: Registry) -> list[str]:

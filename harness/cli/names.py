@@ -14,7 +14,7 @@ def list_names(
         str | None, typer.Argument(help=f"One of: {', '.join(KINDS)}.", metavar="[KIND]", show_default=False)
     ] = None,
 ) -> None:
-    """List simulators, algorithms, rewards, metrics, robots, tasks and executors."""
+    """List simulators, algorithms, rewards, metrics, robots, tasks, executors and the commands of plugins."""
     if kind is not None and kind not in KINDS:
         raise UsageError(unknown_name("kind", kind, KINDS))
     registry = load_registry()

@@ -24,20 +24,20 @@ def parity(
     html: Annotated[Path | None, typer.Option(help="Write a page with figures to this file.", metavar="FILE")] = None,
 ) -> None:
     """Drive the same motions through several simulators and show how far they differ. Trains nothing."""
-    from harness.robot_by_name import load_robot
     from harness.parity.contenders import choose_contenders
     from harness.parity.orders import Setting
     from harness.parity.parity import compare_simulators
     from harness.plugins import load_registry
+    from harness.robot_by_name import load_robot
 
     _check(steps, episodes, seed, period)
     registry = load_registry()
     contenders = choose_contenders(registry, sim or [], reference)
     found = compare_simulators(contenders, Setting(load_robot(robot, registry), steps, episodes, seed, period))
     if html is not None:
-        from harness.parity.page import write_page
+        from harness.parity.page import write_parity
 
-        write_page(found, html)
+        write_parity(found, html)
         typer.echo(f"Page: {html}", err=True)
     if as_json:
         import json

@@ -5,13 +5,14 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.commands import hidden_commands
 from harness.plugins import load_registry
 
 
 def plugins(as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False) -> None:
     """Show every plugin, where it comes from, what it registered, and what is wrong with it."""
     registry = load_registry()
-    conflicts = registry.conflicts()
+    conflicts = registry.conflicts() + hidden_commands(registry)
     if as_json:
         import json
 

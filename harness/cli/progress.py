@@ -65,7 +65,8 @@ class LiveProgress:
         self._progress.advance(self._overall, cell.steps - self._steps.pop(cell.id))  # a failed cell is over too
         seconds = time.perf_counter() - self._started.pop(cell.id)
         outcome = f"FAILED: {event.reason}" if event.reason else f"{seconds:.0f} s, {cell.steps / seconds:.0f} steps/s"
-        self._print(f"[{self._ended}/{self._total}] {cell.title}: {outcome}")
+        note = f" ({event.note})" if event.note else ""
+        self._print(f"[{self._ended}/{self._total}] {cell.title}: {outcome}{note}")
 
     def _print(self, line: str) -> None:
         self._progress.console.print(line, soft_wrap=True, markup=False, highlight=False)

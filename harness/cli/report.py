@@ -23,10 +23,17 @@ def report(
     if as_json:
         import json
 
-        typer.echo(json.dumps(results.to_json(), indent=1, allow_nan=False))
+        from harness.report.document import report_to_json
+
+        typer.echo(json.dumps(report_to_json(results), indent=1, allow_nan=False))
     elif html is None:
         from rich.console import Console
 
         from harness.report.table import comparison_table
+        from harness.report.transfer_table import transfer_table
+        from harness.transfer_matrix import load_transfers
 
-        Console().print(comparison_table(results))
+        console, transfers = Console(), load_transfers(results)
+        console.print(comparison_table(results))
+        if transfers.matrices:
+            console.print(transfer_table(transfers))

@@ -32,7 +32,10 @@ def run(
         str | None, typer.Option(help="As fd100-reach:epsilon=0.02.", show_default="fd100-reach", metavar="NAME")
     ] = None,
     robot: Annotated[
-        str | None, typer.Option(help="Robot, or a folder with robot.toml.", show_default="fd100", metavar="NAME")
+        str | None,
+        typer.Option(
+            help="Robot: a name, a URDF, or a folder with robot.toml.", show_default="the task's", metavar="NAME"
+        ),
     ] = None,
     seeds: Annotated[
         str | None, typer.Option(help="How many seeds, or a list (3,7,11).", show_default="3", metavar="N")
@@ -41,7 +44,19 @@ def run(
         int | None, typer.Option(help="Environment steps of training per cell.", show_default="10000", metavar="N")
     ] = None,
     evaluation_episodes: Annotated[
-        int | None, typer.Option(help="Episodes of evaluation after training.", show_default="100", metavar="N")
+        int | None, typer.Option(help="Episodes of an evaluation.", show_default="100", metavar="N")
+    ] = None,
+    evaluate_every: Annotated[
+        int | None,
+        typer.Option(help="Steps from one evaluation to the next.", show_default="at the end alone", metavar="N"),
+    ] = None,
+    deterministic: Annotated[
+        bool | None,
+        typer.Option(
+            "--deterministic/--stochastic",
+            help="Whether evaluated policies draw no actions.",
+            show_default="they do not",
+        ),
     ] = None,
     out: Annotated[
         Path | None,
@@ -51,29 +66,43 @@ def run(
         int | None, typer.Option(help="Cells at once.", show_default="as many as cores", metavar="N")
     ] = None,
     executor: Annotated[str, typer.Option(help="What runs the cells.", metavar="NAME")] = "processes",
+    checkpoint_every: Annotated[
+        int | None,
+        typer.Option(help="Steps from one checkpoint to the next; killed, a cell goes on there.", metavar="N"),
+    ] = None,
+    tensorboard: Annotated[
+        bool, typer.Option("--tensorboard", help="Leave event files of scalars in each cell's folder too.")
+    ] = False,
 ) -> int:
     """Train every simulator x algorithm x reward x seed and compare the rewards.
 
     A cell that is done is not run again: the same command goes on where it stopped.
     """
-    from harness.experiment import core_count, default_folder
+    from harness.event_log import require_tensorboard
+    from harness.experiment import default_folder
     from harness.plan import expand
     from harness.plugins import load_registry
     from harness.results import Results
     from harness.store import Store
+    from harness.workers import core_count
 
     if jobs is not None and jobs < 1:
         raise UsageError(f"--jobs {jobs}: must be at least 1")
+    if checkpoint_every is not None and checkpoint_every < 1:
+        raise UsageError(f"--checkpoint-every {checkpoint_every}: must be at least 1")
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
         "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
+        "evaluate_every": evaluate_every, "deterministic": deterministic,
     }  # fmt: skip
+    if tensorboard:
+        require_tensorboard()
     registry = load_registry()
     registry.get("executors", executor)
     plan = expand(_read(experiment, {key: value for key, value in given.items() if value is not None}), registry)
     store = Store.create(out or default_folder(plan), plan)
     try:
-        _run_with_progress(plan, store, registry, jobs or core_count(), executor)
+        _run_with_progress(plan, store, registry, jobs or core_count(), executor, checkpoint_every or 0, tensorboard)
     except KeyboardInterrupt:
         kept = f"harness: interrupted: finished cells are kept in '{store.folder}', the same command goes on from there"
         typer.echo(kept, err=True)
@@ -102,13 +131,21 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
     return numbers if "," in text else numbers[0]
 
 
-def _run_with_progress(plan: "Plan", store: "Store", registry: "Registry", jobs: int, executor: str) -> None:
+def _run_with_progress(
+    plan: "Plan",
+    store: "Store",
+    registry: "Registry",
+    jobs: int,
+    executor: str,
+    checkpoint_every: int,
+    tensorboard: bool,
+) -> None:
     from harness.cli.progress import LiveProgress
     from harness.experiment import run_plan
 
     done = [cell for cell in plan.cells if store.is_done(cell)]
     with LiveProgress(plan.cells, done) as progress:
-        run_plan(plan, store, registry, jobs, progress, executor)
+        run_plan(plan, store, registry, jobs, progress, executor, checkpoint_every, tensorboard)
 
 
 def _show(results: "Results") -> None:

@@ -1,17 +1,31 @@
+import re
+import shutil
+from pathlib import Path
+
 import pytest
+
+import harness_robots
 
 
 def test_the_task_is_described_as_the_tuple(harness):
-    """`describe fd100-reach` has S with 18 numbers of Table I, A, T and R."""
+    """`describe fd100-reach` has S with Table I's numbers of every joint, A, T and R."""
     out = harness("describe", "fd100-reach").out
     for text in (
-        "S, the state: 18 numbers",
+        "S, the state: 28 numbers",
         "A, the actions: MoveJ",
         "T, the transition",
         "R, the reward",
         "s_j6-accel",
     ):
         assert text in out
+
+
+def test_the_task_explains_where_it_differs_from_the_note(harness):
+    """Who picks the baseline's own task reads that a touched target does not end the episode, as NOTE eq. 19 has it."""
+    out = harness("describe", "unity-reach").out
+    assert "next target" in out
+    assert "NOTE eq. 19 differs: +1, and the episode ends" in out
+    assert "S, the state: 19 numbers" in out
 
 
 def test_overrides_show_in_the_description(harness):
@@ -32,6 +46,35 @@ def test_the_reward_explains_the_contradiction_of_its_sources(harness):
     out = harness("describe", "arp").out
     assert "k1 = 1, k2 = 2" in out
     assert "1.5" in out
+
+
+def test_robot_of_a_path_is_described(harness, tmp_path):
+    """A URDF anywhere is described with its joints, home, and where the numbers come from."""
+    shutil.copy(Path(harness_robots.UNITY_ARM, "unity_arm.urdf"), tmp_path / "mine.urdf")
+    out = harness("describe", tmp_path / "mine.urdf").out
+    assert "robot mine: 5 joints, end effector Axis06Tip" in out
+    assert re.search(r"home: +the simplest pose clear of the ground", out)
+    assert re.search(r"home: +robot\.toml", harness("describe", "unity-arm").out)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "No robot at"),
+        ("<robot", "The URDF is not well-formed XML"),
+        ("<mujoco/>", "The outermost element is <mujoco>, a URDF's is <robot>"),
+    ],
+)
+def test_what_is_no_urdf_is_refused(harness, tmp_path, text, message):
+    """One line with the path, and status 2."""
+    path = tmp_path / "mine.urdf"
+    if text is not None:
+        path.write_text(text)
+    answer = harness("describe", path)
+    assert answer.status == 2
+    assert message in answer.err
+    assert str(path) in answer.err
+    assert answer.err.count("\n") == 1
 
 
 def test_unknown_names_are_refused(harness):

@@ -20,10 +20,11 @@ BAD = [
     (["--sim", "ideal", "--algo", "wander", "--steps", "many"], "valid integer"),
     (["--sim", "ideal", "--algo", "wander", "--seeds", "0"], "greater than 0"),
     (["--sim", "ideal", "--algo", "wander", "--seeds", "a,b"], "--seeds a,b"),
+    (["--sim", "ideal", "--algo", "wander", "--evaluate-every", "-1"], "greater than or equal to 0"),
     (["--sim", "ideal", "--algo", "wander", "--jobs", "0"], "--jobs 0"),
     (["--sim", "ideal", "--algo", "wander", "--robot", "fd10"], "Did you mean 'fd100'?"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=0"], "greater than 0"),
-    (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=3"], "covers the box"),
+    (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=3"], "covers the targets"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:target_center=9x9x9"], "reaches next to no target"),
     (["--sim", "ideal", "--algo", "wander", "--executor", "slurm"], "No executor 'slurm'"),
     (["missing.toml"], "No experiment file 'missing.toml'"),
@@ -43,6 +44,36 @@ def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, tmp_path, arg
     assert answer.err.count("\n") == 1
     assert told in answer.err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_missing_tensorboard_is_told_before_anything_runs(harness, quick, tmp_path, monkeypatch):
+    """One line that says what to install, and an empty folder."""
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    answer = harness("run", *quick, "--tensorboard")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "pip install 'fd100-harness[tensorboard]'" in answer.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_tensorboard_leaves_event_files(harness, quick, tmp_path):
+    """In the folder of every cell; the cells are those of a run without."""
+    harness("run", *quick, "--seeds", "1", "--tensorboard", "--out", "watched")
+    harness("run", *quick, "--seeds", "1", "--out", "alone")
+    folders = {name: sorted((tmp_path / name / "cells").iterdir()) for name in ("watched", "alone")}
+    assert [folder.name for folder in folders["watched"]] == [folder.name for folder in folders["alone"]]
+    assert all(list((folder / "tensorboard").iterdir()) for folder in folders["watched"])
+    assert not any((folder / "tensorboard").exists() for folder in folders["alone"])
+
+
+def test_evaluation_is_told_by_flags(harness, quick, tmp_path):
+    """`--evaluate-every` and `--stochastic` are part of the cells, and the report says how policies acted."""
+    flags = ("--algo", "narrate", "--seeds", "1", "--evaluate-every", "5", "--stochastic")
+    answer = harness("run", *quick[:2], *quick[4:], *flags, "--out", "mine")
+    assert "policies evaluated stochastically" in answer.err
+    data = json.loads(harness("report", "mine", "--json").out)
+    assert data["combinations"][0]["deterministic"] is False
+    curve = data["combinations"][0]["learning"]["metrics"]["success_rate"]["proposed"]
+    assert [point["steps"] for point in curve] == [5, 10, 12]
 
 
 def test_foreign_folders_are_refused(harness, quick, tmp_path):
@@ -129,10 +160,23 @@ def test_a_failed_cell_costs_itself_alone(harness, quick):
 
 def test_combinations_that_cannot_work_are_skipped_with_the_reason(harness, quick):
     """An algorithm for other actions is skipped, said so, and no failure."""
-    answer = harness("run", *quick, "--algo", "buttons", "--seeds", "1", "--out", "mine")
+    task = "fd100-reach:action=discrete"
+    answer = harness("run", *quick, "--algo", "wander,buttons", "--task", task, "--seeds", "1", "--out", "mine")
     assert answer.status == 0
-    reasons = {cell["reason"] for cell in json.loads(harness("report", "mine", "--json").out)["cells"]}
-    assert any("discrete actions" in reason for reason in reasons)
+    cells = json.loads(harness("report", "mine", "--json").out)["cells"]
+    told = {(cell["algorithm"], cell["status"], cell["reason"]) for cell in cells}
+    reason = "wander takes continuous actions, the task's are discrete"
+    assert told == {("wander", "skipped", reason), ("buttons", "done", "")}
+
+
+def test_one_task_serves_continuous_and_discrete_algorithms(harness, quick):
+    """Each algorithm is compared on the task in its own form, and the report names it."""
+    answer = harness("run", *quick, "--algo", "wander,buttons", "--seeds", "2", "--out", "mine")
+    assert answer.status == 0
+    found = json.loads(harness("report", "mine", "--json").out)["combinations"]
+    forms = {combination["algorithm"]: combination["task"] for combination in found}
+    assert forms["buttons"] == f"{forms['wander']}:action=discrete:action=movej"
+    assert all(combination["seeds"] == [0, 1] for combination in found)
 
 
 def test_ctrl_c_keeps_what_is_finished(toys, tmp_path):

@@ -9,7 +9,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.parity.figure import draw_joints, draw_tips
-from harness.parity.page import write_page
+from harness.parity.page import write_parity
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_without_the_reference_every_line_is_shown(compare, toolbox):
 def test_the_page_is_whole_and_loads_nothing(found, tmp_path):
     """plotly.js once, two figures that can be read, the tables, and a policy that forbids the rest."""
     pytest.importorskip("plotly")
-    write_page(found, tmp_path / "parity.html")
+    write_parity(found, tmp_path / "parity.html")
     page = (tmp_path / "parity.html").read_text(encoding="utf-8")
     assert "default-src 'none'; script-src 'unsafe-inline'" in page
     assert page.count("* plotly.js v") == 1
@@ -61,14 +61,14 @@ def test_names_cannot_inject(compare, toolbox, tmp_path):
     """What a simulator calls itself is text."""
     pytest.importorskip("plotly")
     found = compare(**{"<script>alert(1)</script>": toolbox.ideal, "b": toolbox.ideal})
-    write_page(found, tmp_path / "parity.html")
+    write_parity(found, tmp_path / "parity.html")
     assert "<script>alert" not in (tmp_path / "parity.html").read_text(encoding="utf-8")
 
 
 def test_without_pairs_there_is_no_figure(compare, toolbox, tmp_path):
     """And no plotly.js."""
     pytest.importorskip("plotly")
-    write_page(compare(one=toolbox.ideal), tmp_path / "parity.html")
+    write_parity(compare(one=toolbox.ideal), tmp_path / "parity.html")
     page = (tmp_path / "parity.html").read_text(encoding="utf-8")
     assert "plotly" not in page
     assert page.count("<table>") == 1
@@ -78,7 +78,7 @@ def test_a_page_that_cannot_be_written_is_a_usage_error(found, tmp_path):
     """Named, with the reason."""
     pytest.importorskip("plotly")
     with pytest.raises(UsageError, match=r"no/parity\.html' cannot be written: No such file"):
-        write_page(found, tmp_path / "no" / "parity.html")
+        write_parity(found, tmp_path / "no" / "parity.html")
 
 
 def test_without_plotly_the_extra_is_named(found, tmp_path, monkeypatch):
@@ -86,5 +86,5 @@ def test_without_plotly_the_extra_is_named(found, tmp_path, monkeypatch):
     pytest.importorskip("jinja2")
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
     with pytest.raises(UsageError, match=r"pip install 'fd100-harness\[report\]'"):
-        write_page(found, tmp_path / "parity.html")
+        write_parity(found, tmp_path / "parity.html")
     assert list(tmp_path.iterdir()) == []

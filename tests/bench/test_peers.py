@@ -1,0 +1,102 @@
+"""Environment steps per second beside the reach tasks that others have, each as its authors ship it.
+
+Both peers do 20 physics steps per env step and have no batch; ours has one, and one env beside it for comparison.
+"""
+
+import warnings
+from importlib import import_module
+from importlib.util import find_spec
+
+import gymnasium
+import numpy as np
+import pytest
+
+import harness
+
+pytestmark = pytest.mark.bench
+STEPS, BATCH = 640, 64
+
+
+class _PlainEnums:
+    """mujoco with enums of plain integers: since 3.12 an array's number is in no tuple of its enums.
+
+    Gymnasium-Robotics 1.4.2 looks for one there, and its FetchReach cannot be made with a newer mujoco.
+    """
+
+    def __init__(self, mujoco):
+        self._mujoco = mujoco
+        members = mujoco.mjtJoint.__members__
+        self.mjtJoint = type("mjtJoint", (), {name: int(value) for name, value in members.items()})
+
+    def __getattr__(self, name):
+        return getattr(self._mujoco, name)
+
+
+def _panda_reach(monkeypatch):
+    _require("panda_gym")
+    return gymnasium.make("PandaReach-v3")
+
+
+def _fetch_reach(monkeypatch):
+    _require("gymnasium_robotics")
+    module = import_module("gymnasium_robotics.utils.mujoco_utils")
+    monkeypatch.setattr(module, "mujoco", _PlainEnums(module.mujoco))
+    return gymnasium.make("FetchReach-v4")
+
+
+def _require(package: str) -> None:
+    if find_spec(package) is None:
+        pytest.skip(f"{package} is not installed: pip install '.[peers]'")
+    gymnasium.register_envs(import_module(package))
+
+
+def _peer_steps(env):
+    """Random actions, drawn before; a new episode whenever one ends."""
+    env.action_space.seed(0)
+    actions = [env.action_space.sample() for _ in range(STEPS)]
+
+    def run() -> None:
+        for action in actions:
+            _, _, terminated, truncated, _ = env.step(action)
+            if terminated or truncated:
+                env.reset()
+
+    return run
+
+
+def _our_steps(env):
+    rng = np.random.default_rng(0)
+    actions = rng.uniform(-1.0, 1.0, (STEPS // env.num_envs, *env.action_space.shape)).astype(np.float32)
+
+    def run() -> None:
+        for action in actions:
+            env.step(action)
+
+    return run
+
+
+@pytest.mark.filterwarnings("ignore")  # the peers' own
+@pytest.mark.parametrize(
+    ("make_peer", "simulator", "num_envs", "times"),
+    [
+        pytest.param(_panda_reach, "mujoco:substeps=20,threads=2", BATCH, 10.0, id="PandaReach, 64 envs on 2 threads"),
+        # 8 is wanted. Bare mujoco.rollout on two cores that share one is itself 6 to 7 times as fast.
+        pytest.param(_fetch_reach, "mujoco:substeps=20,threads=2", BATCH, 6.0, id="FetchReach, 64 envs on 2 threads"),
+        # A bare mj_step loop of 20 physics steps is itself 8 and 5 times as fast.
+        pytest.param(_panda_reach, "mujoco:substeps=20", 1, 5.0, id="PandaReach, one env"),
+        pytest.param(_fetch_reach, "mujoco:substeps=20", 1, 3.0, id="FetchReach, one env"),
+    ],
+)
+def test_many_times_as_fast_as_a_peer(make_peer, simulator, num_envs, times, speed_ratio, monkeypatch):
+    """At least `times` the env steps per second of the peer."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        peer = make_peer(monkeypatch)
+        peer.reset(seed=0)
+        ours = harness.make_env(simulator, num_envs=num_envs)
+        ours.reset(seed=0)
+        try:
+            assert speed_ratio(_peer_steps(peer), _our_steps(ours), rounds=5) >= times
+        finally:
+            ours.close()
+            peer.close()
