@@ -31,7 +31,6 @@ def __getattr__(name: str) -> Any:
     return getattr(importlib.import_module(_HOMES[name]), name)
 
 
-@wrapt.when_imported("gymnasium")
 def _register_envs(gymnasium: Any) -> None:
     """Make `gymnasium.make("harness/Reach-v0")` work, whichever of the two is imported first."""
     gymnasium.register(
@@ -39,3 +38,6 @@ def _register_envs(gymnasium: Any) -> None:
         entry_point="harness.single_env:ReachEnv",
         vector_entry_point="harness.make:make_env",
     )
+
+
+wrapt.when_imported("gymnasium")(_register_envs)

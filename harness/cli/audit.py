@@ -4,18 +4,14 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.options import RobotName
 from harness.errors import UsageError
 
 
 def audit(
     reward: Annotated[str, typer.Option(help="The reward, as arp:k2=2.", metavar="NAME")],
     task: Annotated[str, typer.Option(help="As fd100-reach:epsilon=0.02.", metavar="NAME")] = "fd100-reach",
-    robot: Annotated[
-        str | None,
-        typer.Option(
-            help="Robot: a name, a URDF, or a folder with robot.toml.", show_default="the task's", metavar="NAME"
-        ),
-    ] = None,
+    robot: RobotName = None,
     sim: Annotated[
         str | None,
         typer.Option(help="Simulator; without it no engine: the joints move exactly as told.", metavar="NAME"),

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.options import ROBOT
 from harness.errors import UsageError
 
 
@@ -15,7 +16,7 @@ def parity(
     reference: Annotated[
         str | None, typer.Option(help="What the others are compared with. (default: mujoco)", metavar="NAME")
     ] = None,
-    robot: Annotated[str, typer.Option(help="Robot, or a folder with robot.toml.", metavar="NAME")] = "fd100",
+    robot: Annotated[str, typer.Option(help=ROBOT, metavar="NAME")] = "fd100",
     steps: Annotated[int, typer.Option(help="Control periods of each motion.", metavar="N")] = 200,
     episodes: Annotated[int, typer.Option(help="How many motions, and how many dives.", metavar="N")] = 8,
     seed: Annotated[int, typer.Option(help="Of all that is drawn.", metavar="S")] = 0,

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from harness.cli.options import Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -13,8 +14,6 @@ if TYPE_CHECKING:
     from harness.results import Results
     from harness.store import Store
 
-Names = list[str] | None
-
 
 def run(
     experiment: Annotated[
@@ -22,21 +21,12 @@ def run(
     ] = None,
     sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...")] = None,
     algo: Annotated[Names, typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...")] = None,
-    reward: Annotated[
-        Names, typer.Option(help="Proposed rewards, as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...")
-    ] = None,
+    reward: RewardNames = None,
     baseline: Annotated[
         str | None, typer.Option(help="What they are compared with.", show_default="baseline", metavar="NAME")
     ] = None,
-    task: Annotated[
-        str | None, typer.Option(help="As fd100-reach:epsilon=0.02.", show_default="fd100-reach", metavar="NAME")
-    ] = None,
-    robot: Annotated[
-        str | None,
-        typer.Option(
-            help="Robot: a name, a URDF, or a folder with robot.toml.", show_default="the task's", metavar="NAME"
-        ),
-    ] = None,
+    task: TaskName = None,
+    robot: RobotName = None,
     seeds: Annotated[
         str | None, typer.Option(help="How many seeds, or a list (3,7,11).", show_default="3", metavar="N")
     ] = None,

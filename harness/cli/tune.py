@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from harness.cli.options import Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     from harness.tune.trial import TrialRecord, Tuned
     from harness.tune.tune import Watch
     from harness.tune.tuning import Tuning
-
-Names = list[str] | None
 
 
 def tune(
@@ -27,21 +26,12 @@ def tune(
     algo: Annotated[
         Names, typer.Option(help="The algorithm, with what is not searched, as sac:tau=0.01.", metavar="NAME")
     ] = None,
-    reward: Annotated[
-        Names, typer.Option(help="Proposed rewards, as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...")
-    ] = None,
+    reward: RewardNames = None,
     baseline: Annotated[
         str | None, typer.Option(help="Tuned beside them.", show_default="baseline", metavar="NAME")
     ] = None,
-    task: Annotated[
-        str | None, typer.Option(help="As fd100-reach:epsilon=0.02.", show_default="fd100-reach", metavar="NAME")
-    ] = None,
-    robot: Annotated[
-        str | None,
-        typer.Option(
-            help="Robot: a name, a URDF, or a folder with robot.toml.", show_default="the task's", metavar="NAME"
-        ),
-    ] = None,
+    task: TaskName = None,
+    robot: RobotName = None,
     search: Annotated[
         Names,
         typer.Option(

@@ -1,0 +1,16 @@
+"""Flags that mean the same in several commands."""
+
+from typing import Annotated
+
+import typer
+
+ROBOT = "Robot: a name, a URDF, or a folder with robot.toml."
+
+Names = list[str] | None
+RewardNames = Annotated[
+    Names, typer.Option(help="Proposed rewards, as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...")
+]
+TaskName = Annotated[
+    str | None, typer.Option(help="As fd100-reach:epsilon=0.02.", show_default="fd100-reach", metavar="NAME")
+]
+RobotName = Annotated[str | None, typer.Option(help=ROBOT, show_default="the task's", metavar="NAME")]
