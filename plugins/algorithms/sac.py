@@ -61,20 +61,12 @@ class Sac:
         from stable_baselines3 import SAC
 
         from harness_plugins.sb3.policies import squashed_gaussian
-        from harness_plugins.sb3.training import network, train
+        from harness_plugins.sb3.training import replay_settings, train
 
         return train(
             SAC, env, steps, seed, progress,
             lambda model: squashed_gaussian(model, self.activation, "sac"),
             decisions_per_update=self.train_freq * self.num_envs,
-            learning_rate=self.learning_rate,
-            gamma=self.gamma,
-            batch_size=self.batch_size,
-            buffer_size=min(self.buffer_size, steps),
-            learning_starts=self.learning_starts,
-            train_freq=self.train_freq,
-            gradient_steps=self.gradient_steps,
-            tau=self.tau,
+            **replay_settings(self, steps),
             ent_coef=self.ent_coef if self.ent_coef.startswith("auto") else float(self.ent_coef),
-            policy_kwargs=network(self.net_arch, self.activation),
         )  # fmt: skip

@@ -63,24 +63,16 @@ class Td3:
         from stable_baselines3.common.noise import NormalActionNoise
 
         from harness_plugins.sb3.policies import deterministic
-        from harness_plugins.sb3.training import network, train
+        from harness_plugins.sb3.training import replay_settings, train
 
         dimensions = np.ones(env.single_action_space.shape)
         return train(
             TD3, env, steps, seed, progress,
             lambda model: deterministic(model, self.activation, "td3", self.action_noise),
             decisions_per_update=self.train_freq * self.num_envs,
-            learning_rate=self.learning_rate,
-            gamma=self.gamma,
-            batch_size=self.batch_size,
-            buffer_size=min(self.buffer_size, steps),
-            learning_starts=self.learning_starts,
-            train_freq=self.train_freq,
-            gradient_steps=self.gradient_steps,
-            tau=self.tau,
+            **replay_settings(self, steps),
             action_noise=NormalActionNoise(0.0 * dimensions, self.action_noise * dimensions),
             policy_delay=self.policy_delay,
             target_policy_noise=self.target_noise,
             target_noise_clip=self.target_noise_clip,
-            policy_kwargs=network(self.net_arch, self.activation),
         )  # fmt: skip

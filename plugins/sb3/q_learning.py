@@ -60,24 +60,16 @@ class QLearning:
     ) -> Policy:
         """Train the library's class; the policy's card says `name`. See `harness.algorithm.Algorithm`."""
         from harness_plugins.sb3.policies import greedy
-        from harness_plugins.sb3.training import network, train
+        from harness_plugins.sb3.training import replay_settings, train
 
         return train(
             library, env, steps, seed, progress,
             lambda model: greedy(model, self.activation, name, self.exploration_end),
             decisions_per_update=self.train_freq * self.num_envs,
-            learning_rate=self.learning_rate,
-            gamma=self.gamma,
-            batch_size=self.batch_size,
-            buffer_size=min(self.buffer_size, steps),
-            learning_starts=self.learning_starts,
-            train_freq=self.train_freq,
-            gradient_steps=self.gradient_steps,
+            **replay_settings(self, steps),
             target_update_interval=max(self.target_update_interval, self.num_envs),  # it cannot be more often
-            tau=self.tau,
             exploration_fraction=self.exploration_fraction,
             exploration_initial_eps=self.exploration_start,
             exploration_final_eps=self.exploration_end,
             max_grad_norm=self.max_gradient,
-            policy_kwargs=network(self.net_arch, self.activation),
         )  # fmt: skip

@@ -52,6 +52,18 @@ def train(
     return policy_of(model)
 
 
+REPLAY = ("learning_rate", "gamma", "batch_size", "learning_starts", "train_freq", "gradient_steps", "tau")
+
+
+def replay_settings(settings: Any, steps: int) -> dict[str, Any]:
+    """What every class that learns from a replay buffer is made with, for a training of `steps`."""
+    return {
+        **{name: getattr(settings, name) for name in REPLAY},
+        "buffer_size": min(settings.buffer_size, steps),
+        "policy_kwargs": network(settings.net_arch, settings.activation),
+    }
+
+
 def network(layers: tuple[int, ...], activation: str) -> dict[str, Any]:
     """The library's ``policy_kwargs``."""
     return {"net_arch": list(layers), "activation_fn": ACTIVATIONS[activation]}

@@ -24,7 +24,10 @@ def _actions(steps: int, num_envs: int) -> np.ndarray:
 
 
 def test_one_env_has_seven_tenths_of_the_bare_loop(tmp_path, speed_ratio):
-    """Observation, reward and trace on, one env does at least 0.7 of the steps of a bare mj_step(nstep=20) loop."""
+    """Observation, reward and trace on, one env does at least 0.7 of the steps of a bare mj_step(nstep=20) loop.
+
+    0.8 is wanted; 0.72 to 0.76 was measured.
+    """
     env, actions = _recorded_env(tmp_path, "mujoco", 1), _actions(STEPS, 1)
     model = env.simulation.model
     data = mujoco.MjData(model)
@@ -46,7 +49,10 @@ def test_one_env_has_seven_tenths_of_the_bare_loop(tmp_path, speed_ratio):
 
 
 def test_64_envs_have_eight_tenths_of_bare_rollout(tmp_path, speed_ratio):
-    """64 envs on 2 threads do at least 0.8 of the steps of bare mujoco.rollout."""
+    """64 envs on 2 threads do at least 0.8 of the steps of bare mujoco.rollout.
+
+    0.85 is wanted; 0.78 to 0.89 was measured, from run to run.
+    """
     env, actions = _recorded_env(tmp_path, "mujoco:threads=2", 64), _actions(40, 64)
     model = env.simulation.model
     full = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
