@@ -23,6 +23,11 @@ def register_algorithms(register: harness.Register) -> None:
             extra="sb3",
         )
     register(
+        "sac-fast",
+        "harness_plugins.algorithms.sac_fast:SacFast",
+        summary="soft actor-critic in lean form, by numpy alone: like sac, several times as fast",
+    )
+    register(
         "spg",
         "harness_plugins.algorithms.spg:Spg",
         summary="the note's stochastic policy gradient, on the CPU",

@@ -10,7 +10,7 @@ from pydantic_core import ArgsKwargs
 from harness.algorithm import ActionSpace
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.sb3.settings import Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
+from harness_plugins.hyperparameters import Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv

@@ -8,8 +8,9 @@ from stable_baselines3.common.callbacks import BaseCallback
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import Progress
+from harness_plugins.episode_means import EpisodeMeans
 from harness_plugins.sb3.entropy import actor_entropy
-from harness_plugins.sb3.scalars import Scalars
+from harness_plugins.sb3.scalars import losses
 
 EVERY = 100
 SCALARS_EVERY = 1000
@@ -43,7 +44,7 @@ class SilentProgress(BaseCallback):
         self._progress, self._budget, self._policy_of = progress, budget, policy_of
         self._decisions_per_update = decisions_per_update
         self._told = self._scalars_told = 0
-        self._scalars = Scalars()
+        self._means = EpisodeMeans(env.num_envs)
 
     @property
     def _steps(self) -> int:
@@ -51,7 +52,7 @@ class SilentProgress(BaseCallback):
 
     def _on_step(self) -> bool:
         steps = self._steps
-        self._scalars.watch(self.locals["infos"], self.locals["dones"])
+        self._means.watch(self.locals["rewards"], self.locals["dones"])
         self._progress.policy(steps, self._make_policy)
         if steps >= self._told + EVERY:
             self._told = steps
@@ -80,5 +81,5 @@ class SilentProgress(BaseCallback):
 
     def _tell_scalars(self, steps: int) -> None:
         self._scalars_told = steps
-        values, entropy = self._scalars.take(self.logger.name_to_value), actor_entropy(self.model)
+        values, entropy = {**self._means.take(), **losses(self.logger.name_to_value)}, actor_entropy(self.model)
         self._progress.scalars(steps, values if entropy is None else {**values, "Policy/Entropy": entropy})

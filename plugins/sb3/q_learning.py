@@ -8,7 +8,7 @@ from pydantic.dataclasses import dataclass
 from harness.algorithm import ActionSpace
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.sb3.settings import (
+from harness_plugins.hyperparameters import (
     Activation,
     BatchSize,
     BufferSize,

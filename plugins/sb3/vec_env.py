@@ -10,21 +10,15 @@ from harness.env import ReachVectorEnv
 
 
 class VecEnvAdapter(VecEnv):
-    """Both start the next episode in the step that ends one; they differ in how they tell.
-
-    The info of an env whose episode ended holds what the library's own monitor would put there: ``episode`` with the
-    return ``r`` and the length ``l``, in decisions.
-    """
+    """Both start the next episode in the step that ends one; they differ in how they tell."""
 
     def __init__(self, env: ReachVectorEnv) -> None:
         self.env = env
         self._actions: Any = None
-        self._returns, self._lengths = np.zeros(env.num_envs), np.zeros(env.num_envs, int)
         super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
 
     def reset(self) -> Any:
         """First observations, (num_envs, observation_size)."""
-        self._returns[:], self._lengths[:] = 0.0, 0
         return self.env.reset()[0]
 
     def step_async(self, actions: Any) -> None:
@@ -35,17 +29,13 @@ class VecEnvAdapter(VecEnv):
         """Observations, rewards, dones and one info per env."""
         observations, rewards, terminated, truncated, infos = self.env.step(self._actions)
         dones = terminated | truncated
-        self._returns += rewards
-        self._lengths += 1
         told: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for k in np.flatnonzero(dones):
             told[k] = {
                 "terminal_observation": infos["final_obs"][k],
                 "TimeLimit.truncated": bool(truncated[k] and not terminated[k]),
                 "is_success": bool(infos["is_success"][k]),
-                "episode": {"r": float(self._returns[k]), "l": int(self._lengths[k])},
             }
-            self._returns[k], self._lengths[k] = 0.0, 0
         return observations, rewards.astype(np.float32), dones, told
 
     def close(self) -> None:

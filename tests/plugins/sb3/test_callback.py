@@ -52,7 +52,7 @@ def watch(env: ReachVectorEnv, told: Told, budget: int = 10_000, **logged: float
     callback: Any = SilentProgress(env, told, budget, lambda model: f"policy of {model.name}", 12)  # type: ignore[arg-type, return-value]
     names = {f"train/{name}": value for name, value in logged.items()}
     callback.model = SimpleNamespace(name="the model", logger=SimpleNamespace(name_to_value=names))
-    callback.locals = {"infos": [{}] * env.num_envs, "dones": np.zeros(env.num_envs, bool)}
+    callback.locals = {"rewards": np.zeros(env.num_envs), "dones": np.zeros(env.num_envs, bool)}
     return callback
 
 
@@ -92,12 +92,16 @@ def test_scalars_are_told_every_thousand_steps():
 
 
 def test_returns_of_episodes_are_told():
-    """The info of an env whose episode ended holds its return and its length; the next episode counts from 0."""
-    adapter = adapt(horizon=3)
+    """With their lengths, as means over the episodes that ended."""
+    told, adapter = Told(), adapt(num_envs=100, horizon=5)
+    callback = watch(adapter.env, told)
     adapter.reset()
-    for _ in range(2):
-        steps = [stand(adapter) for _ in range(3)]
-        returns = np.sum([rewards for _, rewards, _, _ in steps], axis=0)
-        told = [info["episode"] for info in steps[-1][3]]
-        assert [episode["l"] for episode in told] == [3, 3, 3]
-        np.testing.assert_allclose([episode["r"] for episode in told], returns, rtol=1e-6)
+    returns = np.zeros(100)
+    for _ in range(10):
+        _, rewards, dones, _ = stand(adapter)
+        returns += rewards
+        callback.locals = {"rewards": rewards, "dones": dones}
+        callback._on_step()
+    ((_, values),) = told.told
+    assert values["Environment/Episode Length"] == 5.0
+    np.testing.assert_allclose(values["Environment/Cumulative Reward"], returns.mean() / 2, rtol=1e-5)

@@ -1,18 +1,8 @@
 """Numbers to watch."""
 
-import numpy as np
 import pytest
 
-from harness_plugins.sb3.scalars import Scalars
-
-
-def test_scalars_of_episodes_are_means_since_the_last_time():
-    """Of the episodes that ended; nothing is told where none did."""
-    scalars = Scalars()
-    infos = [{"episode": {"r": -2.0, "l": 10}}, {}, {"episode": {"r": 1.0, "l": 5}}]
-    scalars.watch(infos, np.array([True, False, True]))
-    assert scalars.take({}) == {"Environment/Cumulative Reward": -0.5, "Environment/Episode Length": 7.5}
-    assert scalars.take({}) == {}
+from harness_plugins.sb3.scalars import losses
 
 
 @pytest.mark.parametrize(
@@ -20,4 +10,4 @@ def test_scalars_of_episodes_are_means_since_the_last_time():
 )
 def test_value_loss_is_the_value_networks(logged: dict[str, float], told: float):
     """DQN has one loss; PPO's is a sum, of which the value network's is a term."""
-    assert Scalars().take(logged) == {"Losses/Value Loss": told}
+    assert losses(logged) == {"Losses/Value Loss": told}

@@ -1,0 +1,30 @@
+"""Soft actor-critic in lean form, with numpy alone."""
+
+from typing import TYPE_CHECKING
+
+from pydantic.dataclasses import dataclass
+
+from harness.policy import SquashedGaussian
+from harness.progress import Progress
+from harness_plugins.soft_actor_critic import SoftActorCritic
+
+if TYPE_CHECKING:
+    from harness.env import ReachVectorEnv
+
+
+@dataclass(frozen=True)
+class SacFast(SoftActorCritic):
+    """The algorithm of `sac`, with the same settings, several times as fast.
+
+    Nothing but numpy: no library to import, no graph to build, nothing large allocated in an update.
+    """
+
+    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> SquashedGaussian:
+        """See `harness.algorithm.Algorithm`."""
+        from threadpoolctl import threadpool_limits
+
+        from harness_plugins.fast_sac.training import Training
+
+        # Matrices this small are slower with more threads, and sums come out the same with one.
+        with threadpool_limits(1):
+            return Training(self, env, steps, seed, progress).run()

@@ -1,0 +1,25 @@
+"""What a nat of entropy is worth: fixed, or learned."""
+
+import numpy as np
+
+from harness_plugins.fast_sac.adam import Adam
+from harness_plugins.soft_actor_critic import SoftActorCritic
+
+
+class EntropyCoefficient:
+    """Learned by its logarithm, so that it stays positive; a fixed one may be 0."""
+
+    def __init__(self, settings: SoftActorCritic, action_size: int) -> None:
+        """Begin as the settings say; the entropy aimed at is minus the number of actions."""
+        self.value = settings.first_coefficient
+        self._learns, self._aim = settings.learns_coefficient, -action_size
+        self._logarithm = np.array([np.log(self.value)] if self._learns else [0.0], np.float32)
+        self._gradient = np.empty(1, np.float32)
+        self._descent = Adam(self._logarithm, self._gradient, settings.learning_rate)
+
+    def learn(self, entropy: float) -> None:
+        """It rises where the entropy of the actions is less than what is aimed at."""
+        if self._learns:
+            self._gradient[0] = entropy - self._aim
+            self._descent.step()
+            self.value = float(np.exp(self._logarithm[0]))

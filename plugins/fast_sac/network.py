@@ -1,0 +1,134 @@
+"""Multi-layer perceptrons side by side, forwards and backwards, in arrays that are there before.
+
+A bias is the weight of an input that is always 1: every layer's inputs end with a column of ones, and one matrix
+product does weights and biases, forwards and backwards.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Self, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Float32: TypeAlias = NDArray[np.float32]
+Networks: TypeAlias = tuple[Float32, ...]
+"""Weights of each layer, or their gradients, (count, into + 1, out); the last row of the inputs' axis is the bias."""
+
+
+def count_parameters(count: int, sizes: Sequence[int]) -> int:
+    """Of `count` networks with layers of these sizes, input and output included."""
+    return count * sum((into + 1) * out for into, out in pairwise(sizes))
+
+
+def networks_in(flat: Float32, count: int, sizes: Sequence[int]) -> Networks:
+    """See the numbers in `flat`, as many as `count_parameters` says, as `count` networks."""
+    layers, start = [], 0
+    for into, out in pairwise(sizes):
+        end = start + count * (into + 1) * out
+        layers.append(flat[start:end].reshape(count, into + 1, out))
+        start = end
+    return tuple(layers)
+
+
+def draw_weights(networks: Networks, rng: np.random.Generator) -> None:
+    """First weights and biases: uniform within 1/sqrt(into), as in torch's linear layers."""
+    for weight in networks:
+        bound = 1.0 / np.sqrt(weight.shape[1] - 1)
+        weight[...] = rng.uniform(-bound, bound, weight.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class Room:
+    """What a pass through the networks leaves behind, for the way back and until the next pass.
+
+    Attributes:
+        value: Of each hidden layer, after the activation, (count, rows, out + 1), ending with ones; then the output,
+            (count, rows, out).
+        slope: Of the activation, (count, rows, out + 1) for each hidden layer.
+        error: Gradient of the loss by each layer's values before the activation, (count, rows, out). Who goes
+            backwards puts the output's there.
+    """
+
+    value: tuple[Float32, ...]
+    slope: tuple[Float32, ...]
+    error: tuple[Float32, ...]
+
+    @classmethod
+    def of(cls, count: int, rows: int, sizes: Sequence[int]) -> Self:
+        """Room for `rows` inputs of each of `count` networks."""
+
+        def ones(outs: Sequence[int]) -> tuple[Float32, ...]:
+            return tuple(np.ones((count, rows, out), np.float32) for out in outs)
+
+        hidden = [out + 1 for out in sizes[1:-1]]
+        return cls(ones([*hidden, sizes[-1]]), ones(hidden), ones(sizes[1:]))
+
+    def first(self) -> Self:
+        """Of the first of the networks."""
+        return type(self)(*(tuple(array[:1] for array in arrays) for arrays in vars(self).values()))
+
+
+def relu(value: Float32, slope: Float32) -> None:
+    """In place, and its slope: one comparison for both. Of the ones it makes ones."""
+    np.greater(value, 0.0, out=slope, casting="unsafe")
+    np.multiply(value, slope, out=value)
+
+
+def tanh(value: Float32, slope: Float32) -> None:
+    """In place, and its slope; the ones are left alone."""
+    value, slope = value[..., :-1], slope[..., :-1]
+    np.tanh(value, out=value)
+    np.multiply(value, value, out=slope)
+    np.subtract(1.0, slope, out=slope)
+
+
+ACTIVATIONS: dict[str, Callable[[Float32, Float32], None]] = {"relu": relu, "tanh": tanh}
+
+
+def forward(networks: Networks, activation: str, inputs: Float32, room: Room) -> Float32:
+    """What the networks make of `inputs`.
+
+    Args:
+        networks: `count` of them, or one for all.
+        activation: Between the layers.
+        inputs: (count, rows, into + 1), or (rows, into + 1), the same for all; the last column is 1.
+        room: Keeps what `backward` needs.
+
+    Returns:
+        (count, rows, out), in `room`.
+    """
+    *hidden, last = networks
+    values, activate = inputs, ACTIVATIONS[activation]
+    for weight, value, slope in zip(hidden, room.value, room.slope, strict=False):
+        np.matmul(values, weight, out=value[..., :-1])
+        activate(value, slope)
+        values = value
+    return np.matmul(values, last, out=room.value[-1])
+
+
+def backward(networks: Networks, inputs: Float32, room: Room, gradient: Networks | None) -> Float32:
+    """The way back of the last pass, from the error of the output, which stands in ``room.error[-1]``.
+
+    Args:
+        networks: As in that pass.
+        inputs: As in that pass.
+        room: Of that pass.
+        gradient: Filled with the gradients, summed over rows; None if they are not wanted.
+
+    Returns:
+        The error of the first layer, (count, rows, out); times its weights, it is that of the inputs.
+    """
+    for layer in reversed(range(len(networks))):
+        error = room.error[layer]
+        if gradient is not None:
+            before = room.value[layer - 1] if layer else inputs
+            np.matmul(before.swapaxes(-1, -2), error, out=gradient[layer])
+        if layer:
+            weight = networks[layer][:, :-1].swapaxes(-1, -2)
+            # From one output a product of a column and a row, at which the matrix product is slow.
+            product = np.multiply if weight.shape[1] == 1 else np.matmul
+            product(error, weight, out=room.error[layer - 1])
+            np.multiply(room.error[layer - 1], room.slope[layer - 1][..., :-1], out=room.error[layer - 1])
+    return room.error[0]

@@ -1,0 +1,67 @@
+"""The lean SAC: what it shares with `sac`, and that it needs nothing but numpy."""
+
+import subprocess
+import sys
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info
+
+from harness.testing.algorithms import the_budget_is_spent_exactly, the_return_rises
+from harness.testing.trainings import train
+from harness_plugins.algorithms.sac import Sac
+from harness_plugins.algorithms.sac_fast import SacFast
+
+
+def test_settings_are_those_of_sac():
+    """By name and by default: one can stand for the other in an experiment file."""
+    assert [(field.name, field.default) for field in fields(SacFast)] == [
+        (field.name, field.default) for field in fields(Sac)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("given", "learns", "first"), [("auto", True, 1.0), ("auto_0.3", True, 0.3), ("0.2", False, 0.2), ("0", False, 0.0)]
+)
+def test_entropy_coefficient_is_read(given: str, learns: bool, first: float):
+    """What is learned from where, and what is fixed."""
+    settings = SacFast(ent_coef=given)
+    assert (settings.learns_coefficient, settings.first_coefficient) == (learns, first)
+
+
+@pytest.mark.parametrize("settings", [{}, {"activation": "tanh"}, {"num_envs": 4, "gradient_steps": -1}])
+def test_return_rises(settings: dict[str, Any]):
+    """On the easy task, in whatever form."""
+    the_return_rises(SacFast(**settings))
+
+
+@pytest.mark.parametrize("settings", [{"num_envs": 4}, {"train_freq": 7}, {"num_envs": 4, "train_freq": 3}])
+def test_budget_is_spent_exactly(settings: dict[str, Any]):
+    """Neither the number of envs nor the rhythm of the updates makes a training longer than its budget."""
+    the_budget_is_spent_exactly(SacFast(**settings))
+
+
+def test_without_entropy_it_learns_too():
+    """A coefficient of 0 has a logarithm that no number is, and is never asked for it."""
+    policy = train(SacFast(ent_coef="0", net_arch=(8,), batch_size=16), 150).policy
+    assert np.isfinite(policy.weights["mean.weight"]).all()  # type: ignore[attr-defined]
+
+
+def test_threads_are_left_as_they_were():
+    """One for the training, what there was for whoever comes after."""
+    before = threadpool_info()
+    train(SacFast(net_arch=(8,), batch_size=16), 20)
+    assert threadpool_info() == before
+
+
+def test_no_library_of_learning_is_imported():
+    """Neither torch nor stable-baselines3: it works where they are not installed."""
+    code = (
+        "import sys; from harness.testing.trainings import train;"
+        "from harness_plugins.algorithms.sac_fast import SacFast;"
+        "train(SacFast(net_arch=(8,), batch_size=16), 120);"
+        "assert not {'torch', 'stable_baselines3', 'jax', 'scipy'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,0 +1,171 @@
+"""A training: how often it learns, what it remembers, and what it tells."""
+
+# ruff: noqa: D102 (what a progress is told is described where the class is)
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.env import ReachVectorEnv
+from harness.policy import Policy
+from harness.progress import Progress
+from harness.testing import IdealSimulator
+from harness.testing.trainings import EASY, ENV_SEED, NegativeDistance, WatchedEnv, easy_robot
+from harness_plugins.algorithms.sac_fast import SacFast
+from harness_plugins.fast_sac import training
+from harness_plugins.fast_sac.learner import Learner
+from harness_plugins.fast_sac.replay import Batch, Replay
+
+SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16}
+
+
+class Told(Progress):
+    """Keeps what it is told."""
+
+    def __init__(self) -> None:
+        self.steps: list[int] = []
+        self.policies: list[tuple[int, Policy]] = []
+        self.told: list[tuple[int, Mapping[str, float]]] = []
+
+    def __call__(self, steps: int) -> None:
+        self.steps.append(steps)
+
+    def policy(self, steps: int, make: Callable[[], Policy]) -> None:
+        self.policies.append((steps, make()))
+
+    def scalars(self, steps: int, values: Mapping[str, float]) -> None:
+        self.told.append((steps, values))
+
+
+def train(settings: SacFast, steps: int, told: Told | None = None) -> WatchedEnv:
+    """On the easy task; returns the env."""
+    env = WatchedEnv(settings.num_envs)
+    env.reset(seed=ENV_SEED)
+    settings.train(env, steps, 0, told or Told())
+    return env
+
+
+@pytest.fixture
+def updates(monkeypatch: pytest.MonkeyPatch) -> list[Batch]:
+    """The batch of each update that is made."""
+    made: list[Batch] = []
+
+    class Watched(Learner):
+        def update(self, batch: Batch) -> Any:
+            made.append(Batch(*(np.array(part) for part in batch)))
+            return super().update(batch)
+
+    monkeypatch.setattr(training, "Learner", Watched)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("given", "count"),
+    [
+        ({}, 100),
+        ({"train_freq": 7}, 14),  # after 105, 112, ..., 196 decisions
+        ({"train_freq": 10, "gradient_steps": 3}, 30),
+        ({"train_freq": 10, "gradient_steps": -1}, 100),
+        ({"num_envs": 4}, 25),
+        ({"num_envs": 4, "train_freq": 5, "gradient_steps": -1}, 100),
+        ({"learning_starts": 0}, 200),
+        ({"learning_starts": 500}, 0),
+        ({"gradient_steps": 0}, 0),
+    ],
+)
+def test_updates_come_as_often_as_said(updates: list[Batch], given: dict[str, Any], count: int):
+    """After a budget of 200 decisions over all envs."""
+    train(SacFast(**SMALL, **given), 200)
+    assert len(updates) == count
+
+
+def test_first_decisions_are_uniform(monkeypatch: pytest.MonkeyPatch):
+    """Until learning starts: no actor is asked."""
+    asked: list[int] = []
+    monkeypatch.setattr(training, "forward", lambda *_: asked.append(1))
+    train(SacFast(**SMALL, learning_starts=100), 100)
+    assert not asked
+
+
+def test_a_cut_episode_goes_on_from_its_last_observation(monkeypatch: pytest.MonkeyPatch):
+    """Not from the first of the next one; it is not terminated."""
+    kept: list[tuple[Any, ...]] = []
+
+    class Watched(Replay):
+        def add(self, *args: Any) -> None:
+            kept.append(tuple(np.array(arg) for arg in args))
+            super().add(*args)
+
+    monkeypatch.setattr(training, "Replay", Watched)
+    train(SacFast(**SMALL), 45)  # episodes of 20 steps
+    observation, _, following, _, terminated = (np.concatenate(column) for column in zip(*kept, strict=True))
+    starts = [index for index in range(1, 45) if not np.array_equal(observation[index], following[index - 1])]
+    assert starts == [20, 40]
+    assert not terminated.any()
+
+
+def test_a_reached_target_terminates(updates: list[Batch]):
+    """Where an episode ends at its target nothing is expected to follow; where it is cut, it is."""
+    env = ReachVectorEnv(IdealSimulator(), easy_robot(), replace(EASY, epsilon=0.6), NegativeDistance())
+    env.reset(seed=ENV_SEED)
+    SacFast(**SMALL, learning_starts=10).train(env, 100, 0, Progress())
+    ended = np.concatenate([batch.goes_on == 0.0 for batch in updates])
+    paid = np.concatenate([batch.reward for batch in updates])
+    assert ended.any()
+    np.testing.assert_array_equal(ended, paid > 0.0)  # minus the distance, and 1 for the target
+
+
+def test_policy_is_the_actor():
+    """The mean of the last actor, squashed."""
+    env = WatchedEnv(1)
+    observation, _ = env.reset(seed=ENV_SEED)
+    run = training.Training(SacFast(**SMALL), env, 150, 0, Progress())
+    policy = run.run()
+    inputs = np.append(observation, np.ones((1, 1), np.float32), axis=1)
+    hidden = np.maximum(inputs @ run._learner.actor[0][0], 0.0)
+    mean = np.append(hidden, np.ones((1, 1), np.float32), axis=1) @ run._learner.actor[1][0][:, :6]
+    np.testing.assert_allclose(policy.act(observation), np.tanh(mean), rtol=1e-5)
+
+
+def test_every_update_changes_the_policy():
+    """And each policy that is told is a copy, which stays as it was."""
+    told = Told()
+    train(SacFast(**SMALL), 103, told)
+    weights = [policy.weights["mean.weight"] for _, policy in told.policies]  # type: ignore[attr-defined]
+    assert [steps for steps, _ in told.policies] == [*range(1, 104), 103]
+    changed = [not np.array_equal(one, other) for one, other in pairwise(weights)]
+    assert changed == [False] * 99 + [True] * 3 + [False]
+
+
+def test_progress_is_told_every_hundred_steps_and_at_the_end():
+    """No more often: a line each is passed on to the caller."""
+    told = Told()
+    train(SacFast(**SMALL), 250, told)
+    assert told.steps == [100, 200, 250]
+
+
+def test_scalars_have_the_names_of_the_others():
+    """Of episodes and of losses, each thousand steps and at the end."""
+    told = Told()
+    train(SacFast(**SMALL), 1_040, told)
+    assert [steps for steps, _ in told.told] == [1_000, 1_040]
+    for _, values in told.told:
+        assert set(values) == {
+            "Environment/Cumulative Reward", "Environment/Episode Length", "Losses/Policy Loss", "Losses/Value Loss",
+            "Policy/Entropy", "Policy/Continuous Entropy Coeff", "Policy/Learning Rate",
+        }  # fmt: skip
+        assert np.isfinite(list(values.values())).all()
+
+
+def test_buffer_is_no_larger_than_the_budget(monkeypatch: pytest.MonkeyPatch):
+    """A million transitions are not asked for where 50 are made."""
+    asked: list[int] = []
+    real = training.Replay
+    monkeypatch.setattr(training, "Replay", lambda *args: asked.append(args[0]) or real(*args))
+    train(SacFast(**SMALL), 50)
+    train(SacFast(**SMALL, buffer_size=30), 50)
+    assert asked == [50, 30]
