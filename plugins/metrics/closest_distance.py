@@ -1,0 +1,22 @@
+"""How near to the target an episode comes."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from harness.trace import Trace
+
+
+@dataclass(frozen=True)
+class ClosestDistance:
+    """Mean over the finished episodes of the smallest distance from end effector to target, [m].
+
+    Where no episode ends at the target, or all end on the ground, this tells more than where they end.
+    """
+
+    unit: ClassVar[str] = "m"
+    better: ClassVar[str] = "lower"
+
+    def __call__(self, trace: Trace) -> float | None:
+        """None without a finished episode."""
+        closest = [float(trace["distance"][rows].min()) for rows in trace.episodes]
+        return sum(closest) / len(closest) if closest else None
