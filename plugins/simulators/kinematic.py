@@ -34,7 +34,7 @@ class KinematicSimulation:
         self._solids = build_solids(attach_shapes(robot.urdf, robot.joint_names))
         joints = (num_envs, robot.dof)
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
-        self.place(np.tile(robot.home, (num_envs, 1)))
+        self.reset(np.tile(robot.home, (num_envs, 1)), np.ones(num_envs, bool))
 
     def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
         """See `harness.simulator.Simulation`."""
@@ -45,6 +45,9 @@ class KinematicSimulation:
 
     def place(self, qpos: Float) -> State:
         """See `harness.simulator.Simulation`."""
+        if np.array_equal(qpos, self._state.qpos):  # a decision that lasts puts the arms where they stand
+            self._state.qvel[...] = 0.0
+            return self._state
         return self.reset(qpos, np.ones(len(qpos), bool))
 
     def drive(self, qpos: Float, duration: float) -> State:

@@ -108,6 +108,27 @@ def test_arms_are_at_rest_where_they_are_reset():
     np.testing.assert_array_equal(state.qvel, np.where(mask[:, None], 0.0, (poses - ROBOT.home) / PERIOD))
 
 
+def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatch: pytest.MonkeyPatch):
+    """A decision that lasts repeats its pose: the state is the same, and the arms are at rest."""
+    arms, poses = open_arms(3), random_poses(3)
+    arms.drive(poses, PERIOD)
+    asked: list[int] = []
+    monkeypatch.setattr(arms, "_place_links", lambda qpos: asked.append(1))
+    state = arms.place(poses.copy())
+    assert not asked
+    assert (state.qvel == 0.0).all()
+    fresh = open_arms(3).place(poses)
+    for mine, other in zip(state, fresh, strict=True):
+        np.testing.assert_array_equal(mine, other)
+
+
+def test_arms_whose_home_is_zero_start_there():
+    """The state before the first pose is none."""
+    robot = replace(ROBOT, home=np.zeros(ROBOT.dof))
+    state = open_arms(1, robot).read()
+    np.testing.assert_allclose(state.end_effector, robot.end_effector(np.zeros(ROBOT.dof))[None], atol=1e-12)
+
+
 def test_end_effector_is_that_of_the_robot():
     """Anywhere in the joint ranges, to rounding."""
     poses = random_poses(1000)
