@@ -20,10 +20,16 @@ from harness.manifest import Manifest, describe_environment, now
 from harness.plugins import Registry, load_registry
 from harness.policy import Policy
 from harness.trace_parts import TraceParts, discard_parts
+from harness.watch import UNWATCHED, Watch
 
 
 def run_cell(
-    cell: Cell, folder: Path, report: Report, checkpoint_every: int = 0, tensorboard: bool = False
+    cell: Cell,
+    folder: Path,
+    report: Report,
+    checkpoint_every: int = 0,
+    tensorboard: bool = False,
+    watch: Watch = UNWATCHED,
 ) -> Manifest:
     """Do `cell` and leave its trace, policy, evaluation and manifest in `folder`.
 
@@ -37,6 +43,7 @@ def run_cell(
         checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none. If
             this process is killed, the next call goes on from the last one.
         tensorboard: Whether to leave event files of scalars too.
+        watch: Looks on.
     """
     started, clock = now(), time.perf_counter()
     partial = partial_folder(folder)
@@ -48,7 +55,8 @@ def run_cell(
         attempt = begin_attempt(cell, partial, manifest.environment, checkpoint_every)
         manifest = replace(manifest, resumed_from=attempt.begun_from, note=attempt.note)
         events = partial / TENSORBOARD if tensorboard else None
-        manifest = replace(manifest, training_seconds=_train_and_evaluate(cell, attempt, registry, report, events))
+        seconds = _train_and_evaluate(cell, attempt, registry, report, events, watch)
+        manifest = replace(manifest, training_seconds=seconds)
     except (Exception, SystemExit) as error:  # a plugin may raise anything: it costs this cell alone
         with (partial / LOG).open("a") as log:
             traceback.print_exc(file=log)
@@ -62,20 +70,28 @@ def run_cell(
 
 
 def _train_and_evaluate(
-    cell: Cell, attempt: Attempt, registry: Registry, report: Report, event_folder: Path | None
+    cell: Cell, attempt: Attempt, registry: Registry, report: Report, event_folder: Path | None, watch: Watch
 ) -> float:
     """Returns the seconds that the training took."""
     with EventLog(event_folder) as events:
         evaluations = CellEvaluations(cell, registry, attempt, events)
-        policy = _train(cell, attempt, registry, report, evaluations, events)
+        policy = _train(cell, attempt, registry, report, evaluations, events, watch)
         seconds = round(attempt.seconds - evaluations.seconds, 3)
         policy.save(attempt.folder / POLICY, cell.to_json())
+        watch.enter("evaluation")
         evaluations.finish(policy)
+        watch.enter("saving")
     return seconds
 
 
 def _train(
-    cell: Cell, attempt: Attempt, registry: Registry, report: Report, evaluations: CellEvaluations, events: EventLog
+    cell: Cell,
+    attempt: Attempt,
+    registry: Registry,
+    report: Report,
+    evaluations: CellEvaluations,
+    events: EventLog,
+    watch: Watch,
 ) -> Policy:
     algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
     env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
@@ -85,6 +101,10 @@ def _train(
             env.recorder = parts.recorder
             env.reset(seed=env_seed)
             progress = CellProgress(report, attempt, env, parts, evaluations, events)
-            return algorithm.train(env, cell.steps, algorithm_seed, progress)
+            watch.follow(env)
+            policy = algorithm.train(env, cell.steps, algorithm_seed, progress)
+            watch.enter("trace")
+        return policy
     finally:
+        watch.enter("saving")
         env.close()

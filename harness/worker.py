@@ -5,7 +5,8 @@ output. What the work itself prints goes into its log; what it reads is empty. E
 
 An order has ``folder``, which it has to leave, ``command``, what the user typed, and either ``cell``, to be trained
 and evaluated, with ``checkpoint_every``, steps, if it is to leave checkpoints, and ``tensorboard``, whether to leave
-event files, or ``policy_of``, a done cell's folder, and ``simulator``, where its policy is to be evaluated.
+event files, or with ``timed_from``, what the clock showed, if it is to leave its times; or ``policy_of``, a done cell's
+folder, and ``simulator``, where its policy is to be evaluated.
 """
 
 import json
@@ -44,7 +45,11 @@ def main() -> None:
 
 
 def _do(order: dict[str, Any], folder: Path, report: Report) -> None:
-    if "cell" in order:
+    if "timed_from" in order:
+        from harness.cell_times.timed_cell import run_timed  # who is not timed does not wait for it
+
+        run_timed(Cell.from_json(order["cell"]), folder, report, order["timed_from"])
+    elif "cell" in order:
         options = order.get("checkpoint_every", 0), order.get("tensorboard", False)
         run_cell(Cell.from_json(order["cell"]), folder, report, *options)
     else:

@@ -6,6 +6,7 @@ import typer
 from typer.exceptions import TyperException
 
 from harness.cli.audit import audit
+from harness.cli.bench import bench
 from harness.cli.commands import add_plugin_commands, names_of
 from harness.cli.describe import describe
 from harness.cli.doctor import doctor
@@ -50,6 +51,7 @@ def build_app() -> typer.Typer:
     app.command()(tune)
     app.command()(audit)
     app.command()(parity)
+    app.command()(bench)
     app.command("list")(list_names)
     app.command()(describe)
     app.command()(plugins)

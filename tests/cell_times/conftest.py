@@ -1,0 +1,32 @@
+"""Times of a cell that add up to a round number."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from harness.cell import Cell
+from harness.cell_times.bench import Timing
+from harness.cell_times.cell_times import PARTS, CellTimes
+
+SECONDS = dict(zip(PARTS, (1.0, 2.0, 0.5, 0.25, 0.75, 4.5, 0.6, 0.4), strict=True))
+
+
+@pytest.fixture
+def make_times() -> Callable[..., CellTimes]:
+    """10 seconds for 1,000 steps; some parts may be said otherwise."""
+
+    def make(**seconds: float) -> CellTimes:
+        return CellTimes({**SECONDS, **seconds}, steps=1_000, calls=4_000, core_share=0.95)
+
+    return make
+
+
+@pytest.fixture
+def make_timing(make_cell: Callable[..., Cell], make_times: Callable[..., CellTimes]) -> Callable[..., Timing]:
+    """A combination with rounds of which some parts are said otherwise; by default one as it is."""
+
+    def make(*rounds: dict[str, float], clock_seconds: float = 5e-7, **fields: Any) -> Timing:
+        return Timing(make_cell(**fields), tuple(make_times(**said) for said in rounds or ({},)), clock_seconds)
+
+    return make
