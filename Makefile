@@ -9,13 +9,20 @@ TORCH_INDEX ?=
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: install dev run test slow bench check format clean
+.PHONY: install dev run reference test slow bench check format clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
 
 run: install
 	$(BIN)/harness run --sim mujoco --algo sac
+
+# A whole experiment and its committed records: make reference EXPERIMENT=arp_2021. Cells that failed, exit status 1,
+# are part of the record.
+reference: dev
+	$(if $(EXPERIMENT),,$(error Name it: make reference EXPERIMENT=arp_2021, for experiments/arp_2021.toml))
+	$(BIN)/harness run experiments/$(EXPERIMENT).toml --out results/runs/$(EXPERIMENT) || [ $$? -eq 1 ]
+	$(BIN)/harness report results/runs/$(EXPERIMENT) --summary results/reference/$(subst _,-,$(EXPERIMENT))
 
 # Two processes, one thread each.
 test: dev
@@ -48,5 +55,5 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
-	$(PIP) --editable '.[mujoco,pybullet,dm-control,sb3,report,tune,tensorboard,dev]'
+	$(PIP) --editable '.[mujoco,pybullet,dm-control,sb3,report,figures,tune,tensorboard,dev]'
 	touch $@

@@ -58,6 +58,10 @@ class LearningCurve:
     runs: tuple[LearningRun, ...]
     points: Mapping[str, tuple[Point, ...]]
 
+    def known(self, metric: str) -> list[Point]:
+        """The points at which the metric is defined."""
+        return [point for point in self.points[metric] if point.value.mean is not None]
+
 
 @dataclass(frozen=True)
 class Learning:
@@ -72,6 +76,11 @@ class Learning:
     baseline: LearningCurve
     proposed: LearningCurve
     random: Values
+
+    def last_step(self, metric: str) -> int:
+        """Where the longer of both curves of a metric ends; 1 where there is none."""
+        points = [*self.baseline.known(metric), *self.proposed.known(metric)]
+        return max((point.steps for point in points), default=1)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data: the curves by metric, and the runs that they are means of."""

@@ -154,7 +154,7 @@ def _write_page(comparison: "Comparison", path: Path) -> None:
     import html
     import json
 
-    from harness.report.figure import BLUE, FONT, VERMILION
+    from harness.report.palette import BLUE, FONT, VERMILION
 
     try:
         from plotly.offline import get_plotlyjs
@@ -177,7 +177,7 @@ def _write_page(comparison: "Comparison", path: Path) -> None:
 
 
 def _lines(curve: "GroupCurve", who: str, colour: str) -> list[dict[str, Any]]:
-    from harness.report.figure import select_points
+    from harness.report.points import select_points
 
     runs = curve.runs
     drawn = [(f"{who} run {number}", run, 1.0, 0.4) for number, run in enumerate(runs, 1)]
@@ -192,7 +192,7 @@ def _lines(curve: "GroupCurve", who: str, colour: str) -> list[dict[str, Any]]:
 
 
 def _layout(kind: str) -> dict[str, Any]:
-    from harness.report.figure import FONT, GRID, INK
+    from harness.report.palette import FONT, GRID, INK
 
     axis = {"showline": True, "linecolor": INK, "gridcolor": GRID, "automargin": True}
     return {

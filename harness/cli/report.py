@@ -10,6 +10,9 @@ def report(
     folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
+    summary: Annotated[
+        Path | None, typer.Option(help="Write small records and figures into this folder.", metavar="FOLDER")
+    ] = None,
 ) -> None:
     """Show the results in an experiment's folder. Trains nothing and imports no engine."""
     from harness.results import load_results
@@ -20,13 +23,16 @@ def report(
 
         write_html(results, html)
         typer.echo(f"Report: {html}", err=True)
+    if summary is not None:
+        from harness.report.summary.summary import write_summary
+
+        write_summary(results, summary)
+        typer.echo(f"Summary: {summary}", err=True)
     if as_json:
-        import json
+        from harness.report.document import report_text
 
-        from harness.report.document import report_to_json
-
-        typer.echo(json.dumps(report_to_json(results), indent=1, allow_nan=False))
-    elif html is None:
+        typer.echo(report_text(results))
+    elif html is None and summary is None:
         from rich.console import Console
 
         from harness.report.table import comparison_table

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from harness.parity.grids import pair_name, reference_pairs
 from harness.parity.parity import Pair, Parity
-from harness.report.figure import FONT, GRID, INK, Figure, select_points
+from harness.report.figure import Figure
+from harness.report.palette import FONT, GRID, INK
+from harness.report.points import select_points
 
 Float = NDArray[np.float64]
 

@@ -1,5 +1,6 @@
 """Everything that a report says, as plain data."""
 
+import json
 from typing import Any
 
 from harness.learning import learning_of
@@ -9,7 +10,7 @@ from harness.transfer_matrix import load_transfers
 
 
 def report_to_json(results: Results) -> dict[str, Any]:
-    """What ``harness report --json`` prints.
+    """All of it; ``harness report --json`` prints it by `report_text`.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
@@ -21,3 +22,8 @@ def report_to_json(results: Results) -> dict[str, Any]:
     data["evaluation_returns"] = [matrix.to_json() for matrix in return_matrices(results)]
     transfers = load_transfers(results)
     return {**data, "transfer": transfers.to_json()} if transfers.matrices else data
+
+
+def report_text(results: Results) -> str:
+    """What ``harness report --json`` prints, and what ``results.json`` of a summary holds."""
+    return json.dumps(report_to_json(results), indent=1, allow_nan=False)

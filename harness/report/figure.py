@@ -9,20 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.combination import Combination
-from harness.curve import GroupCurve
-from harness.decompose import BB, KK
-from harness.index import Index
+from harness.report.palette import FONT, GRID, INK
+from harness.report.panel import Panel, panels_of, reward_range, step_range
+from harness.report.points import select_points
 
 Float = NDArray[np.float64]
 Figure: TypeAlias = dict[str, Any]
-
-POINTS = 1_000
-"""Points drawn per curve, at most: more than a panel has pixels; every step of every run would make 100 MB pages."""
-
-BLUE, VERMILION = "#0072B2", "#D55E00"
-"""For baseline and proposed; apart for every kind of colour vision (Okabe and Ito), and in grey."""
-INK, GRID = "#1a1a1a", "#e3e3e3"
-FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
 
 def draw_panels(combination: Combination) -> tuple[Figure, Figure] | None:
@@ -30,47 +22,24 @@ def draw_panels(combination: Combination) -> tuple[Figure, Figure] | None:
 
     Two figures, not one: a narrow screen stacks them.
     """
-    baseline, proposed = combination.baseline_index, combination.proposed_index
-    if baseline is None or proposed is None:
+    panels = panels_of(combination)
+    if panels is None:
         return None
-    curves = (combination.curves[BB], combination.curves[KK])
-    ranges = {"x": _step_range(*curves), "y": _reward_range(*curves)}
-    return (
-        _draw_panel(curves[0], combination.seeds, baseline, BLUE, ranges),
-        _draw_panel(curves[1], combination.seeds, proposed, VERMILION, ranges),
-    )
+    ranges = {"x": list(step_range(panels)), "y": list(reward_range(panels))}
+    return _draw_panel(panels[0], ranges), _draw_panel(panels[1], ranges)
 
 
-def select_points(values: Float, points: int = POINTS) -> NDArray[np.int64]:
-    """Which steps to draw: the first, the last, and the extremes of each stretch between, in order, (<= points,).
-
-    Every stretch keeps its lowest and its highest value, so the drawn curve reaches as far as the real one and crosses
-    zero in the same stretches. Averages or every n-th step would not.
-    """
-    count = len(values)
-    if count <= points:
-        return np.arange(count)
-    stretches = np.array_split(np.arange(count), points // 2 - 1)
-    extremes = [stretch[pick(values[stretch])] for stretch in stretches for pick in (np.argmin, np.argmax)]
-    return np.unique([0, *extremes, count - 1])
-
-
-def _draw_panel(
-    curve: GroupCurve, seeds: tuple[int, ...], index: Index, colour: str, ranges: dict[str, list[float]]
-) -> Figure:
-    runs, stride = curve.runs, curve.stride
-    mean = runs.mean(axis=0)
+def _draw_panel(panel: Panel, ranges: dict[str, list[float]]) -> Figure:
+    stride, colour = panel.stride, panel.colour
     thin = [
         _curve(run, stride, f"seed {seed}", {"color": colour, "width": 1}, opacity=0.45)
-        for run, seed in zip(runs, seeds, strict=True)
+        for run, seed in zip(panel.runs, panel.seeds, strict=True)
     ]
-    thick = _curve(mean, stride, "mean", {"color": colour, "width": 3.5})
-    steps = {"first negative": index.first_negative, "cross-over": index.crossover}
-    marked = {name: step for name, step in steps.items() if step is not None}
+    thick = _curve(panel.mean, stride, "mean", {"color": colour, "width": 3.5})
     layout = _layout(ranges)
-    layout["shapes"] = [_vertical_line(step) for step in marked.values()]
-    layout["annotations"] = [_label(name, step, ranges["x"][1]) for name, step in marked.items()]
-    return {"data": [*thin, thick, _markers(marked, mean, stride, colour)], "layout": layout}
+    layout["shapes"] = [_vertical_line(step) for step in panel.marks.values()]
+    layout["annotations"] = [_label(name, step, ranges["x"][1]) for name, step in panel.marks.items()]
+    return {"data": [*thin, thick, _markers(panel)], "layout": layout}
 
 
 def _curve(values: Float, stride: int, name: str, line: dict[str, Any], opacity: float = 1.0) -> Figure:
@@ -88,17 +57,16 @@ def _curve(values: Float, stride: int, name: str, line: dict[str, Any], opacity:
     }
 
 
-def _markers(marked: dict[str, int], mean: Float, stride: int, colour: str) -> Figure:
+def _markers(panel: Panel) -> Figure:
     """A dot on the drawn mean curve at each marked step."""
-    heights = np.interp(list(marked.values()), np.arange(len(mean)) * stride, mean)
     return {
         "type": "scatter",
         "mode": "markers",
-        "x": list(marked.values()),
-        "y": [_plain(height) for height in heights.tolist()],
-        "text": list(marked),
+        "x": list(panel.marks.values()),
+        "y": [_plain(height) for height in panel.heights],
+        "text": list(panel.marks),
         "cliponaxis": False,
-        "marker": {"color": "#ffffff", "size": 9, "line": {"color": colour, "width": 2.5}},
+        "marker": {"color": "#ffffff", "size": 9, "line": {"color": panel.colour, "width": 2.5}},
         "hovertemplate": "%{text}: step %{x:,}<extra></extra>",
     }
 
@@ -164,18 +132,6 @@ def _layout(ranges: dict[str, list[float]]) -> Figure:
             "automargin": True,
         },
     }
-
-
-def _step_range(*curves: GroupCurve) -> list[float]:
-    return [0, max(curve.index.steps for curve in curves) - 1]
-
-
-def _reward_range(*curves: GroupCurve) -> list[float]:
-    """From the lowest to the highest value of both groups, zero always in it, with some air."""
-    low = min(0.0, *(float(curve.runs.min()) for curve in curves))
-    high = max(0.0, *(float(curve.runs.max()) for curve in curves))
-    air = 0.04 * (high - low) or 1.0
-    return [low - air, high + air]
 
 
 def _plain(value: float) -> float:

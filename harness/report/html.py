@@ -1,19 +1,16 @@
 """The report as one HTML file that opens anywhere, offline."""
 
-from collections import Counter
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from harness.cell import Cell
-from harness.choice import Choice
 from harness.combination import Combination
 from harness.index import Ratio
 from harness.learning import learning_of
-from harness.manifest import Manifest
+from harness.report.facts import shared_facts
 from harness.report.figure import draw_panels
 from harness.report.learning_figure import describe_learning, draw_learning
 from harness.report.page import render_page, write_page
+from harness.report.question import question
 from harness.report.return_rows import EXPLANATION as RETURNS
 from harness.report.return_rows import TITLE as RETURN_TITLE
 from harness.report.return_rows import return_grids, return_title
@@ -40,7 +37,8 @@ from harness.report.rows import (
     split_grid,
     splits,
 )
-from harness.report.split_figure import describe_split, draw_split
+from harness.report.split_figure import draw_split
+from harness.report.split_rows import describe_split
 from harness.report.transfer_rows import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
 from harness.return_matrix import ReturnMatrix, return_matrices
@@ -51,14 +49,6 @@ from harness.verdict import SUCCESS
 TEMPLATE = Path(__file__).parent / "report.html.j2"
 
 
-class Fact(NamedTuple):
-    """A line of the manifest: what was so, and in how many cells if not in all."""
-
-    name: str
-    value: str
-    cells: str
-
-
 def write_html(results: Results, path: Path) -> None:
     """Write the report to `path`, in one go: a reader finds the old file or the new one, whole.
 
@@ -66,16 +56,6 @@ def write_html(results: Results, path: Path) -> None:
         UsageError: A library of the extra ``report`` is missing, or `path` cannot be written.
     """
     write_page(_render(results), path, "The report")
-
-
-def question(results: Results) -> str:
-    """What the report answers."""
-    labels = dict.fromkeys(combination.proposed for combination in results.combinations)
-    proposed = [label for label in labels if label != results.baseline]  # that would be A/A
-    verb, subject = ("Does", "a reward") if not proposed else ("Does", f"the reward {proposed[0]}")
-    if len(proposed) > 1:
-        verb, subject = "Do", f"the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"
-    return f"{verb} {subject} make the robot behave better, or only the numbers bigger?"
 
 
 def describe_comparison(combination: Combination) -> str:
@@ -99,19 +79,6 @@ def describe_comparison(combination: Combination) -> str:
             f"{success.proposed}, random actions in {success.random}."
         )
     return " ".join(sentences)
-
-
-def shared_facts(manifests: Iterable[Manifest]) -> list[Fact]:
-    """Versions, machine, commit, command and sources of all cells that ran; a line each, more where cells differ."""
-    counts: dict[str, Counter[str]] = {}
-    for manifest in manifests:
-        for name, value in _facts(manifest).items():
-            counts.setdefault(name, Counter())[value] += 1
-    return [
-        Fact(name, value, f"{count} of {values.total()} cells" if len(values) > 1 else "")
-        for name, values in counts.items()
-        for value, count in values.items()
-    ]
 
 
 def _render(results: Results) -> str:
@@ -233,26 +200,3 @@ def _told(name: str, ratio: Ratio) -> str:
         return f"{name} says little, as an index is near zero"
     interval = interval_text(ratio)
     return f"{name} is {ratio_text(ratio)}" + (f" (95% interval {interval})" if interval != NOTHING else "")
-
-
-def _facts(manifest: Manifest) -> dict[str, str]:
-    """The environment of a cell, flat; empty for a cell that never ran."""
-    environment = manifest.environment
-    if not environment:
-        return {}
-    machine = environment.get("machine", {})
-    sources = environment.get("sources", {})
-    facts = {
-        "command": environment.get("command"),
-        "commit": environment.get("commit"),
-        **{name: machine.get(name) for name in ("system", "cpu", "cores")},
-        **environment.get("versions", {}),
-        **{f"source of {_chosen(manifest.cell, kind)}": digest[:12] for kind, digest in sources.items()},
-    }
-    return {name: str(value) for name, value in facts.items() if value}
-
-
-def _chosen(cell: Cell, kind: str) -> str:
-    """Name of the cell's choice of a kind: two rewards have two sources, one reward should have one."""
-    choice = getattr(cell, kind.removesuffix("s"), kind)
-    return choice.name if isinstance(choice, Choice) else str(choice)

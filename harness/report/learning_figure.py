@@ -3,19 +3,19 @@
 from typing import Any
 
 from harness.learning import Learning, LearningCurve, Point
-from harness.report.figure import BLUE, FONT, GRID, INK, VERMILION, Figure
+from harness.report.figure import Figure
+from harness.report.palette import BLUE, FONT, GREY, GRID, INK, VERMILION
 
-GREY = "#767676"
 BANDS = {BLUE: "rgba(0, 114, 178, 0.18)", VERMILION: "rgba(213, 94, 0, 0.18)"}
 
 
 def draw_learning(learning: Learning, metric: str) -> Figure:
     """A share such as the success rate: means as lines, intervals as bands, random actions as a dotted line."""
     curves = ((learning.baseline, BLUE, "circle"), (learning.proposed, VERMILION, "diamond"))
-    known = [(curve, _known(curve, metric), colour, symbol) for curve, colour, symbol in curves]
+    known = [(curve, curve.known(metric), colour, symbol) for curve, colour, symbol in curves]
     data = [_band(points, colour) for _, points, colour, _ in known]
     data += [_line(curve.reward, points, colour, symbol) for curve, points, colour, symbol in known]
-    last = max((point.steps for _, points, _, _ in known for point in points), default=1)
+    last = learning.last_step(metric)
     floor = learning.random[metric]
     if floor is not None:
         data.append(_floor(floor, last))
@@ -30,15 +30,11 @@ def describe_learning(learning: Learning, metric: str) -> str:
 
 
 def _told(curve: LearningCurve, metric: str) -> str:
-    points = _known(curve, metric)
+    points = curve.known(metric)
     if not points:
         return f"{curve.reward}: no value"
     ends = [f"{point.value.mean:.1%} after {point.steps:,} steps" for point in (points[0], points[-1])]
     return f"{curve.reward} {', '.join(ends)}"
-
-
-def _known(curve: LearningCurve, metric: str) -> list[Point]:
-    return [point for point in curve.points[metric] if point.value.mean is not None]
 
 
 def _band(points: list[Point], colour: str) -> Figure:

@@ -1,4 +1,5 @@
 import json
+import sys
 
 import pytest
 
@@ -45,3 +46,42 @@ def test_a_damaged_cell_is_told_in_one_line(harness, experiment, tmp_path):
     answer = harness("report", experiment, "--json")
     assert (answer.status, answer.err.count("\n")) == (1, 1)
     assert "trace.parquet" in answer.err
+
+
+def test_summary_goes_where_it_is_told(harness, experiment, tmp_path):
+    """`--summary FOLDER` writes the records, says so on standard error, and prints no table."""
+    answer = harness("report", experiment, "--summary", "records/kept")
+    assert (answer.status, answer.out, answer.err) == (0, "", "Summary: records/kept\n")
+    left = {path.name for path in (tmp_path / "records" / "kept").iterdir()}
+    assert left == {"experiment.toml", "results.json", "cells.csv", "curves.parquet", "summary.md", "figures"}
+
+
+def test_summary_holds_what_json_prints(harness, experiment, tmp_path):
+    """Both in one call, and from one document."""
+    answer = harness("report", experiment, "--summary", "kept", "--json")
+    assert (tmp_path / "kept" / "results.json").read_text() == answer.out
+
+
+def test_summary_keeps_what_else_is_there(harness, experiment, tmp_path):
+    """A published table beside the records stays as it is."""
+    (tmp_path / "kept").mkdir()
+    (tmp_path / "kept" / "published.toml").write_text("eta_n = 0.2\n")
+    for _ in range(2):
+        assert harness("report", experiment, "--summary", "kept").status == 0
+    assert (tmp_path / "kept" / "published.toml").read_text() == "eta_n = 0.2\n"
+
+
+def test_summary_into_a_file_is_refused(harness, experiment, tmp_path):
+    """Status 2 and one line."""
+    (tmp_path / "kept").touch()
+    answer = harness("report", experiment, "--summary", "kept")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "The summary 'kept' cannot be written" in answer.err
+
+
+def test_summary_without_matplotlib_names_the_extra(harness, experiment, monkeypatch):
+    """Status 2 and one line."""
+    monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_svg", None)
+    answer = harness("report", experiment, "--summary", "kept")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "pip install 'fd100-harness[figures]'" in answer.err

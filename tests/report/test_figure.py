@@ -3,7 +3,7 @@ import plotly.graph_objects as go
 import pytest
 
 from harness.decompose import BB, KK
-from harness.report.figure import POINTS, draw_panels, select_points
+from harness.report.figure import draw_panels
 
 
 def panels(results):
@@ -15,28 +15,6 @@ def panels(results):
 def curves(panel):
     """The lines of a panel, the markers left out."""
     return [trace for trace in panel["data"] if trace["mode"] == "lines"]
-
-
-@pytest.mark.parametrize("count", [1_001, 54_920])
-def test_drawn_points_keep_the_extremes(count):
-    """The highest, the lowest, the first and the last step of a run are drawn, in order, in at most 1000 points."""
-    values = np.random.default_rng(0).normal(size=count)
-    steps = select_points(values)
-    assert len(steps) <= POINTS
-    assert {0, count - 1, values.argmin(), values.argmax()} <= set(steps.tolist())
-    assert (np.diff(steps) > 0).all()
-
-
-def test_single_spike_survives():
-    """One step that sticks out of a flat run is drawn, up or down."""
-    values = np.zeros(50_000)
-    values[12_345], values[40_001] = 1.0, -1.0
-    assert {12_345, 40_001} <= set(select_points(values).tolist())
-
-
-def test_short_run_is_drawn_whole():
-    """Nothing is left out of a run that has no more steps than are drawn."""
-    assert select_points(np.ones(POINTS)).tolist() == list(range(POINTS))
 
 
 def test_every_run_is_thin_and_their_mean_thick(build):

@@ -1,13 +1,13 @@
 import json
 import subprocess
 import sys
-from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 
 from harness.errors import UsageError
-from harness.report.html import describe_comparison, question, shared_facts, write_html
+from harness.report.html import describe_comparison, write_html
+from harness.report.question import question
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
 
@@ -227,28 +227,6 @@ def test_null_control_is_no_question(build, write):
     results = build(a_a=True)
     assert question(results).startswith("Does the reward arp make")
     assert "baseline against baseline (A/A, the null control)" in write(results).text
-
-
-def test_shared_facts_stand_once(build):
-    """What is equal in all cells stands once, without a count."""
-    facts = shared_facts(build().manifests)
-    assert [fact[1:] for fact in facts if fact.name == "numpy"] == [("2.4.0", "")]
-
-
-def test_differing_facts_are_all_listed(build):
-    """Where cells differ, every value stands with the number of its cells; cells that never ran do not count."""
-    results = build(ended={("arp", 2): ("pending", "")})
-    first, *others = results.manifests
-    moved = replace(first, environment={**first.environment, "commit": "fedcba"})
-    facts = [fact[1:] for fact in shared_facts([moved, *others]) if fact.name == "commit"]
-    assert facts == [("fedcba", "1 of 5 cells"), ("0123456789abcdef", "4 of 5 cells")]
-
-
-def test_source_is_named_for_its_choice(build):
-    """Two rewards have two sources: each stands under its own name."""
-    names = [fact.name for fact in shared_facts(build().manifests)]
-    assert "source of baseline" in names
-    assert "source of arp" in names
 
 
 def test_failed_write_leaves_the_old_page(build, tmp_path, monkeypatch):

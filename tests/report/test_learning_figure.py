@@ -5,8 +5,8 @@ import json
 import pytest
 
 from harness.learning import learning_of
-from harness.report.figure import BLUE, VERMILION
 from harness.report.learning_figure import describe_learning, draw_learning
+from harness.report.palette import BLUE, VERMILION
 from harness.verdict import SUCCESS
 
 

@@ -2,10 +2,10 @@ import math
 
 import numpy as np
 import plotly.graph_objects as go
-import pytest
 
 from harness.report.rows import splits
-from harness.report.split_figure import describe_split, draw_split, ticks
+from harness.report.split_figure import draw_split
+from harness.report.split_rows import describe_split
 
 
 def figures(results):
@@ -71,13 +71,3 @@ def test_plotly_accepts_the_split(build):
     """Every property of the figures is one that plotly knows."""
     _, drawn = figures(build())
     assert [len(go.Figure(figure).data) for figure in drawn.values()] == [5, 5]
-
-
-@pytest.mark.parametrize("span", [(0.8, 1.2), (0.5, 2.0), (0.1, 3.0), (0.01, 40.0), (1e-9, 1e9), (0.97, 1.03)])
-def test_ticks_are_few_and_hold_one(span):
-    """Wherever the axis ends, 1 is marked, and the marks are in order and have room."""
-    marks = ticks(*span)
-    assert 1.0 in marks
-    assert marks == sorted(set(marks))
-    assert len(marks) <= 10
-    assert all(span[0] <= mark <= span[1] for mark in marks)

@@ -1,0 +1,53 @@
+"""What was so in the cells that ran: versions, machine, commit, command, sources."""
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from harness.cell import Cell
+from harness.choice import Choice
+from harness.manifest import Manifest
+
+
+class Fact(NamedTuple):
+    """A line of the manifest: what was so, and in how many cells if not in all."""
+
+    name: str
+    value: str
+    cells: str
+
+
+def shared_facts(manifests: Iterable[Manifest]) -> list[Fact]:
+    """Versions, machine, commit, command and sources of all cells that ran; a line each, more where cells differ."""
+    counts: dict[str, Counter[str]] = {}
+    for manifest in manifests:
+        for name, value in _facts(manifest).items():
+            counts.setdefault(name, Counter())[value] += 1
+    return [
+        Fact(name, value, f"{count} of {values.total()} cells" if len(values) > 1 else "")
+        for name, values in counts.items()
+        for value, count in values.items()
+    ]
+
+
+def _facts(manifest: Manifest) -> dict[str, str]:
+    """The environment of a cell, flat; empty for a cell that never ran."""
+    environment = manifest.environment
+    if not environment:
+        return {}
+    machine = environment.get("machine", {})
+    sources = environment.get("sources", {})
+    facts = {
+        "command": environment.get("command"),
+        "commit": environment.get("commit"),
+        **{name: machine.get(name) for name in ("system", "cpu", "cores")},
+        **environment.get("versions", {}),
+        **{f"source of {_chosen(manifest.cell, kind)}": digest[:12] for kind, digest in sources.items()},
+    }
+    return {name: str(value) for name, value in facts.items() if value}
+
+
+def _chosen(cell: Cell, kind: str) -> str:
+    """Name of the cell's choice of a kind: two rewards have two sources, one reward should have one."""
+    choice = getattr(cell, kind.removesuffix("s"), kind)
+    return choice.name if isinstance(choice, Choice) else str(choice)

@@ -1,0 +1,90 @@
+"""What a panel of accumulated reward shows, however it is drawn."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.combination import Combination
+from harness.curve import GroupCurve
+from harness.decompose import BB, KK
+from harness.index import Index
+from harness.report.palette import BLUE, VERMILION
+
+Float = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """The runs of one training under their own reward.
+
+    Attributes:
+        role: ``Baseline`` or ``Proposed``.
+        reward: Its label.
+        colour: Of its curves.
+        curve: Of its runs.
+        seeds: Of each run.
+        marks: Steps of the mean curve by name; what never happens is left out.
+    """
+
+    role: str
+    reward: str
+    colour: str
+    curve: GroupCurve
+    seeds: tuple[int, ...]
+    marks: Mapping[str, int]
+
+    @cached_property
+    def runs(self) -> Float:
+        """Each run's accumulated reward, every `stride`-th step of it, (runs, points)."""
+        return self.curve.runs
+
+    @property
+    def stride(self) -> int:
+        """Steps from one point to the next."""
+        return self.curve.stride
+
+    @cached_property
+    def mean(self) -> Float:
+        """Over the runs, (points,)."""
+        mean: Float = self.runs.mean(axis=0)
+        return mean
+
+    @property
+    def heights(self) -> list[float]:
+        """Of the drawn mean curve at each mark."""
+        steps = np.arange(len(self.mean)) * self.stride
+        heights: list[float] = np.interp(list(self.marks.values()), steps, self.mean).tolist()
+        return heights
+
+
+def panels_of(combination: Combination) -> tuple[Panel, Panel] | None:
+    """A panel for the baseline and one for the proposed reward; None without a finished pair."""
+    baseline, proposed = combination.baseline_index, combination.proposed_index
+    if baseline is None or proposed is None:
+        return None
+    curves, seeds = combination.curves, combination.seeds
+    return (
+        Panel("Baseline", combination.baseline, BLUE, curves[BB], seeds, _marks(baseline)),
+        Panel("Proposed", combination.proposed, VERMILION, curves[KK], seeds, _marks(proposed)),
+    )
+
+
+def step_range(panels: Sequence[Panel]) -> tuple[float, float]:
+    """The steps that all panels span."""
+    return 0.0, float(max(panel.curve.index.steps for panel in panels) - 1)
+
+
+def reward_range(panels: Sequence[Panel]) -> tuple[float, float]:
+    """From the lowest to the highest value of all panels, zero always in it, with some air."""
+    low = min(0.0, *(float(panel.runs.min()) for panel in panels))
+    high = max(0.0, *(float(panel.runs.max()) for panel in panels))
+    air = 0.04 * (high - low) or 1.0
+    return low - air, high + air
+
+
+def _marks(index: Index) -> dict[str, int]:
+    steps = {"first negative": index.first_negative, "cross-over": index.crossover}
+    return {name: step for name, step in steps.items() if step is not None}

@@ -1,0 +1,23 @@
+"""Which points of a curve are drawn."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Float = NDArray[np.float64]
+
+POINTS = 1_000
+"""Points drawn per curve, at most: more than a panel has pixels; every step of every run would make 100 MB pages."""
+
+
+def select_points(values: Float, points: int = POINTS) -> NDArray[np.int64]:
+    """Which steps to draw: the first, the last, and the extremes of each stretch between, in order, (<= points,).
+
+    Every stretch keeps its lowest and its highest value, so the drawn curve reaches as far as the real one and crosses
+    zero in the same stretches. Averages or every n-th step would not.
+    """
+    count = len(values)
+    if count <= points:
+        return np.arange(count)
+    stretches = np.array_split(np.arange(count), points // 2 - 1)
+    extremes = [stretch[pick(values[stretch])] for stretch in stretches for pick in (np.argmin, np.argmax)]
+    return np.unique([0, *extremes, count - 1])

@@ -1,0 +1,67 @@
+"""One row per cell: what it was, how it ended, its own indices and its behaviour."""
+
+import csv
+from io import StringIO
+from typing import Any
+
+import numpy as np
+
+from harness.cell_folder import TRACE
+from harness.curve import curve_of
+from harness.manifest import Manifest
+from harness.results import Results
+from harness.trace import read_trace
+
+OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")
+"""Of the run alone, under the reward that it was paid; the indices are not rounded."""
+
+
+def write_cells(results: Results) -> str:
+    """``cells.csv``: the cells in the order of the plan, then every metric of the final evaluation; empty if unknown.
+
+    Numbers have as many digits as it takes to read them back exactly.
+
+    Raises:
+        SchemaError: A trace is damaged or written by a newer version.
+    """
+    rows = [_row(results, manifest) for manifest in results.manifests]
+    text = StringIO()
+    writer = csv.DictWriter(text, [*_describe_names(), *OWN, *results.metrics], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: _plain(value) for name, value in row.items()} for row in rows)
+    return text.getvalue()
+
+
+def _row(results: Results, manifest: Manifest) -> dict[str, Any]:
+    row = dict(zip(_describe_names(), _describe(manifest), strict=True))
+    if manifest.status != "done":
+        return row
+    values = results.evaluations[manifest.cell.id]
+    return {**row, **_own(results, manifest), **{name: values[name] for name in results.metrics}}
+
+
+def _describe_names() -> tuple[str, ...]:
+    places = ("id", "simulator", "task", "robot", "algorithm", "reward", "seed", "steps")
+    return (*places, "status", "reason", "training_seconds", "seconds")
+
+
+def _describe(manifest: Manifest) -> tuple[Any, ...]:
+    cell = manifest.cell
+    choices = (cell.simulator.label, cell.task.label, cell.robot, cell.algorithm.label, cell.reward.label)
+    times = (manifest.training_seconds or None, manifest.seconds or None)  # 0 of a process that could not say
+    return (cell.id, *choices, cell.seed, cell.steps, manifest.status, " ".join(manifest.reason.split()), *times)
+
+
+def _own(results: Results, manifest: Manifest) -> dict[str, Any]:
+    reward = read_trace(results.store.cell_folder(manifest.cell) / TRACE, ["reward"])["reward"]
+    index = curve_of([reward]).index
+    final = float(np.cumsum(reward)[-1]) if len(reward) else None
+    sums = (index.negative_sum, index.positive_sum)
+    return dict(zip(OWN, (index.first_negative, index.crossover, *sums, final), strict=True))
+
+
+def _plain(value: Any) -> str:
+    """Python's own text of a float is the shortest that gives the same float back."""
+    if value is None:
+        return ""
+    return repr(float(value) + 0.0) if isinstance(value, float | np.floating) else str(value)

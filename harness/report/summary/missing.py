@@ -1,0 +1,21 @@
+"""The cells of a combination that are not done."""
+
+from collections import Counter
+
+from harness.combination import Combination, Group
+from harness.manifest import Status
+from harness.results import Results
+
+STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending")
+
+
+def missing_text(results: Results, combination: Combination) -> str:
+    """How many cells ended otherwise, or not yet: ``2 failed, 1 pending of 20 cells``; empty if all are done."""
+    rewards = {combination.baseline, combination.proposed}
+    statuses = Counter(
+        manifest.status
+        for manifest in results.manifests
+        if manifest.cell.reward.label in rewards and Group.of(manifest.cell) == combination.group
+    )
+    told = [f"{statuses[status]} {status}" for status in STATUSES if statuses[status]]
+    return f"{', '.join(told)} of {statuses.total()} cells" if told else ""

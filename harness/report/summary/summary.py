@@ -1,0 +1,83 @@
+"""A summary: the records and figures of an experiment, without its traces and policies.
+
+::
+
+    experiment.toml      what was run, resolved; reads as an experiment file
+    results.json         what ``harness report --json`` prints
+    cells.csv            one row per cell
+    curves.parquet       the mean curves that the indices are read from, thinned
+    figures/*.svg        what the report page draws, without a script
+    summary.md           the combinations as a table, and what they took
+"""
+
+from pathlib import Path
+
+from harness.errors import UsageError
+from harness.learning import learning_of
+from harness.report.document import report_text
+from harness.report.summary.cells import write_cells
+from harness.report.summary.curves import CURVES, write_curves
+from harness.report.summary.files import put_files
+from harness.report.summary.learning_figure import draw_learning
+from harness.report.summary.markdown import Pictures, write_markdown
+from harness.report.summary.missing import missing_text
+from harness.report.summary.names import figure_stems
+from harness.report.summary.overview_figure import draw_overview
+from harness.report.summary.runs_figure import draw_runs
+from harness.report.summary.split_figure import draw_splits
+from harness.report.summary.svg import require_matplotlib
+from harness.results import Results
+from harness.store import EXPERIMENT, PLAN
+
+RECORD, CELLS, SUMMARY = "results.json", "cells.csv", "summary.md"
+FIGURES = "figures"
+
+
+def write_summary(results: Results, folder: Path) -> None:
+    """Write the summary into `folder`; what else is in it stays as it is.
+
+    Everything is made before anything is written: an error leaves the old files.
+
+    Raises:
+        UsageError: matplotlib is missing, or `folder` cannot be written, or is an experiment's own.
+        SchemaError: A file of the experiment is damaged or written by a newer version.
+    """
+    require_matplotlib()
+    if (folder / PLAN).exists():
+        raise UsageError(f"--summary '{folder}' is the folder of an experiment: name another")
+    figures, overview, pictures = _draw(results)
+    files = {
+        EXPERIMENT: (results.folder / EXPERIMENT).read_bytes(),
+        RECORD: (report_text(results) + "\n").encode(),
+        CELLS: write_cells(results).encode(),
+        CURVES: write_curves(results.combinations),
+        SUMMARY: write_markdown(results, overview, pictures).encode(),
+    }
+    put_files(folder, {**files, **figures}, FIGURES)
+
+
+def _draw(results: Results) -> tuple[dict[str, bytes], str, list[Pictures]]:
+    """Every figure by its path, the path of the overview, and the paths of each combination's own by what they show."""
+    combinations = results.combinations
+    missing = [missing_text(results, combination) for combination in combinations]
+    figures: dict[str, bytes] = {}
+
+    def keep(name: str, figure: bytes | None) -> str:
+        path = f"{FIGURES}/{name}.svg"
+        if figure is None:
+            return ""
+        figures[path] = figure
+        return path
+
+    overview = keep("overview", draw_overview(combinations, missing))
+    pictures: list[Pictures] = []
+    for combination, stem, told in zip(combinations, figure_stems(combinations), missing, strict=True):
+        learning = learning_of(results, combination)
+        drawn = {
+            "runs": draw_runs(combination, told),
+            "split": draw_splits(combination, told),
+            "learning": draw_learning(combination, learning, told) if learning else None,
+        }
+        paths = {what: keep(f"{stem}.{what}", figure) for what, figure in drawn.items()}
+        pictures.append({what: path for what, path in paths.items() if path})
+    return figures, overview, pictures

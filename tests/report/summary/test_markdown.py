@@ -1,0 +1,75 @@
+"""The page for a repository."""
+
+import re
+
+from harness.report.summary.summary import write_summary
+
+
+def page(summarise, **given):
+    """The text of the page."""
+    return (summarise(**given) / "summary.md").read_text()
+
+
+def test_table_has_what_the_report_says(build, tmp_path):
+    """Both etas with their intervals, the split, the success rates, the seeds."""
+    results = build()
+    write_summary(results, tmp_path / "mine")
+    line = next(line for line in (tmp_path / "mine" / "summary.md").read_text().split("\n") if line.startswith("| 1 |"))
+    cells = [cell.strip() for cell in line.strip("|").split("|")]
+    assert cells == [
+        *("1", "mujoco · sac · fd100 · fd100-reach", "arp against baseline"),
+        *("0.843 [0.833, 0.847]", "0.843 x 1.00", "1.89 [1.84, 1.95]", "1.89 x 1.00"),
+        *("75.0%", "75.0%", "0.0%", "3", ""),
+    ]
+
+
+def test_verdict_and_remarks_stand_under_the_table(summarise):
+    """What it comes to, what it rests on, and what to keep in mind."""
+    text = page(summarise)
+    assert "**The robot behaves no differently as far as 3 seeds tell" in text
+    assert "Rests on 3 paired seeds" in text
+    assert "* eta_N, eta_P: 3 seeds: the interval is rough below 5" in text
+
+
+def test_reason_of_what_is_missing_is_told(summarise):
+    """An eta that is not defined says why."""
+    text = page(summarise, baseline=(39, 0))
+    assert "* eta_P n/a: I_P of the baseline is 0: its mean accumulated reward is never positive" in text
+
+
+def test_failures_show(summarise):
+    """In the table, and each with its reason; what Markdown would take for its own is escaped."""
+    text = page(summarise, ended={("arp", 0): ("failed", "it | *broke* <b>"), ("arp", 1): ("pending", "not run yet")})
+    assert "| 1 | 1 failed, 1 pending of 6 cells |" in text
+    assert "* failed: mujoco · sac · arp · seed 0: it \\| \\*broke\\* \\<b\\>" in text
+    assert "* 1 pending: not run yet" in text
+
+
+def test_nothing_finished_is_said(summarise):
+    """In words."""
+    text = page(summarise, seeds=1, ended={("arp", 0): ("failed", "it broke")})
+    assert "No combination is finished: no seed is done under both of its rewards." in text
+    assert "**Nothing to compare: no seed is done under both baseline and arp.**" in text
+
+
+def test_cost_and_machine_are_told(summarise):
+    """Time, versions, CPU and commit; no command and no folder of the machine."""
+    text = page(summarise)
+    assert "6 cells, 75.0 s in all; 12.5 s from the start of the first, 2026-01-01 00:00:00 UTC" in text
+    for fact in ("| commit | 0123456789abcdef | all |", "| cpu | a processor | all |", "| numpy | 2.4.0 | all |"):
+        assert fact in text
+    assert "harness run --sim mujoco" not in text
+    assert "harness run experiment.toml" in text
+
+
+def test_nothing_ran_is_said(summarise):
+    """An experiment that waits has taken nothing."""
+    waiting = {(reward, 0): ("pending", "not run yet") for reward in ("baseline", "arp")}
+    assert "No cell has run." in page(summarise, seeds=1, ended=waiting)
+
+
+def test_every_picture_is_there(summarise):
+    """And every figure is shown."""
+    folder = summarise(simulators=("mujoco", "pybullet"), learned={10: 1})
+    shown = set(re.findall(r"!\[[^\]]+\]\((.+)\)", (folder / "summary.md").read_text()))
+    assert shown == {f"figures/{path.name}" for path in (folder / "figures").iterdir()}

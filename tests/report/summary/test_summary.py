@@ -1,0 +1,109 @@
+"""The folder of a summary."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from harness.errors import UsageError
+from harness.report.document import report_text
+from harness.report.summary.summary import write_summary
+
+STEM = "mujoco-sac-fd100-fd100-reach-arp-against-baseline"
+
+
+def names(folder):
+    """Every file in it, by its path within it."""
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+
+def test_folder_has_every_record(summarise):
+    """Records, one page, and the figures; nothing else."""
+    assert names(summarise(learned={10: 1})) == {
+        "experiment.toml",
+        "results.json",
+        "cells.csv",
+        "curves.parquet",
+        "summary.md",
+        "figures/overview.svg",
+        *(f"figures/{STEM}.{what}.svg" for what in ("runs", "split", "learning")),
+    }
+
+
+def test_no_learning_figure_without_evaluations(summarise):
+    """Where policies were evaluated at the end alone there is no curve."""
+    assert f"figures/{STEM}.learning.svg" not in names(summarise())
+
+
+def test_experiment_is_the_folder_s(build, tmp_path):
+    """Byte for byte."""
+    results = build()
+    write_summary(results, tmp_path / "mine")
+    assert (tmp_path / "mine" / "experiment.toml").read_bytes() == (results.folder / "experiment.toml").read_bytes()
+
+
+def test_results_are_what_json_prints(build, tmp_path):
+    """One document, not two."""
+    results = build()
+    write_summary(results, tmp_path / "mine")
+    text = (tmp_path / "mine" / "results.json").read_text()
+    assert text == report_text(results) + "\n"
+    assert json.loads(text)["combinations"][0]["proposed"] == "arp"
+
+
+def test_same_results_give_the_same_bytes(build, tmp_path):
+    """Every file, figures included."""
+    results = build(learned={10: 1})
+    folders = [tmp_path / name for name in ("one", "two")]
+    for folder in folders:
+        write_summary(results, folder)
+    one, two = ({name: (folder / name).read_bytes() for name in names(folder)} for folder in folders)
+    assert one == two
+
+
+def test_no_finished_combination_is_a_summary_too(summarise):
+    """It has every record, and no figure."""
+    left = names(summarise(ended={("arp", seed): ("failed", "it broke") for seed in range(3)}))
+    assert left == {"experiment.toml", "results.json", "cells.csv", "curves.parquet", "summary.md"}
+
+
+def test_null_control_has_figures(summarise):
+    """The baseline against itself is a combination like any other."""
+    left = names(summarise(a_a=True))
+    assert "figures/mujoco-sac-fd100-fd100-reach-baseline-against-baseline.split.svg" in left
+
+
+def test_folder_of_an_experiment_is_refused(build):
+    """Another experiment's own record would be overwritten."""
+    results, other = build(), build()
+    before = names(other.folder)
+    with pytest.raises(UsageError, match="is the folder of an experiment: name another"):
+        write_summary(results, other.folder)
+    assert names(other.folder) == before
+
+
+def test_missing_matplotlib_names_the_extra(build, tmp_path, monkeypatch):
+    """And nothing is written."""
+    results = build()
+    monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_svg", None)
+    with pytest.raises(UsageError, match=r"pip install 'fd100-harness\[figures\]'"):
+        write_summary(results, tmp_path / "mine")
+    assert not (tmp_path / "mine").exists()
+
+
+def test_nothing_heavy_is_imported(build, tmp_path):
+    """Neither an engine nor a learning library; matplotlib only to draw."""
+    results = build(learned={10: 1})
+    code = (
+        "import sys, harness.report.summary.summary as summary\n"
+        "from harness.results import load_results\n"
+        "assert 'matplotlib' not in sys.modules\n"
+        "from pathlib import Path\n"
+        "summary.write_summary(load_results(sys.argv[1]), Path(sys.argv[2]))\n"
+        "heavy = {'torch', 'mujoco', 'pybullet', 'dm_control', 'stable_baselines3', 'gymnasium'}\n"
+        "print(*(heavy & set(sys.modules)))\n"
+    )
+    command = [sys.executable, "-c", code, str(results.folder), str(tmp_path / "mine")]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (ended.stdout, ended.returncode) == ("\n", 0), ended.stderr

@@ -1,0 +1,43 @@
+"""The logarithmic axis that ratios stand on."""
+
+import pytest
+
+from harness.index import Ratio
+from harness.report.ratio_axis import interval_ends, is_drawable, ratio_range, ticks
+
+NEAR_ZERO = "I_N of the baseline is near zero beside I_P of the same runs: the ratio says little"
+
+
+@pytest.mark.parametrize("span", [(0.8, 1.2), (0.5, 2.0), (0.1, 3.0), (0.01, 40.0), (1e-9, 1e9), (0.97, 1.03)])
+def test_ticks_are_few_and_hold_one(span):
+    """Wherever the axis ends, 1 is marked, and the marks are in order and have room."""
+    marks = ticks(*span)
+    assert 1.0 in marks
+    assert marks == sorted(set(marks))
+    assert len(marks) <= 10
+    assert all(span[0] <= mark <= span[1] for mark in marks)
+
+
+def test_what_has_no_logarithm_is_not_drawn():
+    """Neither is what says little, and what is not there."""
+    assert is_drawable(Ratio(0.2))
+    assert not any(map(is_drawable, (Ratio(0.0), Ratio(-1.0), Ratio(None), Ratio(2.0, note=NEAR_ZERO))))
+
+
+def test_range_holds_what_is_drawn_and_one():
+    """A ratio that says little does not stretch it; without any it is an axis around 1."""
+    low, high = ratio_range([Ratio(3.0, 2.0, 9.0), Ratio(1e9, note=NEAR_ZERO)])
+    assert low < 1.0
+    assert 9.0 < high < 20.0
+    low, high = ratio_range([])
+    assert 0.5 < low < 1.0 < high < 2.0
+
+
+def test_endless_interval_is_cut():
+    """An interval far beyond the ratios ends with the axis; the ratio keeps its place."""
+    wide = Ratio(2.0, 1.0, 1e30)
+    assert ratio_range([wide], farthest=10.0)[1] < 100.0
+    low, high = ratio_range([wide])
+    assert high < 1e5
+    assert interval_ends(wide, low, high) == (1.0, high)
+    assert interval_ends(Ratio(2.0), low, high) is None
