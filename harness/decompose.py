@@ -208,9 +208,10 @@ class _Splitter:
         if self._seeds < 2:
             return Ratio(value, note=_join(near, "one seed: no interval"))
         draws = _divide(self._sums[numerator].draws, self._sums[denominator].draws)
-        undefined = float(np.mean(~np.isfinite(draws)))
+        undefined = np.count_nonzero(~np.isfinite(draws))
         if undefined:
-            return Ratio(value, note=_join(near, f"no interval: {owner} is 0 in {undefined:.0%} of the resamples"))
+            of = f"in {undefined:,} of {len(draws):,} resamples"
+            return Ratio(value, note=_join(near, f"no interval: {owner} is 0 {of}"))
         few = f"{self._seeds} seeds: the interval is rough below {FEW_SEEDS}" if self._seeds < FEW_SEEDS else ""
         return Ratio(value, *percentile_interval(draws), _join(near, few))
 
