@@ -16,8 +16,9 @@ ActionSpace: TypeAlias = Literal["continuous", "discrete"]
 class Algorithm(Protocol):
     """A frozen dataclass whose fields are the hyperparameters.
 
-    It may also have ``learns``, False for one that only acts (see `learns`), and ``why_not(task, robot)``, for one that
-    cannot do every task whose actions it takes (see `why_not`).
+    It may also have ``learns``, False for one that only acts (see `learns`), ``why_not(task, robot)``, for one that
+    cannot do every task whose actions it takes (see `why_not`), and ``sources``, like any plugin that works in modules
+    of its own (see `harness.source_files.source_files`).
     """
 
     @property

@@ -1,8 +1,6 @@
 """What a cell says of itself: what it was, how it ended, on what machine and with which versions it ran."""
 
-import hashlib
 import importlib.metadata
-import inspect
 import json
 import os
 import platform
@@ -19,6 +17,7 @@ from harness.errors import SchemaError
 from harness.hookspecs import KINDS
 from harness.plugins import Registry
 from harness.robot_by_name import load_robot
+from harness.source_files import source_hash
 
 FORMAT = 1
 FILE = "manifest.json"
@@ -149,15 +148,12 @@ def source_commit() -> str:
 
 
 def source_hashes(cell: Cell, registry: Registry, kinds: Iterable[str] = KINDS) -> dict[str, str]:
-    """SHA-256 of the file behind each choice, and of the robot: a result whose reward changed since can be told.
+    """SHA-256 of the files behind each choice, and of the robot: a result whose reward changed since can be told.
 
     `kinds` are those of the choices that made the result.
     """
     every = {"simulators": cell.simulator, "tasks": cell.task, "algorithms": cell.algorithm, "rewards": cell.reward}
     chosen = {kind: choice for kind, choice in every.items() if kind in kinds}
-    hashes = {}
-    for kind, choice in chosen.items():
-        source = inspect.getsourcefile(registry.get(kind, choice.name).load())
-        if source:
-            hashes[kind] = hashlib.sha256(Path(source).read_bytes()).hexdigest()
-    return {**hashes, "robots": load_robot(cell.robot, registry).digest}
+    hashes = {kind: source_hash(registry.get(kind, choice.name).load()) for kind, choice in chosen.items()}
+    robot = load_robot(cell.robot, registry).digest
+    return {**{kind: digest for kind, digest in hashes.items() if digest}, "robots": robot}

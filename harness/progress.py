@@ -13,6 +13,11 @@ State: TypeAlias = Mapping[str, NDArray[Any]]
 """Everything that a training needs to go on, by name; numbers are arrays of shape ()."""
 
 
+TOLD_EVERY = 100
+SCALARS_EVERY = 1000
+"""Environment steps from one word about progress, or about scalars, to the next: how often the built-in ones tell."""
+
+
 class Progress:
     """Told how a training goes. This one does nothing with it: each method may be replaced.
 

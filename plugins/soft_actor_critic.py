@@ -23,7 +23,7 @@ from harness_plugins.hyperparameters import (
 
 @dataclass(frozen=True)
 class SoftActorCritic:
-    """Settings that learn the FD100 task in 10,000 steps, which the usual ones (3e-4, 0.99, 256x256) do not.
+    """Settings that learn the FD100 task in 10,000 steps; stable-baselines3's own (3e-4, 0.99, 256x256) do not.
 
     The entropy coefficient starts at 0.1: a step pays some 0.1, and from 1 it takes thousands of steps before the
     reward outweighs the noise.
@@ -41,7 +41,7 @@ class SoftActorCritic:
     ent_coef: Annotated[
         str,
         Field(
-            pattern=r"^(auto|auto_0*\.?0*[1-9]\d*\.?\d*|\d*\.?\d+)$",
+            pattern=r"^(auto|auto_(0*[1-9]\d*\.?\d*|\d*\.0*[1-9]\d*)|\d*\.?\d+)$",
             description="entropy coefficient: a number, or auto_X to learn it from X on (auto: from 1)",
         ),
     ] = "auto_0.1"

@@ -77,6 +77,7 @@ class Ppo:
     activation: Activation = "tanh"
     num_envs: NumEnvs = 1
 
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous", "discrete"})
 
     @classmethod

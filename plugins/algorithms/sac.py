@@ -1,6 +1,6 @@
 """Soft actor-critic, by stable-baselines3."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from pydantic.dataclasses import dataclass
 
@@ -14,11 +14,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sac(SoftActorCritic):
-    """stable-baselines3's SAC on the CPU, with settings that learn the FD100 task in 10,000 steps.
+    """stable-baselines3's SAC on the CPU, with settings of the harness."""
 
-    The library's own defaults (learning rate 3e-4, gamma 0.99, 256x256) do not. The entropy coefficient starts at 0.1:
-    a step pays some 0.1, and from the library's 1 it takes thousands of steps before the reward outweighs the noise.
-    """
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""

@@ -1,6 +1,6 @@
 """Soft actor-critic in lean form, with numpy alone."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from pydantic.dataclasses import dataclass
 
@@ -14,10 +14,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SacFast(SoftActorCritic):
-    """The algorithm of `sac`, with the same settings, several times as fast.
+    """The algorithm of `sac`, with the same settings, some four times as fast with the default networks.
 
     Nothing but numpy: no library to import, no graph to build, nothing large allocated in an update.
     """
+
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.fast_sac", "harness_plugins.episode_means")
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> SquashedGaussian:
         """See `harness.algorithm.Algorithm`."""

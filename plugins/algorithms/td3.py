@@ -53,6 +53,7 @@ class Td3:
     activation: Activation = "relu"
     num_envs: NumEnvs = 1
 
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:

@@ -1,1 +1,1 @@
-"""Soft actor-critic with numpy alone: every array is allocated once, every gradient is written out."""
+"""Soft actor-critic with numpy alone: the large arrays are allocated once, every gradient is written out."""

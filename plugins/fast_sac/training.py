@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.policy import SquashedGaussian
-from harness.progress import Progress
+from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress
 from harness_plugins.episode_means import EpisodeMeans
 from harness_plugins.fast_sac.actor import draw
 from harness_plugins.fast_sac.learner import Learner, Losses
@@ -15,10 +15,6 @@ from harness_plugins.soft_actor_critic import SoftActorCritic
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
-
-EVERY = 100
-SCALARS_EVERY = 1000
-"""Environment steps from one word about progress, or about scalars, to the next."""
 
 
 class Training:
@@ -89,7 +85,7 @@ class Training:
     def _tell(self, at_the_end: bool = False) -> None:
         done = self._done
         self._progress.policy(done, self._policy)
-        if at_the_end or done >= self._told + EVERY:
+        if at_the_end or done >= self._told + TOLD_EVERY:
             self._told = done
             self._progress(done)
         if done >= self._scalars_told + (1 if at_the_end else SCALARS_EVERY):

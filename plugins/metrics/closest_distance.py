@@ -8,7 +8,7 @@ from harness.trace import Trace
 
 @dataclass(frozen=True)
 class ClosestDistance:
-    """Mean over the finished episodes of the smallest distance from end effector to target, [m].
+    """Mean over the finished episodes of the smallest distance from end effector to target, the start's included, [m].
 
     Where no episode ends at the target, or all end on the ground, this tells more than where they end.
     """

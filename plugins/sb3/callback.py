@@ -7,13 +7,10 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
-from harness.progress import Progress
+from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress
 from harness_plugins.episode_means import EpisodeMeans
 from harness_plugins.sb3.entropy import actor_entropy
 from harness_plugins.sb3.scalars import losses
-
-EVERY = 100
-SCALARS_EVERY = 1000
 
 
 class SilentProgress(BaseCallback):
@@ -54,7 +51,7 @@ class SilentProgress(BaseCallback):
         steps = self._steps
         self._means.watch(self.locals["rewards"], self.locals["dones"])
         self._progress.policy(steps, self._make_policy)
-        if steps >= self._told + EVERY:
+        if steps >= self._told + TOLD_EVERY:
             self._told = steps
             self._progress(steps)
         if steps >= self._scalars_told + SCALARS_EVERY:

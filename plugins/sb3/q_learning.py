@@ -53,6 +53,7 @@ class QLearning:
     activation: Activation = "relu"
     num_envs: NumEnvs = 1
 
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"discrete"})
 
     def train_with(

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_info
+from threadpoolctl import threadpool_info, threadpool_limits
 
+from harness.progress import Progress
 from harness.testing.algorithms import the_budget_is_spent_exactly, the_return_rises
-from harness.testing.trainings import train
+from harness.testing.trainings import WatchedEnv, train
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast
 
@@ -23,12 +24,27 @@ def test_settings_are_those_of_sac():
 
 
 @pytest.mark.parametrize(
-    ("given", "learns", "first"), [("auto", True, 1.0), ("auto_0.3", True, 0.3), ("0.2", False, 0.2), ("0", False, 0.0)]
+    ("given", "learns", "first"),
+    [
+        ("auto", True, 1.0),
+        ("auto_0.3", True, 0.3),
+        ("auto_.01", True, 0.01),
+        ("auto_12.5", True, 12.5),
+        ("0.2", False, 0.2),
+        ("0", False, 0.0),
+    ],
 )
 def test_entropy_coefficient_is_read(given: str, learns: bool, first: float):
     """What is learned from where, and what is fixed."""
     settings = SacFast(ent_coef=given)
     assert (settings.learns_coefficient, settings.first_coefficient) == (learns, first)
+
+
+@pytest.mark.parametrize("given", ["auto_", "auto_0", "auto_0.0", "auto_0.1.2", "auto_.1.2", "-1", "much"])
+def test_other_coefficients_are_refused(given: str):
+    """Before anything runs: one learned by its logarithm cannot start at 0."""
+    with pytest.raises(ValueError, match="ent_coef"):
+        SacFast(ent_coef=given)
 
 
 @pytest.mark.parametrize("settings", [{}, {"activation": "tanh"}, {"num_envs": 4, "gradient_steps": -1}])
@@ -51,9 +67,18 @@ def test_without_entropy_it_learns_too():
 
 def test_threads_are_left_as_they_were():
     """One for the training, what there was for whoever comes after."""
-    before = threadpool_info()
-    train(SacFast(net_arch=(8,), batch_size=16), 20)
-    assert threadpool_info() == before
+    inside: list[int] = []
+
+    class Asking(Progress):
+        def __call__(self, steps: int) -> None:
+            inside.extend(pool["num_threads"] for pool in threadpool_info())
+
+    env = WatchedEnv(1)
+    with threadpool_limits(2):
+        SacFast(net_arch=(8,), batch_size=16).train(env, 20, 0, Asking())
+        after = [pool["num_threads"] for pool in threadpool_info()]
+    assert set(inside) == {1}
+    assert max(after) == 2
 
 
 def test_no_library_of_learning_is_imported():

@@ -84,11 +84,19 @@ def test_updates_come_as_often_as_said(updates: list[Batch], given: dict[str, An
 
 
 def test_first_decisions_are_uniform(monkeypatch: pytest.MonkeyPatch):
-    """Until learning starts: no actor is asked."""
-    asked: list[int] = []
-    monkeypatch.setattr(training, "forward", lambda *_: asked.append(1))
-    train(SacFast(**SMALL, learning_starts=100), 100)
-    assert not asked
+    """Until learning starts: no actor is asked, and the box is filled."""
+    taken: list[np.ndarray] = []
+
+    class Watched(Replay):
+        def add(self, observation: Any, action: Any, *rest: Any) -> None:
+            taken.append(action)
+            super().add(observation, action, *rest)
+
+    monkeypatch.setattr(training, "Replay", Watched)
+    monkeypatch.delattr(training, "forward")
+    train(SacFast(**SMALL, learning_starts=200), 200)
+    actions = np.concatenate(taken)
+    np.testing.assert_allclose(np.quantile(actions, [0.0, 0.25, 0.5, 0.75, 1.0]), [-1.0, -0.5, 0.0, 0.5, 1.0], atol=0.1)
 
 
 def test_a_cut_episode_goes_on_from_its_last_observation(monkeypatch: pytest.MonkeyPatch):
