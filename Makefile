@@ -17,12 +17,17 @@ dev: $(VENV)/.installed-dev
 run: install
 	$(BIN)/harness run --sim mujoco --algo sac
 
-# A whole experiment and its committed records: make reference EXPERIMENT=arp_2021. Cells that failed, exit status 1,
-# are part of the record.
+# A whole experiment and its committed records: make reference EXPERIMENT=arp_2021. Another file content, another folder
+# of cells. Cells that failed, exit status 1, are part of the record; cells that are pending, told last, are an error.
+reference: FILE = experiments/$(EXPERIMENT).toml
+reference: HASH = import hashlib, sys; print(hashlib.sha256(open(sys.argv[1], 'rb').read()).hexdigest()[:8])
+reference: CELLS = results/runs/$(EXPERIMENT)-$(shell $(BIN)/python -c "$(HASH)" $(FILE))
+reference: RECORDS = results/reference/$(subst _,-,$(EXPERIMENT))
 reference: dev
-	$(if $(EXPERIMENT),,$(error Name it: make reference EXPERIMENT=arp_2021, for experiments/arp_2021.toml))
-	$(BIN)/harness run experiments/$(EXPERIMENT).toml --out results/runs/$(EXPERIMENT) || [ $$? -eq 1 ]
-	$(BIN)/harness report results/runs/$(EXPERIMENT) --summary results/reference/$(subst _,-,$(EXPERIMENT))
+	$(if $(wildcard $(FILE)),,$(error Name a file: make reference EXPERIMENT=arp_2021, for experiments/arp_2021.toml))
+	$(BIN)/harness run $(FILE) --out $(CELLS) || [ $$? -eq 1 ]
+	$(BIN)/harness report $(CELLS) --summary $(RECORDS)
+	! grep ',pending,' $(RECORDS)/cells.csv
 
 # Two processes, one thread each.
 test: dev

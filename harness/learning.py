@@ -62,6 +62,14 @@ class LearningCurve:
         """The points at which the metric is defined."""
         return [point for point in self.points[metric] if point.value.mean is not None]
 
+    def band(self, metric: str) -> list[tuple[int, float, float]]:
+        """Steps, and both ends of the interval, of the points that have one: those of a single seed have none."""
+        return [
+            (point.steps, point.value.low, point.value.high)
+            for point in self.known(metric)
+            if point.value.low is not None and point.value.high is not None
+        ]
+
 
 @dataclass(frozen=True)
 class Learning:

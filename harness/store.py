@@ -54,8 +54,9 @@ class Store:
         Raises:
             UsageError: The folder is not there, or is not an experiment's.
         """
-        if not (folder / EXPERIMENT).is_file():
-            raise UsageError(f"'{folder}' is no experiment: it holds no {EXPERIMENT}. Name the --out folder of a run")
+        missing = [name for name in (PLAN, EXPERIMENT) if not (folder / name).is_file()]
+        if missing:
+            raise UsageError(f"'{folder}' is no experiment: it holds no {missing[0]}. Name the --out folder of a run")
         return cls(folder)
 
     @classmethod
@@ -67,7 +68,7 @@ class Store:
         """
         if folder.exists() and not folder.is_dir():
             raise UsageError(f"--out '{folder}' is a file: name a folder")
-        if folder.is_dir() and any(folder.iterdir()) and not (folder / EXPERIMENT).is_file():
+        if folder.is_dir() and not _is_usable(folder):
             raise UsageError(f"--out '{folder}' holds something else than an experiment: name a new or empty folder")
         existing = next(parent for parent in [folder, *folder.absolute().parents] if parent.exists())
         if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
@@ -151,12 +152,21 @@ class Store:
 
     def _write_plan(self, plan: "Plan") -> None:
         """Add the plan's cells to those that are there: a folder grows, nothing is lost."""
-        (self.folder / EXPERIMENT).write_text(tomli_w.dumps(_without_none(plan.resolved)))
         path = self.folder / PLAN
         known = self.read_plan()[2] if path.exists() else []
         cells = dict.fromkeys([*known, *plan.cells, *(cell for cell, _ in plan.skipped)])
         data = {"baseline": plan.baseline, "a_a": plan.a_a, "cells": [cell.to_json() for cell in cells]}
         path.write_text(json.dumps(data, indent=1) + "\n")
+        (self.folder / EXPERIMENT).write_text(tomli_w.dumps(_without_none(plan.resolved)))
+
+
+def _is_usable(folder: Path) -> bool:
+    """Whether it holds an experiment, or nothing but what a run leaves that is killed before its plan is written."""
+    if (folder / PLAN).is_file():
+        return True
+    left = {path.name for path in folder.iterdir()}
+    cells = folder / CELLS
+    return not left or (left <= {CELLS, LOCK, EXPERIMENT} and cells.is_dir() and not any(cells.iterdir()))
 
 
 def _without_none(value: Any) -> Any:

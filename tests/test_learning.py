@@ -7,7 +7,7 @@ import pytest
 from harness.choice import Choice
 from harness.combination import Group
 from harness.experiment import run_plan
-from harness.learning import Learning, LearningRun, Moment, learning_of, learning_points
+from harness.learning import Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
 from harness.plan import check_experiment, expand
 from harness.plugins import Registry
 from harness.results import Results
@@ -60,6 +60,14 @@ def test_no_value_at_all_is_no_number():
     """None, with the reason."""
     (point,) = learning_points([_run(0, {100: None})], "success_rate", GROUP)
     assert (point.value.mean, point.value.note) == (None, "1 of 1 seeds have no value here")
+
+
+def test_band_has_the_points_with_an_interval():
+    """Where one seed alone has a value there is none."""
+    runs = [_run(seed, {30: None if seed else 0.5, 60: None, 100: 0.25 * seed}) for seed in range(5)]
+    points = learning_points(runs, "success_rate", GROUP)
+    curve = LearningCurve("arp", tuple(runs), {"success_rate": points})
+    assert curve.band("success_rate") == [(100, points[2].value.low, points[2].value.high)]
 
 
 def _learning(registry: Registry, folder: Path, **given: int) -> Learning | None:

@@ -92,8 +92,68 @@ def test_unwritable_folder_is_refused(
 def test_folder_that_is_no_experiment_is_not_opened(tmp_path: Path):
     """Whether it is missing or holds something else, the message says what to name."""
     for folder in (tmp_path, tmp_path / "nowhere"):
-        with pytest.raises(UsageError, match=r"is no experiment: it holds no experiment.toml. Name the --out folder"):
+        with pytest.raises(UsageError, match=r"is no experiment: it holds no plan.json. Name the --out folder"):
             Store.open(folder)
+
+
+def test_summary_is_no_experiment(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """It has an `experiment.toml` too: it is not opened, not run in, and left as it is."""
+    for name in (EXPERIMENT, "cells.csv"):
+        (tmp_path / name).write_text("kept")
+    with pytest.raises(UsageError, match=r"is no experiment: it holds no plan\.json"):
+        Store.open(tmp_path)
+    with pytest.raises(UsageError, match="holds something else than an experiment"):
+        Store.create(tmp_path, make_plan(make_cell()))
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {EXPERIMENT: "kept", "cells.csv": "kept"}
+
+
+def test_experiment_file_alone_is_no_experiment(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """It may be the one that somebody wrote."""
+    (tmp_path / EXPERIMENT).write_text("kept")
+    with pytest.raises(UsageError, match="holds something else than an experiment"):
+        Store.create(tmp_path, make_plan(make_cell()))
+    assert (tmp_path / EXPERIMENT).read_text() == "kept"
+
+
+@pytest.mark.parametrize("left", [(), (LOCK,), (LOCK, EXPERIMENT)])
+def test_run_killed_before_its_plan_goes_on(
+    make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path, left: tuple[str, ...]
+):
+    """The folder is no experiment yet, and may be run in."""
+    (tmp_path / CELLS).mkdir()
+    for name in left:
+        (tmp_path / name).touch()
+    with pytest.raises(UsageError, match="is no experiment"):
+        Store.open(tmp_path)
+    assert Store.create(tmp_path, make_plan(make_cell())).read_plan()[2] == [make_cell()]
+
+
+def test_cells_without_a_plan_are_left_alone(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """Whose they are is not known."""
+    (tmp_path / CELLS / "theirs").mkdir(parents=True)
+    with pytest.raises(UsageError, match="holds something else than an experiment"):
+        Store.create(tmp_path, make_plan(make_cell()))
+
+
+def test_run_killed_behind_its_plan_goes_on(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """Opened it says what is missing; run again it has both files."""
+    store = Store.create(tmp_path, make_plan(make_cell()))
+    (tmp_path / EXPERIMENT).unlink()
+    with pytest.raises(UsageError, match=r"is no experiment: it holds no experiment\.toml"):
+        Store.open(tmp_path)
+    Store.create(tmp_path, make_plan(make_cell(seed=1)))
+    assert Store.open(tmp_path).read_plan()[2] == [make_cell(), make_cell(seed=1)]
+    assert store.folder == tmp_path
+
+
+def test_damaged_plan_is_not_written_over(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """Neither it nor the experiment beside it."""
+    Store.create(tmp_path, replace(make_plan(make_cell()), resolved={"seeds": 1}))
+    (tmp_path / PLAN).write_text("{")
+    with pytest.raises(SchemaError, match=r"plan\.json is no readable plan"):
+        Store.create(tmp_path, replace(make_plan(make_cell()), resolved={"seeds": 2}))
+    assert (tmp_path / EXPERIMENT).read_text() == "seeds = 1\n"
+    assert (tmp_path / PLAN).read_text() == "{"
 
 
 def test_second_plan_is_added(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):

@@ -4,14 +4,16 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from harness.cell_times.cell_times import PARTS, TRAINING, CellTimes
+from harness.cell_times.cell_times import PARTS, CellTimes
 from harness.cell_times.meter import CLOCK, Clock, Meter, TimedMethods, TimedReward
 from harness.watch import Stage, Watch
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
 
-ENGINE = ("reset", "drive", "place", "read")
+METERED = ("simulator", "reward", "trace", "env")
+"""Parts of the training that have a meter."""
+ENGINE = ("reset", "drive", "place")
 """Of `harness.simulator.Simulation`: what an env calls while it trains."""
 
 
@@ -22,16 +24,18 @@ class Stopwatch(Watch):
     the env are timed, and within these the calls of engine, reward and recorder: what is left is the part around them.
     """
 
-    def __init__(self, begun: float, clock: Clock = CLOCK) -> None:
+    def __init__(self, begun: float, clock: Clock = CLOCK, core_clock: Clock = time.process_time) -> None:
         """Begin.
 
         Args:
             begun: What `clock` showed when the process was started.
             clock: Tells the time, [s].
+            core_clock: Tells what this process had a core for, [s].
         """
-        self._clock, self._since, self._stage = clock, begun, "start_up"
+        self._clock, self._core_clock = clock, core_clock
+        self._since, self._stage = begun, "start_up"
         self._stages = dict.fromkeys(("start_up", "training", "trace", "evaluation", "saving"), 0.0)
-        self._meters = {part: Meter(clock) for part in TRAINING}
+        self._meters = {part: Meter(clock) for part in METERED}
         self._env: ReachVectorEnv | None = None
 
     def follow(self, env: "ReachVectorEnv") -> None:
@@ -66,7 +70,7 @@ class Stopwatch(Watch):
             {part: seconds[part] for part in PARTS},
             steps,
             calls=sum(meter.calls for meter in self._meters.values()),
-            core_share=time.process_time() / sum(self._stages.values()),
+            core_share=self._core_clock() / sum(self._stages.values()),
         )
 
     def _enter(self, stage: str) -> None:

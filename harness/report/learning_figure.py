@@ -13,7 +13,7 @@ def draw_learning(learning: Learning, metric: str) -> Figure:
     """A share such as the success rate: means as lines, intervals as bands, random actions as a dotted line."""
     curves = ((learning.baseline, BLUE, "circle"), (learning.proposed, VERMILION, "diamond"))
     known = [(curve, curve.known(metric), colour, symbol) for curve, colour, symbol in curves]
-    data = [_band(points, colour) for _, points, colour, _ in known]
+    data = [_band(curve.band(metric), colour) for curve, colour, _ in curves]
     data += [_line(curve.reward, points, colour, symbol) for curve, points, colour, symbol in known]
     last = learning.last_step(metric)
     floor = learning.random[metric]
@@ -37,10 +37,9 @@ def _told(curve: LearningCurve, metric: str) -> str:
     return f"{curve.reward} {', '.join(ends)}"
 
 
-def _band(points: list[Point], colour: str) -> Figure:
+def _band(there: list[tuple[int, float, float]], colour: str) -> Figure:
     """Around the means, there and back; empty of a single seed."""
-    with_ends = [(point.steps, point.value.low, point.value.high) for point in points if point.value.low is not None]
-    there, back = with_ends, with_ends[::-1]
+    back = there[::-1]
     return {
         "type": "scatter",
         "mode": "lines",

@@ -71,6 +71,26 @@ def test_summary_keeps_what_else_is_there(harness, experiment, tmp_path):
     assert (tmp_path / "kept" / "published.toml").read_text() == "eta_n = 0.2\n"
 
 
+def test_summary_is_no_experiment(harness, experiment, tmp_path):
+    """To report on one ends with status 2 and one line, and writes nothing."""
+    harness("report", experiment, "--summary", "kept")
+    before = {path: path.read_bytes() for path in (tmp_path / "kept").rglob("*") if path.is_file()}
+    answer = harness("report", "kept")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "'kept' is no experiment: it holds no plan.json" in answer.err
+    assert {path: path.read_bytes() for path in (tmp_path / "kept").rglob("*") if path.is_file()} == before
+
+
+def test_summary_into_an_experiment_is_refused(harness, experiment, tmp_path):
+    """Its own folder, too."""
+    before = (tmp_path / experiment / "experiment.toml").read_bytes()
+    answer = harness("report", experiment, "--summary", experiment)
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "is the folder of an experiment: name another" in answer.err
+    assert (tmp_path / experiment / "experiment.toml").read_bytes() == before
+    assert not (tmp_path / experiment / "summary.md").exists()
+
+
 def test_summary_into_a_file_is_refused(harness, experiment, tmp_path):
     """Status 2 and one line."""
     (tmp_path / "kept").touch()

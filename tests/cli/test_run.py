@@ -86,6 +86,17 @@ def test_foreign_folders_are_refused(harness, quick, tmp_path):
     assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
 
 
+def test_summaries_are_refused(harness, quick, tmp_path):
+    """The records of an experiment are left alone, its `experiment.toml` among them."""
+    harness("run", *quick, "--seeds", "1", "--out", "mine")
+    harness("report", "mine", "--summary", "kept")
+    before = {path: path.read_bytes() for path in (tmp_path / "kept").rglob("*") if path.is_file()}
+    answer = harness("run", *quick, "--seeds", "2", "--out", "kept")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "--out 'kept' holds something else than an experiment" in answer.err
+    assert {path: path.read_bytes() for path in (tmp_path / "kept").rglob("*") if path.is_file()} == before
+
+
 def test_folders_that_cannot_be_made_are_refused(harness, quick, tmp_path):
     """An --out below a file ends with one line."""
     (tmp_path / "file").write_text("")

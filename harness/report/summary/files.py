@@ -1,6 +1,7 @@
 """The files of a summary, put in place of the old ones."""
 
 import os
+import re
 import shutil
 from collections.abc import Mapping
 from contextlib import suppress
@@ -10,6 +11,8 @@ from harness.errors import UsageError
 from harness.report.summary.svg import CREATOR
 
 PARTIAL = ".summary.partial"
+FIGURE = re.compile(r"overview|.+\.(runs|split|learning)")
+"""Names of our figures, without the ending."""
 
 
 def put_files(folder: Path, files: Mapping[str, bytes], figures: str) -> None:
@@ -32,13 +35,18 @@ def put_files(folder: Path, files: Mapping[str, bytes], figures: str) -> None:
             (folder / name).parent.mkdir(exist_ok=True)
             os.replace(partial / name, folder / name)
         for path in (folder / figures).glob("*.svg"):
-            if f"{figures}/{path.name}" not in files and CREATOR.encode() in path.read_bytes():
+            if f"{figures}/{path.name}" not in files and _is_ours(path):
                 path.unlink()
     except OSError as error:
         raise UsageError(f"The summary '{folder}' cannot be written: {error.strerror}") from error
     finally:
         with suppress(OSError):  # not there if it could not be made
             shutil.rmtree(partial)
+
+
+def _is_ours(path: Path) -> bool:
+    """By its name and by its creator."""
+    return bool(FIGURE.fullmatch(path.stem)) and CREATOR.encode() in path.read_bytes()
 
 
 def _write(partial: Path, files: Mapping[str, bytes]) -> None:

@@ -42,14 +42,9 @@ def _fill(figure: "Figure", learning: Learning, text: str) -> None:
 
 
 def _draw(axes: "Axes", curve: LearningCurve, colour: str, shape: str) -> None:
-    points = curve.known(SUCCESS)
-    bands = [
-        (point.steps, point.value.low, point.value.high)
-        for point in points
-        if point.value.low is not None and point.value.high is not None
-    ]
-    if bands:  # one seed has none
-        steps, low, high = zip(*bands, strict=True)
+    points, band = curve.known(SUCCESS), curve.band(SUCCESS)
+    if band:
+        steps, low, high = zip(*band, strict=True)
         axes.fill_between(steps, low, high, color=colour, alpha=0.18, linewidth=0)
     if not points:
         return

@@ -1,6 +1,8 @@
 """Ratios on a logarithmic axis: a mark and its interval each, the numbers beside the panel."""
 
+import math
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from harness.index import Ratio
@@ -18,8 +20,8 @@ SHAPES = {"circle": "o", "square": "s", "diamond": "D"}
 FARTHEST = 30.0
 """An interval ends no farther than this factor beyond the outermost ratio: its ends stand in numbers beside it."""
 ENDLESS = "Bars: 95% intervals over seeds; one without an end goes on."
-ROOM = 28
-"""Characters of all marked numbers together, each with two for its surroundings."""
+ROOM = 18
+"""Characters beside one another along the axis: it is narrow where long numbers stand beside the panel."""
 
 
 def draw_marks(axes: "Axes", rows: Iterable[SplitRow], with_intervals: bool) -> None:
@@ -47,7 +49,7 @@ def set_ratio_axis(axes: "Axes", ratios: Sequence[Ratio]) -> tuple[float, float]
     low, high = ratio_range(ratios, FARTHEST)
     axes.set_xscale("log")
     axes.set_xlim(low, high)
-    marks = _thin(ticks(low, high))
+    marks = _thin(ticks(low, high), high / low)
     axes.set_xticks(marks, [_name(mark) for mark in marks])
     axes.minorticks_off()
     axes.tick_params(axis="y", length=0)
@@ -68,15 +70,22 @@ def _mark(axes: "Axes", row: SplitRow, low: float, high: float) -> None:
     axes.plot([value], [row.place], SHAPES[shape], clip_on=False, **style)
 
 
-def _thin(marks: list[float]) -> list[float]:
-    """Every second one, 1 among them, as long as they have no room."""
-    while len(marks) > 2 and sum(len(_name(mark)) + 2 for mark in marks) > ROOM:
+def _thin(marks: list[float], span: float) -> list[float]:
+    """Every second one, 1 among them, as long as two neighbours touch on an axis of that span, its high by its low."""
+    while len(marks) > 2 and any(_touch(*pair, span) for pair in pairwise(marks)):
         marks = marks[marks.index(1.0) % 2 :: 2]
     return marks
 
 
+def _touch(left: float, right: float, span: float) -> bool:
+    """Whether there is less than a character between their names."""
+    apart = ROOM * math.log(right / left) / math.log(span)
+    return apart < (len(_name(left)) + len(_name(right))) / 2 + 1
+
+
 def _name(mark: float) -> str:
-    return f"{mark:,g}"
+    """The number; a power of ten that is long in digits as 1e-4 or 1e5."""
+    return f"{mark:,g}" if 0.001 <= mark <= 1_000 else f"1e{math.log10(mark):.0f}"
 
 
 def _number(ratio: Ratio, with_interval: bool) -> str:

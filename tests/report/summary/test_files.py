@@ -88,11 +88,26 @@ def test_interrupted_renaming_leaves_whole_files(folder, monkeypatch):
 
 
 def test_our_older_figures_go(folder):
-    """One that is not drawn any more, and is ours, would be taken for a result; somebody else's stays."""
-    (folder / "figures" / "gone.svg").write_text(f"<svg>{CREATOR}</svg>")
-    (folder / "figures" / "theirs.svg").write_text("<svg/>")
+    """One that is not drawn any more would be taken for a result."""
+    for name in ("overview", "a.runs", "a-b.1.split", "a.learning"):
+        (folder / "figures" / f"{name}.svg").write_text(f"<svg>{CREATOR}</svg>")
     put_files(folder, NEW, "figures")
-    assert {path.name for path in (folder / "figures").iterdir()} == {"c.svg", "theirs.svg"}
+    assert {path.name for path in (folder / "figures").iterdir()} == {"c.svg"}
+
+
+@pytest.mark.parametrize("name", ["theirs.svg", "a.runs-kept.svg", "runs.svg", "overview2.svg", "a.runs.kept.svg"])
+def test_figures_of_another_name_stay(folder, name):
+    """A copy of ours that somebody renamed is theirs."""
+    (folder / "figures" / name).write_text(f"<svg>{CREATOR}</svg>")
+    put_files(folder, NEW, "figures")
+    assert {path.name for path in (folder / "figures").iterdir()} == {"c.svg", name}
+
+
+def test_figures_of_another_creator_stay(folder):
+    """Whatever their name."""
+    (folder / "figures" / "overview.svg").write_text("<svg/>")
+    put_files(folder, NEW, "figures")
+    assert {path.name for path in (folder / "figures").iterdir()} == {"c.svg", "overview.svg"}
 
 
 def test_folder_that_is_a_file_is_refused(tmp_path):

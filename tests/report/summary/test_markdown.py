@@ -62,6 +62,16 @@ def test_cost_and_machine_are_told(summarise):
     assert "harness run experiment.toml" in text
 
 
+def test_folder_of_several_experiments_is_told(summarise):
+    """The file beside the page is the newest of them."""
+    assert "repeats it: the newest, where several were run in one folder." in page(summarise)
+
+
+def test_system_is_left_out(summarise):
+    """The kernel of the machine."""
+    assert "| system |" not in page(summarise)
+
+
 def test_nothing_ran_is_said(summarise):
     """An experiment that waits has taken nothing."""
     waiting = {(reward, 0): ("pending", "not run yet") for reward in ("baseline", "arp")}
