@@ -6,38 +6,17 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.algorithm import ActionSpace
-from harness_plugins.hyperparameters import (
-    Activation,
-    BatchSize,
-    BufferSize,
-    Gamma,
-    GradientSteps,
-    Layers,
-    LearningRate,
-    LearningStarts,
-    NumEnvs,
-    Tau,
-    TrainFreq,
-)
+from harness_plugins.off_policy import OffPolicy
 
 
 @dataclass(frozen=True)
-class SoftActorCritic:
+class SoftActorCritic(OffPolicy):
     """Settings that learn the FD100 task in 10,000 steps; stable-baselines3's own (3e-4, 0.99, 256x256) do not.
 
     The entropy coefficient starts at 0.1: a step pays some 0.1, and from 1 it takes thousands of steps before the
     reward outweighs the noise.
     """
 
-    learning_rate: LearningRate = 1e-3
-    gamma: Gamma = 0.95
-    net_arch: Layers = (64, 64)
-    batch_size: BatchSize = 256
-    buffer_size: BufferSize = 1_000_000
-    learning_starts: LearningStarts = 100
-    train_freq: TrainFreq = 1
-    gradient_steps: GradientSteps = 1
-    tau: Tau = 0.005
     ent_coef: Annotated[
         str,
         Field(
@@ -45,8 +24,6 @@ class SoftActorCritic:
             description="entropy coefficient: a number, or auto_X to learn it from X on (auto: from 1)",
         ),
     ] = "auto_0.1"
-    activation: Activation = "relu"
-    num_envs: NumEnvs = 1
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 

@@ -8,19 +8,7 @@ from pydantic.dataclasses import dataclass
 from harness.algorithm import ActionSpace
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.hyperparameters import (
-    Activation,
-    BatchSize,
-    BufferSize,
-    Gamma,
-    GradientSteps,
-    Layers,
-    LearningRate,
-    LearningStarts,
-    NumEnvs,
-    Tau,
-    TrainFreq,
-)
+from harness_plugins.off_policy import OffPolicy
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -29,29 +17,18 @@ NotNegative = Annotated[float, Field(ge=0)]
 
 
 @dataclass(frozen=True)
-class Td3:
+class Td3(OffPolicy):
     """Twin delayed deep deterministic policy gradient (TD3) of stable-baselines3.
 
     A policy without spread of its own: noise is added to its actions while it trains.
     """
 
-    learning_rate: LearningRate = 1e-3
-    gamma: Gamma = 0.95
-    net_arch: Layers = (64, 64)
-    batch_size: BatchSize = 256
-    buffer_size: BufferSize = 1_000_000
-    learning_starts: LearningStarts = 100
-    train_freq: TrainFreq = 1
-    gradient_steps: GradientSteps = 1
-    tau: Tau = 0.005
     action_noise: Annotated[
         NotNegative, Field(description="standard deviation of what is added to actions, of a box [-1, 1]")
     ] = 0.1
     policy_delay: Annotated[int, Field(gt=0, description="updates of the critics for one of the actor")] = 2
     target_noise: Annotated[NotNegative, Field(description="the same in the critics' targets")] = 0.2
     target_noise_clip: Annotated[NotNegative, Field(description="largest size of that noise")] = 0.5
-    activation: Activation = "relu"
-    num_envs: NumEnvs = 1
 
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})

@@ -8,19 +8,8 @@ from pydantic.dataclasses import dataclass
 from harness.algorithm import ActionSpace
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.hyperparameters import (
-    Activation,
-    BatchSize,
-    BufferSize,
-    Gamma,
-    GradientSteps,
-    Layers,
-    LearningRate,
-    LearningStarts,
-    NumEnvs,
-    Tau,
-    TrainFreq,
-)
+from harness_plugins.hyperparameters import BatchSize, Tau
+from harness_plugins.off_policy import OffPolicy
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -29,17 +18,10 @@ Share = Annotated[float, Field(ge=0, le=1)]
 
 
 @dataclass(frozen=True)
-class QLearning:
+class QLearning(OffPolicy):
     """Learns what each choice is worth in each state, and mostly takes the best."""
 
-    learning_rate: LearningRate = 1e-3
-    gamma: Gamma = 0.95
-    net_arch: Layers = (64, 64)
     batch_size: BatchSize = 128
-    buffer_size: BufferSize = 1_000_000
-    learning_starts: LearningStarts = 100
-    train_freq: TrainFreq = 1
-    gradient_steps: GradientSteps = 1
     target_update_interval: Annotated[
         int, Field(gt=0, description="decisions, over all envs, between updates of the target network")
     ] = 1
@@ -50,8 +32,6 @@ class QLearning:
     exploration_start: Annotated[Share, Field(description="share of random choices in the beginning")] = 1.0
     exploration_end: Annotated[Share, Field(description="and in the end, also of the policy where it explores")] = 0.05
     max_gradient: Annotated[float, Field(gt=0, description="longest gradient")] = 10.0
-    activation: Activation = "relu"
-    num_envs: NumEnvs = 1
 
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"discrete"})

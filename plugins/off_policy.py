@@ -1,0 +1,34 @@
+"""The hyperparameters of whatever learns from a replay buffer."""
+
+from pydantic.dataclasses import dataclass
+
+from harness_plugins.hyperparameters import (
+    Activation,
+    BatchSize,
+    BufferSize,
+    Gamma,
+    GradientSteps,
+    Layers,
+    LearningRate,
+    LearningStarts,
+    NumEnvs,
+    Tau,
+    TrainFreq,
+)
+
+
+@dataclass(frozen=True)
+class OffPolicy:
+    """What the algorithms share that learn off-policy, with the defaults of those for continuous actions."""
+
+    learning_rate: LearningRate = 1e-3
+    gamma: Gamma = 0.95
+    net_arch: Layers = (64, 64)
+    batch_size: BatchSize = 256
+    buffer_size: BufferSize = 1_000_000
+    learning_starts: LearningStarts = 100
+    train_freq: TrainFreq = 1
+    gradient_steps: GradientSteps = 1
+    tau: Tau = 0.005
+    activation: Activation = "relu"
+    num_envs: NumEnvs = 1
