@@ -111,7 +111,10 @@ def test_an_interrupt_leaves_nothing(toys, tmp_path, temporary):
         os.close(reader)
         assert list(temporary.iterdir())
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=30)
+        try:
+            process.communicate(timeout=30)
+        finally:
+            process.kill()  # if it did not end: the block waits for it
     assert process.returncode == 130
     with pytest.raises(ProcessLookupError):
         os.kill(worker, 0)
