@@ -166,7 +166,7 @@ def watch(env: ReachVectorEnv, progress: Progress) -> SilentProgress:
     """The callback of a training that has no model yet."""
     callback = SilentProgress(env, progress, 1000, policy_of=lambda model: None, decisions_per_update=1)
     callback.model = SimpleNamespace(logger=SimpleNamespace(name_to_value={}))
-    callback.locals = {"infos": [{}] * env.num_envs, "dones": np.zeros(env.num_envs, bool)}
+    callback.locals = {"rewards": np.zeros(env.num_envs), "dones": np.zeros(env.num_envs, bool)}
     return callback
 
 

