@@ -8,20 +8,20 @@ import wrapt
 from harness.hookspecs import Register, hookimpl
 
 if TYPE_CHECKING:
-    from harness.experiment import run
-    from harness.make import make_env
+    from harness.env.make import make_env
+    from harness.experiment.experiment import run
     from harness.results import load_results
-    from harness.robot_by_name import load_robot
+    from harness.robot.load import load_robot
 
 __version__ = "0.1.0"
 __all__ = ["Register", "__version__", "hookimpl", "load_results", "load_robot", "make_env", "run"]
 
 # Looked up when first used: `import harness` has to stay light, for `harness --help` and for every plugin.
 _HOMES = {
-    "load_results": "harness.results",
-    "load_robot": "harness.robot_by_name",
-    "make_env": "harness.make",
-    "run": "harness.experiment",
+    "load_results": "harness.results.results",
+    "load_robot": "harness.robot.load",
+    "make_env": "harness.env.make",
+    "run": "harness.experiment.experiment",
 }
 
 
@@ -35,8 +35,8 @@ def _register_envs(gymnasium: Any) -> None:
     """Make `gymnasium.make("harness/Reach-v0")` work, whichever of the two is imported first."""
     gymnasium.register(
         "harness/Reach-v0",
-        entry_point="harness.single_env:ReachEnv",
-        vector_entry_point="harness.make:make_env",
+        entry_point="harness.env.single_env:ReachEnv",
+        vector_entry_point="harness.env.make:make_env",
     )
 
 

@@ -18,7 +18,7 @@ class Algorithm(Protocol):
 
     It may also have ``learns``, False for one that only acts (see `learns`), ``why_not(task, robot)``, for one that
     cannot do every task whose actions it takes (see `why_not`), and ``sources``, like any plugin that works in modules
-    of its own (see `harness.source_files.source_files`).
+    of its own (see `harness.registry.sources.source_files`).
     """
 
     @property

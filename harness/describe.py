@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.choice import choose, parse
+from harness.env.arm_observation import ArmObservation
 from harness.motion import MODES, Discrete, MoveJ
-from harness.observation import ArmObservation
-from harness.parameters import parameters_of, values_of
-from harness.plugins import Registry
+from harness.registry.choice import choose, parse
+from harness.registry.parameters import parameters_of, values_of
+from harness.registry.registry import Registry
 from harness.robot import Robot
-from harness.robot_by_name import load_robot
+from harness.robot.load import load_robot
 from harness.task import Task
 
 
@@ -21,7 +21,7 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
     """Summary, documentation and parameters of ``name:key=value`` of one kind; a task as its tuple.
 
     Raises:
-        UsageError: Unknown or malformed; see `harness.choice.choose`.
+        UsageError: Unknown or malformed; see `harness.registry.choice.choose`.
     """
     if kind == "robots":
         return _describe_robot(load_robot(given, registry))

@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Literal, NamedTuple, Protocol, TypeAlias
 
-from harness.cell import Cell
+from harness.record.cell import Cell
 
 
 class Job(NamedTuple):
-    """What to give to `harness.run_cell.run_cell`."""
+    """What to give to `harness.experiment.run_cell.run_cell`."""
 
     cell: Cell
     folder: Path

@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from harness.trace import Trace
+from harness.record.trace import Trace
 
 
 class Metric(Protocol):

@@ -4,18 +4,17 @@ import math
 from typing import Annotated, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.arrays import Float
+from harness.env.arm_observation import ArmObservation
 from harness.errors import UsageError
-from harness.inverse import reach_position
 from harness.motion import Motion, Setting, build_motion
-from harness.observation import ArmObservation
 from harness.robot import Robot
+from harness.robot.inverse_kinematics import reach_position
 from harness.task import Targets
 
-Float = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0)]
 Metres3 = tuple[float, float, float]
 Extents = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]

@@ -5,9 +5,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Float, Mask
 from harness.robot import Robot
-
-Float = NDArray[np.float64]
 
 
 class State(NamedTuple):
@@ -22,14 +21,14 @@ class State(NamedTuple):
     """Joint velocities, (num_envs, dof), [rad/s] or [m/s]."""
     end_effector: Float
     """Position of the end effector, (num_envs, 3), [m]."""
-    ground_contact: NDArray[np.bool_]
+    ground_contact: Mask
     """Whether a moving link touches the ground z = 0, (num_envs,)."""
 
 
 class Simulation(Protocol):
     """`num_envs` robots in one running engine, each in a world of its own."""
 
-    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+    def reset(self, qpos: Float, mask: Mask) -> State:
         """Put the robots in `mask` at rest at joint positions `qpos`, (num_envs, dof); leave the others alone."""
 
     def drive(self, qpos: Float, duration: float) -> State:

@@ -1,15 +1,15 @@
 """The interface of a task: start, target, what the learner sees and does, when an episode ends."""
 
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float, Float32, Mask
 from harness.motion import Motion
-from harness.observation import Observation
 from harness.robot import Robot
 
-Float = NDArray[np.float64]
+if TYPE_CHECKING:
+    from harness.env.episodes import Episodes
 
 
 class Targets(NamedTuple):
@@ -17,9 +17,24 @@ class Targets(NamedTuple):
 
     position: Float
     """(count, 3), [m]."""
-    relative: NDArray[np.bool_]
+    relative: Mask
     """Whether the position counts from the end effector at the time the target is set, (count,); else from the
     world's origin."""
+
+
+class Observation(Protocol):
+    """Turns the state of the episodes into what the learner sees."""
+
+    @property
+    def low(self) -> Float32:
+        """Lower bounds, (size,)."""
+
+    @property
+    def high(self) -> Float32:
+        """Upper bounds, (size,)."""
+
+    def observe(self, episodes: "Episodes") -> Float32:
+        """What the learner sees of every episode, (num_envs, size), a new array."""
 
 
 class Task(Protocol):

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Mask
+
 
 class EpisodeMeans:
     """Gathers returns and lengths of the episodes of `num_envs` envs until they are taken; lengths are in decisions."""
@@ -12,7 +14,7 @@ class EpisodeMeans:
         self._returns: list[float] = []
         self._lengths: list[int] = []
 
-    def watch(self, rewards: NDArray[np.floating], ended: NDArray[np.bool_]) -> None:
+    def watch(self, rewards: NDArray[np.floating], ended: Mask) -> None:
         """A decision was made in every env, which ended an episode or not, (num_envs,) each."""
         self._return += rewards
         self._length += 1

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from harness.cell import Cell
-from harness.choice import Choice
-from harness.plan import Plan
-from harness.plugins import Registry, load_registry
+from harness.experiment.plan import Plan
 from harness.policy import Network
 from harness.policy.chooser import ChoosingNetwork
+from harness.record.cell import Cell
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry, load_registry
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
 settings.load_profile("no deadline")

@@ -7,8 +7,8 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.inverse import reach_position
 from harness.reach import ReachTask
+from harness.robot.inverse_kinematics import reach_position
 
 ROBOT = harness.load_robot("fd100")
 

@@ -18,9 +18,9 @@ from pydantic import Field
 
 import harness
 from harness.executor import Event
+from harness.experiment.run_cell import run_cell
 from harness.policy import SquashedGaussian, UniformChoice
 from harness.reach import ReachTask
-from harness.run_cell import run_cell
 from harness.simulator import State
 
 

@@ -16,13 +16,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.audit.rollout import Rollout
 from harness.audit.score import samples_of
 from harness.reward import Carry, Reward, Sample
-
-Float = NDArray[np.float64]
 
 SAMPLES = 64
 NOTHING = 1e-9

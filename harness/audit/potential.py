@@ -4,12 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.audit.score import discounted_sum, pay_distances
 from harness.reward import Reward
-
-Float = NDArray[np.float64]
 
 KNOTS = 32
 

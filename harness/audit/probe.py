@@ -1,9 +1,8 @@
 """Made-up distances: what no scripted policy does, the reward is asked about as well."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
+from harness.arrays import Float
 
 EACH = 16
 """Episodes of each of the three kinds."""

@@ -4,15 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.audit.number import number
 from harness.audit.potential import PotentialFit, fit_potential, waiting_at_target, worst_detour
 from harness.audit.probe import probe_distances
 from harness.audit.score import pay_distances
 from harness.reward import Reward
-
-Float = NDArray[np.float64]
 
 EQUAL = 1e-9
 """Values that differ by no more than this share of the largest are equal."""

@@ -5,18 +5,15 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
-from numpy.typing import NDArray
 
+from harness.arrays import Float, Mask
 from harness.audit.scripted import SCRIPTS, plan_actions
 from harness.env import ReachVectorEnv
-from harness.evaluate import EVALUATION_SEED
+from harness.experiment.evaluate import EVALUATION_SEED
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.simulator import Simulator
 from harness.task import Task
-
-Float = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.audit.rollout import Rollout
 from harness.errors import SimulationDiverged
 from harness.reward import Reward, Sample
-
-Float = NDArray[np.float64]
 
 
 def samples_of(distances: Float) -> Iterator[Sample]:

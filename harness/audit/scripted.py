@@ -9,16 +9,13 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float, Float32
 from harness.errors import UsageError
-from harness.inverse import reach_position
 from harness.motion import JointLimits, MoveJ
 from harness.robot import Robot
+from harness.robot.inverse_kinematics import reach_position
 from harness.task import Task
-
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
 
 FINISH, HOVER, CREEP, OSCILLATE, HOLD, RANDOM = SCRIPTS = ("finish", "hover", "creep", "oscillate", "hold", "random")
 

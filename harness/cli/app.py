@@ -20,7 +20,7 @@ from harness.cli.score import score
 from harness.cli.transfer import transfer
 from harness.cli.tune import tune
 from harness.errors import HarnessError, UsageError
-from harness.plugins import load_registry
+from harness.registry.registry import load_registry
 
 FAILED, USAGE = 1, 2
 

@@ -26,9 +26,9 @@ def audit(
     """Say what a reward pays for: scripted policies are scored under it, and it is tried on numbers. Trains nothing."""
     from harness.audit.audit import audit_reward
     from harness.audit.rollout import record_rollouts
-    from harness.choice import choose
-    from harness.plugins import load_registry
-    from harness.robot_by_name import load_robot
+    from harness.registry.choice import choose
+    from harness.registry.registry import load_registry
+    from harness.robot.load import load_robot
     from harness.testing import IdealSimulator
 
     if episodes < 1:
@@ -57,7 +57,7 @@ def audit(
         return
     from rich.console import Console
 
-    from harness.audit.table import audit_table
+    from harness.audit.audit_table import audit_table
 
     text = f"{label} · {robot} · {chosen.label} · {episodes} episodes of at most {world.horizon} steps"
     Console().print(audit_table(found, names[0], text, names[1]))

@@ -8,8 +8,8 @@ from harness.cli.options import Names, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.cell_times.bench import Bench
-    from harness.plan import Plan
+    from harness.bench.bench import Bench
+    from harness.experiment.plan import Plan
 
 
 def bench(
@@ -24,8 +24,8 @@ def bench(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
     """Train each combination as harness run does, and show where the time goes. Keeps nothing."""
-    from harness.plan import check_experiment, expand
-    from harness.plugins import load_registry
+    from harness.experiment.plan import check_experiment, expand
+    from harness.registry.registry import load_registry
 
     if rounds < 1:
         raise UsageError(f"--rounds {rounds}: must be at least 1")
@@ -41,14 +41,14 @@ def bench(
 
 def _rewards(given: Names) -> dict[str, Any]:
     """The first one stands as the baseline, so that no other is trained beside those that were named."""
-    from harness.choice import split_list
+    from harness.registry.choice import split_list
 
     names = split_list(given or []) or ["baseline"]
     return {"reward": names, "baseline": names[0]}
 
 
 def _measure(plan: "Plan", rounds: int) -> "Bench":
-    from harness.cell_times.bench import measure
+    from harness.bench.bench import measure
     from harness.cli.progress import LiveProgress
 
     with LiveProgress(plan.cells * rounds, ()) as progress:
@@ -63,6 +63,6 @@ def _show(found: "Bench", as_json: bool) -> None:
     else:
         from rich.console import Console
 
-        from harness.cell_times.table import bench_table
+        from harness.bench.bench_table import bench_table
 
         Console().print(bench_table(found))

@@ -5,7 +5,7 @@ from typing import Any
 
 import typer
 
-from harness.plugins import Registry, conflict
+from harness.registry.registry import Registry, conflict
 
 KIND = "commands"
 PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}

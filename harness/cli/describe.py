@@ -15,11 +15,11 @@ def describe(
     ] = None,
 ) -> None:
     """Explain a task, reward, simulator, algorithm, metric or robot, with its parameters."""
-    from harness.choice import parse
     from harness.describe import describe_name
     from harness.hookspecs import KINDS
-    from harness.plugins import load_registry, unknown_name
-    from harness.robot_by_name import is_path
+    from harness.registry.choice import parse
+    from harness.registry.registry import load_registry, unknown_name
+    from harness.robot.load import is_path
 
     registry = load_registry()
     bare = name if is_path(name) else parse(name)[0]

@@ -6,7 +6,7 @@ import sys
 import typer
 
 from harness.cli.commands import hidden_commands
-from harness.plugins import Registry, load_registry
+from harness.registry.registry import Registry, load_registry
 
 RENDER = """
 import numpy, harness
@@ -21,7 +21,7 @@ BACKENDS = {"egl": "libegl1", "osmesa": "libosmesa6"}
 
 def doctor() -> None:
     """Check versions, plugins, missing libraries, CPU and headless rendering."""
-    from harness.manifest import describe_machine, installed_versions, source_commit
+    from harness.experiment.provenance import describe_machine, installed_versions, source_commit
 
     machine, registry = describe_machine(), load_registry()
     typer.echo(f"python {sys.version.split()[0]} on {machine['system']}")

@@ -10,11 +10,11 @@ from harness.errors import UsageError
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from harness.combination import Combination
-    from harness.curve import GroupCurve
-    from harness.decompose import Who
-    from harness.eta import Comparison
+    from harness.eta.curve import GroupCurve
+    from harness.eta.decompose import Who
     from harness.report.rows import Grid
+    from harness.results.combination import Combination
+    from harness.score.compare import Comparison
 
 Globs = list[str]
 UNKNOWN = "an unknown reward"
@@ -51,9 +51,9 @@ def eta(
         raise UsageError(f"'{context.args[0]}' belongs to no flag: quote the pattern, as in --baseline 'base/*.csv'")
     if plot is not None and plot.suffix.lower() != ".html":
         raise UsageError(f"--plot writes .html, not '{plot}'")
-    from harness.eta import compare_recordings
-    from harness.plugins import load_registry
-    from harness.recording import match_recordings
+    from harness.registry.registry import load_registry
+    from harness.score.compare import compare_recordings
+    from harness.score.recording import match_recordings
 
     comparison = compare_recordings(
         match_recordings(baseline),
@@ -103,8 +103,8 @@ def _table(comparison: "Comparison") -> "RenderableType":
 
 def _combination(comparison: "Comparison") -> "Combination":
     """The same as a combination of an experiment, of which nothing but the runs is known."""
-    from harness.choice import Choice
-    from harness.combination import Combination, Group
+    from harness.registry.choice import Choice
+    from harness.results.combination import Combination, Group
 
     unknown = Choice("recorded", (), "recorded")
     group = Group(unknown, "", unknown, unknown, comparison.decomposition.baseline.steps, 0)

@@ -6,7 +6,7 @@ import typer
 
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
-from harness.plugins import conflict, load_registry, unknown_name
+from harness.registry.registry import conflict, load_registry, unknown_name
 
 
 def list_names(

@@ -28,8 +28,8 @@ def parity(
     from harness.parity.contenders import choose_contenders
     from harness.parity.orders import Setting
     from harness.parity.parity import compare_simulators
-    from harness.plugins import load_registry
-    from harness.robot_by_name import load_robot
+    from harness.registry.registry import load_registry
+    from harness.robot.load import load_robot
 
     _check(steps, episodes, seed, period)
     registry = load_registry()
@@ -47,7 +47,7 @@ def parity(
     else:
         from rich.console import Console
 
-        from harness.parity.table import parity_table
+        from harness.parity.parity_table import parity_table
 
         Console().print(parity_table(found))
     if found.failed:

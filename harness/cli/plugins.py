@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.commands import hidden_commands
-from harness.plugins import load_registry
+from harness.registry.registry import load_registry
 
 
 def plugins(as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False) -> None:

@@ -8,8 +8,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from harness.cell import Cell
 from harness.executor import Event
+from harness.record.cell import Cell
 
 
 class LiveProgress:

@@ -35,9 +35,9 @@ def report(
     elif html is None and summary is None:
         from rich.console import Console
 
-        from harness.report.table import comparison_table
+        from harness.report.comparison_table import comparison_table
         from harness.report.transfer_table import transfer_table
-        from harness.transfer_matrix import load_transfers
+        from harness.transfer.matrix import load_transfers
 
         console, transfers = Console(), load_transfers(results)
         console.print(comparison_table(results))

@@ -9,10 +9,10 @@ from harness.cli.options import Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.plan import Plan
-    from harness.plugins import Registry
+    from harness.experiment.plan import Plan
+    from harness.record.store import Store
+    from harness.registry.registry import Registry
     from harness.results import Results
-    from harness.store import Store
 
 
 def run(
@@ -68,13 +68,13 @@ def run(
 
     A cell that is done is not run again: the same command goes on where it stopped.
     """
-    from harness.event_log import require_tensorboard
-    from harness.experiment import default_folder
-    from harness.plan import expand
-    from harness.plugins import load_registry
+    from harness.experiment.event_log import require_tensorboard
+    from harness.experiment.experiment import default_folder
+    from harness.experiment.plan import expand
+    from harness.experiment.workers import core_count
+    from harness.record.store import Store
+    from harness.registry.registry import load_registry
     from harness.results import Results
-    from harness.store import Store
-    from harness.workers import core_count
 
     if jobs is not None and jobs < 1:
         raise UsageError(f"--jobs {jobs}: must be at least 1")
@@ -104,7 +104,7 @@ def run(
 
 def _read(path: Path | None, flags: dict[str, Any]) -> Any:
     """The experiment of a file, of flags, or of both."""
-    from harness.plan import check_experiment, read_experiment
+    from harness.experiment.plan import check_experiment, read_experiment
 
     return check_experiment(flags) if path is None else read_experiment(path, flags)
 
@@ -131,7 +131,7 @@ def _run_with_progress(
     tensorboard: bool,
 ) -> None:
     from harness.cli.progress import LiveProgress
-    from harness.experiment import run_plan
+    from harness.experiment.experiment import run_plan
 
     done = [cell for cell in plan.cells if store.is_done(cell)]
     with LiveProgress(plan.cells, done) as progress:
@@ -141,9 +141,9 @@ def _run_with_progress(
 def _show(results: "Results") -> None:
     from rich.console import Console
 
+    from harness.record.store import REPORT
+    from harness.report.comparison_table import comparison_table
     from harness.report.html import write_html
-    from harness.report.table import comparison_table
-    from harness.store import REPORT
 
     console = Console(stderr=True)
     console.print(comparison_table(results))

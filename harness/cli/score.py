@@ -11,11 +11,11 @@ from harness.errors import UsageError
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from harness.choice import Choice
-    from harness.plugins import Registry
-    from harness.recording import Recording
+    from harness.registry.choice import Choice
+    from harness.registry.registry import Registry
     from harness.results import Results
-    from harness.score_matrix import ScoreMatrix
+    from harness.results.score_matrix import ScoreMatrix
+    from harness.score.recording import Recording
 
 
 def score(
@@ -33,8 +33,8 @@ def score(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> None:
     """Pay recorded runs again under other rewards, exactly; the recordings are not touched."""
-    from harness.choice import choose, split_list
-    from harness.plugins import load_registry
+    from harness.registry.choice import choose, split_list
+    from harness.registry.registry import load_registry
 
     if not reward and not every:
         raise UsageError("No reward is named: give --reward NAME, or --all for those of the experiment")
@@ -49,11 +49,10 @@ def score(
 
 
 def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, registry: "Registry", as_json: bool) -> None:
-    from harness.cell_folder import TRACE
-    from harness.recording import open_recording
-    from harness.rescore import FILE
+    from harness.record.folder import SCORES, TRACE
     from harness.results import load_results
-    from harness.score_matrix import score_matrices
+    from harness.results.score_matrix import score_matrices
+    from harness.score.recording import open_recording
 
     results = load_results(folder)
     if not results.done_cells:
@@ -62,7 +61,7 @@ def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, regist
     rewards = list(dict.fromkeys([*scoring, *trained]))
     for cell in results.done_cells:
         place = results.store.cell_folder(cell)
-        _write(open_recording(place / TRACE), rewards, place / FILE, registry)
+        _write(open_recording(place / TRACE), rewards, place / SCORES, registry)
     matrices = score_matrices(results, rewards, registry)
     if as_json:
         _print_json({"matrices": [matrix.to_json() for matrix in matrices]})
@@ -73,11 +72,11 @@ def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, regist
 def _score_files(
     patterns: Sequence[str], scoring: "list[Choice]", out: Path | None, registry: "Registry", as_json: bool
 ) -> None:
-    from harness.recording import match_recordings
-    from harness.rescore import FILE
+    from harness.record.folder import SCORES
+    from harness.score.recording import match_recordings
 
     recordings = match_recordings(patterns)
-    places = [(out or recording.path.parent) / f"{recording.path.stem}.{FILE}" for recording in recordings]
+    places = [(out or recording.path.parent) / f"{recording.path.stem}.{SCORES}" for recording in recordings]
     if len(set(places)) < len(places):
         raise UsageError(
             f"Several files of one name cannot all be scored into '{out}': leave --out, or name them apart"
@@ -94,7 +93,7 @@ def _score_files(
 
 
 def _write(recording: "Recording", rewards: "Iterable[Choice]", into: Path, registry: "Registry") -> None:
-    from harness.rescore import rescore
+    from harness.score.rescore import rescore
 
     rescore(recording, {choice.label: choice.build(registry, "rewards") for choice in rewards}, into)
 

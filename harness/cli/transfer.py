@@ -28,11 +28,11 @@ def transfer(
     Trains nothing. What was evaluated before is not again.
     """
     from harness.cli.transfer_progress import TransferProgress
-    from harness.plugins import load_registry
+    from harness.experiment.workers import core_count
+    from harness.registry.registry import load_registry
     from harness.results import Results
-    from harness.transfer import plan_transfers, run_transfers
-    from harness.transfer_matrix import load_transfers
-    from harness.workers import core_count
+    from harness.transfer.jobs import plan_transfers, run_transfers
+    from harness.transfer.matrix import load_transfers
 
     if jobs is not None and jobs < 1:
         raise UsageError(f"--jobs {jobs}: must be at least 1")

@@ -6,7 +6,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from harness.transfer import TransferEvent, TransferPlan
+from harness.transfer.jobs import TransferEvent, TransferPlan
 
 
 class TransferProgress:

@@ -11,8 +11,8 @@ from harness.cli.options import Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.cell import Cell
     from harness.executor import OnEvent
+    from harness.record.cell import Cell
     from harness.tune.trial import TrialRecord, Tuned
     from harness.tune.tune import Watch
     from harness.tune.tuning import Tuning
@@ -75,10 +75,10 @@ def tune(
 
     Leaves DIR/tuned.toml, an experiment for harness run. The same command goes on where it stopped.
     """
-    from harness.plugins import load_registry
+    from harness.experiment.workers import core_count
+    from harness.registry.registry import load_registry
     from harness.tune.tune import default_folder, run_searches
     from harness.tune.tuning import resolve
-    from harness.workers import core_count
 
     if jobs is not None and jobs < 1:
         raise UsageError(f"--jobs {jobs}: must be at least 1")
@@ -123,8 +123,8 @@ def _parse_search(texts: list[str] | None) -> dict[str, str] | None:
 
 def _watch(trials: int) -> "Watch":
     from harness.cli.progress import LiveProgress
-    from harness.tune.table import outcome_text, params_text
     from harness.tune.tune import Watch
+    from harness.tune.tuning_table import outcome_text, params_text
 
     @contextmanager
     def follow(cells: "Sequence[Cell]", done: "Sequence[Cell]") -> "Iterator[OnEvent]":
@@ -143,7 +143,7 @@ def _watch(trials: int) -> "Watch":
 def _show(tuned: "Tuned", as_json: bool) -> None:
     from rich.console import Console
 
-    from harness.tune.table import tuning_table
+    from harness.tune.tuning_table import tuning_table
 
     console = Console(stderr=True)
     console.print(tuning_table(tuned))

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
+from harness.arrays import Float
 
 STRAIGHT = 1e-6
 """Three points whose triangle's area is below this share of its sides' product lie on a line."""

@@ -6,10 +6,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.errors import UsageError
 from harness.motion.motion import Motion, Move
-
-Float = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,14 +6,12 @@ from functools import partial
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float, Mask
 from harness.motion.limits import JointLimits, stopping_speed
 from harness.motion.motion import Move
 from harness.robot import Robot
 
-Float = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Way: TypeAlias = Callable[[Float], Float]
 """Where the end effector is, from its start, (n, 3), world frame [m], when the shares (n, 1) of a way are gone."""
 

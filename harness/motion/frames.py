@@ -4,15 +4,14 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
+from harness.arrays import Float
 from harness.errors import UsageError
-from harness.kinematics import forward
 from harness.robot import Robot
+from harness.robot.kinematics import forward
 
-Float = NDArray[np.float64]
 Metres3 = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0)]
 

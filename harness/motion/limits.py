@@ -5,11 +5,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.errors import UsageError
-
-Float = NDArray[np.float64]
 
 
 class Rows(NamedTuple):

@@ -5,7 +5,6 @@ from typing import Annotated, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.choice import parse
 from harness.errors import UsageError
 from harness.motion.discrete import Discrete
 from harness.motion.motion import Motion, Setting
@@ -14,8 +13,9 @@ from harness.motion.move_j import MoveJMode
 from harness.motion.move_j_absolute import MoveJAbsoluteMode
 from harness.motion.move_l import MoveLMode
 from harness.motion.set_joints import SetJointsMode
-from harness.parameters import build
-from harness.plugins import did_you_mean
+from harness.registry.choice import parse
+from harness.registry.parameters import build
+from harness.registry.registry import did_you_mean
 
 
 @dataclass(frozen=True)

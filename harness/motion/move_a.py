@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass as checked_dataclass
 
+from harness.arrays import Float
 from harness.motion.arc import arc_through
 from harness.motion.follow import Follower
 from harness.motion.frames import Axes, CartesianMode
 from harness.motion.limits import require_numbers
 from harness.motion.motion import Move, Setting
-
-Float = NDArray[np.float64]
 
 
 @checked_dataclass(frozen=True)

@@ -4,13 +4,11 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.motion.limits import JointLimits
 from harness.motion.motion import Move, Setting
 from harness.robot import Robot
-
-Float = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.motion.limits import JointLimits
 from harness.motion.motion import Move, Setting
-
-Float = NDArray[np.float64]
 
 INCREMENT = 0.1
 """Of a discrete choice, as a share of half a joint's range."""

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.motion.limits import JointLimits, require_numbers
 from harness.motion.motion import Move, Setting
 from harness.motion.move_j_absolute import INCREMENT
-
-Float = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

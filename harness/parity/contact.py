@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Mask = NDArray[np.bool_]
+from harness.arrays import Mask
 
 GRACE = 5
 """Control periods after the first contact that still count: later ones tell how the arms bounce."""

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from harness.choice import Choice, choose, split_list
 from harness.errors import PluginError, UsageError
 from harness.parity.failure import Failure
-from harness.plugins import Registry
+from harness.registry.choice import Choice, choose, split_list
+from harness.registry.registry import Registry
 from harness.simulator import Simulator
 
 USUAL = "mujoco"

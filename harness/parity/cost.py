@@ -5,13 +5,11 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.parity.failure import Failure, attempt, part
 from harness.robot import Robot
 from harness.simulator import Simulator
-
-Float = NDArray[np.float64]
 
 TURNS = 8
 LONGEST_TURN = 50

@@ -1,13 +1,11 @@
 """Motions that end below the ground, the same for every simulator."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.inverse import reach_position
+from harness.arrays import Float
 from harness.parity.motions import ACCELERATION, SPEED, draw_start
 from harness.robot import Robot
-
-Float = NDArray[np.float64]
+from harness.robot.inverse_kinematics import reach_position
 
 DEPTH = 0.1
 """A dive's goal lies so far below the ground, [m]."""

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.parity.track import Track
-
-Float = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,16 +5,12 @@ Figures are plain data in plotly's JSON schema, as those of the report.
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from harness.arrays import Float
 from harness.parity.grids import pair_name, reference_pairs
 from harness.parity.parity import Pair, Parity
 from harness.report.figure import Figure
 from harness.report.palette import FONT, GRID, INK
 from harness.report.points import select_points
-
-Float = NDArray[np.float64]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#1a1a1a")
 """Apart for every kind of colour vision (Okabe and Ito)."""

@@ -1,13 +1,11 @@
 """Smooth motions through the air, the same for every simulator."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.errors import UsageError
-from harness.kinematics import link_frames
 from harness.robot import Robot
-
-Float = NDArray[np.float64]
+from harness.robot.kinematics import link_frames
 
 SPEED, ACCELERATION = 0.8, 0.6
 """Shares of a joint's maxima that may be used, NOTE Table I."""

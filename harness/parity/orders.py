@@ -3,15 +3,11 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from harness.arrays import Float
 from harness.parity.dives import dive_motions
 from harness.parity.motions import smooth_motions
 from harness.parity.placement import random_poses
 from harness.robot import Robot
-
-Float = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.parity.track import Track, copied, stacked
 from harness.robot import Robot
 from harness.simulator import Simulation
-
-Float = NDArray[np.float64]
 
 POSES = 64
 

@@ -3,12 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float, Mask
 from harness.errors import SimulationDiverged
 from harness.simulator import Simulation, State
-
-Float = NDArray[np.float64]
 
 
 class Track(NamedTuple):
@@ -18,7 +16,7 @@ class Track(NamedTuple):
     """Joint positions, (rows, episodes, dof), [rad]."""
     tip: Float
     """Position of the end effector, (rows, episodes, 3), [m]."""
-    contact: NDArray[np.bool_]
+    contact: Mask
     """Whether a moving link touches the ground, (rows, episodes)."""
 
 

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
+from harness.arrays import Float32
 from harness.policy.choices import choices_of, describe_choices
 from harness.policy.network import Network
-from harness.policy.policy import Float32
 from harness.policy.soundness import require_sound
 from harness.policy.uniform_choice import UniformChoice
 

@@ -7,9 +7,9 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from harness.arrays import Float32
 from harness.policy.box import box_of, describe_box
 from harness.policy.network import Network
-from harness.policy.policy import Float32
 from harness.policy.soundness import require_sound
 from harness.policy.uniform import Uniform
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import safetensors.numpy
-from numpy.typing import NDArray
 
+from harness.arrays import Float32
 from harness.errors import SchemaError
+from harness.record.folder import CARD, WEIGHTS
 
 FORMAT = 2
-WEIGHTS, CARD = "weights.safetensors", "card.json"
-Weights = Mapping[str, NDArray[np.float32]]
+Weights = Mapping[str, Float32]
 
 
 def write_folder(folder: Path, card: Mapping[str, Any], weights: Weights) -> None:

@@ -6,8 +6,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from harness.arrays import Float32
 from harness.policy.continuous import ContinuousNetwork
-from harness.policy.policy import Float32
 
 LOG_STD = "log_std"
 

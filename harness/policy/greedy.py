@@ -7,8 +7,8 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Float32
 from harness.policy.chooser import ChoosingNetwork
-from harness.policy.policy import Float32
 
 Choice: TypeAlias = NDArray[np.int64]
 

@@ -7,17 +7,15 @@ from functools import cached_property
 from typing import Any, ClassVar, Self, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.inverse import reach_position
-from harness.kinematics import Chain, chain_length, end_effector_position, position_jacobian
+from harness.arrays import Float, Float32
 from harness.motion.limits import JointLimits
-from harness.policy.policy import Float32, Policy
+from harness.policy.policy import Policy
 from harness.policy.uniform import Uniform
 from harness.robot import Robot
-from harness.urdf import JointKind
-
-Float = NDArray[np.float64]
+from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import Chain, chain_length, end_effector_position, position_jacobian
+from harness.robot.urdf import JointKind
 
 MODES = ("movej", "movej-absolute", "set-joints")
 """Action modes that it acts in; see `harness.motion`."""
@@ -31,11 +29,11 @@ SHAPES = {"joints": (4, 4), "axes": (3,), "lower": (), "upper": (), "max_speed":
 class InverseKinematics(Policy):
     """Finds joint positions that bring the end effector to the target, and goes there as fast as the joints can.
 
-    Acts on the observations of `harness.observation.ArmObservation`. All that it needs to know of the arm is in its
-    arrays: no robot's file is read, and a robot that has changed since changes nothing.
+    Acts on the observations of `harness.env.arm_observation.ArmObservation`. All that it needs to know of the arm is in
+    its arrays: no robot's file is read, and a robot that has changed since changes nothing.
 
     Attributes:
-        weights: ``joints`` (dof, 4, 4), ``axes`` (dof, 3) and ``tip`` (4, 4) of the `harness.kinematics.Chain`;
+        weights: ``joints`` (dof, 4, 4), ``axes`` (dof, 3) and ``tip`` (4, 4) of the `harness.robot.kinematics.Chain`;
             ``lower``, ``upper``, ``max_speed`` and ``max_change`` (dof,) of the `harness.motion.JointLimits`.
         joint_kinds: How each joint moves, as in the chain.
         mode: The action mode, one of `MODES`.
@@ -133,7 +131,7 @@ class InverseKinematics(Policy):
 
 @dataclass(frozen=True, eq=False)
 class KnownArm:
-    """What a search for joint positions has to know of an arm; see `harness.inverse.Arm`."""
+    """What a search for joint positions has to know of an arm; see `harness.robot.inverse_kinematics.Arm`."""
 
     chain: Chain
     lower: Float

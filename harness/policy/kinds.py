@@ -1,7 +1,13 @@
-"""Every kind of policy that a card may name."""
+"""Every kind of policy that a card may name, and a saved policy of any of them."""
 
+from pathlib import Path
+
+import safetensors
+
+from harness.errors import SchemaError
 from harness.policy.categorical import Categorical
 from harness.policy.deterministic import Deterministic
+from harness.policy.folder import read_folder
 from harness.policy.gaussian import Gaussian
 from harness.policy.greedy import Greedy
 from harness.policy.inverse_kinematics import InverseKinematics
@@ -33,3 +39,18 @@ def kind_named(name: str) -> type[Policy]:
         if kind.kind == name:
             return kind
     raise ValueError(f"no kind {name!r}; there is: {', '.join(kind.kind for kind in KINDS)}")
+
+
+def load_policy(folder: Path) -> Policy:
+    """The policy that `Policy.save` wrote, of whatever kind.
+
+    Raises:
+        SchemaError: The folder holds no policy of a format that this version reads.
+    """
+    try:
+        card, weights = read_folder(folder)
+        return kind_named(card["kind"]).from_card(card, weights)
+    except KeyError as error:
+        raise SchemaError(f"{folder} holds no readable policy: {error} is missing") from error
+    except (OSError, ValueError, TypeError, AttributeError, ArithmeticError, safetensors.SafetensorError) as error:
+        raise SchemaError(f"{folder} holds no readable policy: {error}") from error

@@ -7,7 +7,8 @@ from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
-from harness.policy.policy import Float32, Policy
+from harness.arrays import Float32
+from harness.policy.policy import Policy
 
 Layer: TypeAlias = tuple[Float32, Float32]
 """Weight (in, out) and bias (out,)."""

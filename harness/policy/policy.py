@@ -6,13 +6,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-import safetensors
 from numpy.typing import NDArray
 
-from harness.errors import SchemaError
-from harness.policy.folder import read_folder, write_folder
+from harness.arrays import Float32
+from harness.policy.folder import write_folder
 
-Float32 = NDArray[np.float32]
 Action = NDArray[Any]
 
 
@@ -66,24 +64,7 @@ class Policy(ABC):
 
         Args:
             folder: Where to.
-            cell: The training cell, `harness.cell.Cell.to_json`, for the reader of the card.
+            cell: The training cell, `harness.record.cell.Cell.to_json`, for the reader of the card.
         """
         own = {"kind": self.kind, "algorithm": self.algorithm, **self.card()}
         write_folder(folder, {**own, "cell": cell}, self.weights)
-
-    @staticmethod
-    def load(folder: Path) -> "Policy":
-        """The policy that `save` wrote, of whatever kind.
-
-        Raises:
-            SchemaError: The folder holds no policy of a format that this version reads.
-        """
-        from harness.policy.kinds import kind_named  # it knows every kind, and every kind is a Policy
-
-        try:
-            card, weights = read_folder(folder)
-            return kind_named(card["kind"]).from_card(card, weights)
-        except KeyError as error:
-            raise SchemaError(f"{folder} holds no readable policy: {error} is missing") from error
-        except (OSError, ValueError, TypeError, AttributeError, ArithmeticError, safetensors.SafetensorError) as error:
-            raise SchemaError(f"{folder} holds no readable policy: {error}") from error

@@ -3,12 +3,11 @@
 import hashlib
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.policy.policy import Float32
+from harness.arrays import Float, Float32
 
 
-def scatter(observation: Float32, size: int) -> NDArray[np.float64]:
+def scatter(observation: Float32, size: int) -> Float:
     """Uniform numbers that depend on each observation alone: not on the batch, nor on what was asked before.
 
     Args:

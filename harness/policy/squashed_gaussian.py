@@ -5,8 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from harness.arrays import Float32
 from harness.policy.continuous import ContinuousNetwork
-from harness.policy.policy import Float32
 
 
 @dataclass(frozen=True, eq=False)

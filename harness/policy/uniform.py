@@ -6,8 +6,9 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from harness.arrays import Float32
 from harness.policy.box import box_of, describe_box
-from harness.policy.policy import Float32, Policy
+from harness.policy.policy import Policy
 from harness.policy.scatter import scatter
 
 

@@ -7,8 +7,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Float32
 from harness.policy.choices import choices_of, describe_choices
-from harness.policy.policy import Float32, Policy
+from harness.policy.policy import Policy
 from harness.policy.scatter import scatter
 
 

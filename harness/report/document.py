@@ -3,10 +3,10 @@
 import json
 from typing import Any
 
-from harness.learning import learning_of
 from harness.results import Results
-from harness.return_matrix import return_matrices
-from harness.transfer_matrix import load_transfers
+from harness.results.learning import learning_of
+from harness.results.return_matrix import return_matrices
+from harness.transfer.matrix import load_transfers
 
 
 def report_to_json(results: Results) -> dict[str, Any]:

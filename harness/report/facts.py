@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from harness.cell import Cell
-from harness.choice import Choice
-from harness.manifest import Manifest
+from harness.record.cell import Cell
+from harness.record.manifest import Manifest
+from harness.registry.choice import Choice
 
 
 class Fact(NamedTuple):

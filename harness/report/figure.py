@@ -5,15 +5,12 @@ Figures are plain data in plotly's JSON schema, so that drawing needs nothing bu
 
 from typing import Any, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
-from harness.combination import Combination
+from harness.arrays import Float
 from harness.report.palette import FONT, GRID, INK
 from harness.report.panel import Panel, panels_of, reward_range, step_range
 from harness.report.points import select_points
+from harness.results.combination import Combination
 
-Float = NDArray[np.float64]
 Figure: TypeAlias = dict[str, Any]
 
 

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from harness.combination import Combination
-from harness.index import Ratio
-from harness.learning import learning_of
+from harness.eta.index import Ratio
+from harness.eta.verdict import SUCCESS
+from harness.record.store import EXPERIMENT
 from harness.report.facts import shared_facts
 from harness.report.figure import draw_panels
 from harness.report.learning_figure import describe_learning, draw_learning
@@ -41,10 +41,10 @@ from harness.report.split_figure import draw_split
 from harness.report.split_rows import describe_split
 from harness.report.transfer_rows import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
-from harness.return_matrix import ReturnMatrix, return_matrices
-from harness.store import EXPERIMENT
-from harness.transfer_matrix import Transfers, load_transfers
-from harness.verdict import SUCCESS
+from harness.results.combination import Combination
+from harness.results.learning import learning_of
+from harness.results.return_matrix import ReturnMatrix, return_matrices
+from harness.transfer.matrix import Transfers, load_transfers
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
 

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from harness.learning import Learning, LearningCurve, Point
 from harness.report.figure import Figure
 from harness.report.palette import BLUE, FONT, GREY, GRID, INK, VERMILION
+from harness.results.learning import Learning, LearningCurve, Point
 
 BANDS = {BLUE: "rgba(0, 114, 178, 0.18)", VERMILION: "rgba(213, 94, 0, 0.18)"}
 

@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.combination import Combination
-from harness.curve import GroupCurve
-from harness.decompose import BB, KK
-from harness.index import Index
+from harness.arrays import Float
+from harness.eta.curve import GroupCurve
+from harness.eta.decompose import BB, KK
+from harness.eta.index import Index
 from harness.report.palette import BLUE, VERMILION
-
-Float = NDArray[np.float64]
+from harness.results.combination import Combination
 
 
 @dataclass(frozen=True, eq=False)

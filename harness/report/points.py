@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
+from harness.arrays import Float
 
 POINTS = 1_000
 """Points drawn per curve, at most: more than a panel has pixels; every step of every run would make 100 MB pages."""

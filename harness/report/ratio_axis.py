@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from harness.index import Ratio
+from harness.eta.index import Ratio
 from harness.report.rows import is_near_zero
 
 FARTHEST = 1_000.0

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
+from harness.eta.seed_mean import SeedMean
 from harness.report.rows import NOTHING, Grid, format_number
-from harness.return_matrix import ReturnMatrix
-from harness.seed_mean import SeedMean
+from harness.results.return_matrix import ReturnMatrix
 
 TITLE = "Return under every reward"
 EXPLANATION = (

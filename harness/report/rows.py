@@ -5,13 +5,13 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from harness.change import Change
-from harness.combination import Combination
-from harness.decompose import Split
-from harness.index import Index, Ratio
+from harness.eta.behaviour_change import Change
+from harness.eta.decompose import Split
+from harness.eta.index import Index, Ratio
+from harness.eta.statistics import FEW_SEEDS
+from harness.eta.verdict import SUCCESS
 from harness.results import Results
-from harness.statistics import FEW_SEEDS
-from harness.verdict import SUCCESS
+from harness.results.combination import Combination
 
 NOTHING = "n/a"
 NEAR_ZERO = "near zero"

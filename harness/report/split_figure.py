@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from harness.decompose import Split
+from harness.eta.decompose import Split
 from harness.report.figure import Figure
 from harness.report.palette import FONT, GRID, INK
 from harness.report.ratio_axis import interval_ends, is_drawable, ratio_range, ticks

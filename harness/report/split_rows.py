@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from harness.decompose import Split
-from harness.index import Ratio
+from harness.eta.decompose import Split
+from harness.eta.index import Ratio
 from harness.report.palette import GREEN, GREY, INK
 from harness.report.ratio_axis import is_drawable
 from harness.report.rows import ratio_text

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
+from harness.eta.seed_mean import SeedMean
 from harness.report.rows import NOTHING, Grid, format_number
-from harness.seed_mean import SeedMean
-from harness.transfer_matrix import Failure, TransferMatrix
+from harness.transfer.matrix import Failure, TransferMatrix
 
 TITLE = "Transfer between simulators"
 HOME = "*"

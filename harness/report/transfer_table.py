@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.table import show_grid
+from harness.report.comparison_table import show_grid
 from harness.report.transfer_rows import (
     EXPLANATION,
     HOME,
@@ -13,7 +13,7 @@ from harness.report.transfer_rows import (
     transfer_block,
     transfer_grids,
 )
-from harness.transfer_matrix import Transfers
+from harness.transfer.matrix import Transfers
 
 
 def transfer_table(transfers: Transfers) -> RenderableType:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.algorithm import Algorithm, learns
-from harness.policy import Policy
+from harness.policy import Policy, load_policy
 from harness.testing.trainings import in_several_envs, mean_return, observations, steps_for, train, trainings
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -139,7 +139,7 @@ def the_policy_comes_back_from_its_folder(algorithm: Algorithm) -> None:
     policy, seen = train(algorithm, FEW).policy, observations()
     with tempfile.TemporaryDirectory() as folder:
         policy.save(Path(folder) / "policy")
-        loaded = Policy.load(Path(folder) / "policy")
+        loaded = load_policy(Path(folder) / "policy")
     require(np.array_equal(policy.act(seen), loaded.act(seen)), "the loaded policy acts otherwise")
 
 

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Float, Mask
 from harness.errors import UsageError
-from harness.kinematics import Chain, end_effector_position
 from harness.robot import Robot
+from harness.robot.kinematics import Chain, end_effector_position
 from harness.simulator import State
-
-Float = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ class IdealSimulation:
         self.qpos = np.tile(robot.home, (num_envs, 1))
         self.qvel = np.zeros_like(self.qpos)
 
-    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+    def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
         self.qpos[mask], self.qvel[mask] = qpos[mask], 0.0
         return self.state()

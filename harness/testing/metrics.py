@@ -6,9 +6,9 @@ import math
 import numpy as np
 
 from harness.metric import Metric
+from harness.record.trace import Trace
 from harness.testing.traces import REWARDS, recorded_trace
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
-from harness.trace import Trace
 
 ALL_ENDS = ("reached", "ground", "truncated", "touched", "reached", "truncated")
 SOME_ENDS: tuple[tuple[str, ...], ...] = (

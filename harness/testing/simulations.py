@@ -6,13 +6,12 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.inverse import reach_position
+from harness.arrays import Float, Mask
 from harness.motion import MoveJ
 from harness.robot import Robot
+from harness.robot.inverse_kinematics import reach_position
 from harness.simulator import Simulation, Simulator, State
 from harness.testing.violations import require
-
-Float = NDArray[np.float64]
 
 PERIOD = 0.1
 """Of control, [s]."""
@@ -95,6 +94,6 @@ def same(first: list[State], second: list[State]) -> bool:
     )
 
 
-def part(state: State, envs: NDArray[np.bool_] | NDArray[np.intp]) -> State:
+def part(state: State, envs: Mask | NDArray[np.intp]) -> State:
     """The state of some envs, given by a mask or by their numbers."""
     return State._make(array[envs] for array in state)

@@ -5,9 +5,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.robot_by_name import load_robot
+from harness.robot.load import load_robot
 from harness.simulator import Simulation, Simulator, State
 from harness.testing.simulations import (
     NUM_ENVS,
@@ -264,7 +265,7 @@ SIMULATOR_CHECKS = (
 )
 
 
-def _require_there_at_rest(state: State, qpos: NDArray[np.float64]) -> None:
+def _require_there_at_rest(state: State, qpos: Float) -> None:
     error = np.abs(state.qpos - qpos).max()
     require(error < MAX_PLACEMENT_ERROR, f"the joints are {error:.2g} rad from where they were put")
     require((state.qvel == 0.0).all(), f"the joints are not at rest: {state.qvel} rad/s")
@@ -301,7 +302,7 @@ def _called_with_changing_arrays(simulator: Simulator, robot: Robot, change: flo
     return states
 
 
-def _frame(simulation: Simulation, target: NDArray[np.float64], width: int, height: int) -> NDArray[np.uint8] | None:
+def _frame(simulation: Simulation, target: Float, width: int, height: int) -> NDArray[np.uint8] | None:
     """A frame of env 1, the caller's own; None where the simulator says that it cannot."""
     try:
         return np.array(simulation.render(1, target, width, height))

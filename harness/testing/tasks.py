@@ -4,17 +4,15 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float, Float32
 from harness.env import ReachVectorEnv
 from harness.robot import Robot
-from harness.robot_by_name import load_robot
+from harness.robot.load import load_robot
 from harness.task import Task
 from harness.testing.ideal import IdealSimulator
 from harness.testing.trainings import NegativeDistance
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
-
-Float = NDArray[np.float64]
 
 DRAWS = 50
 NUM_ENVS = 3
@@ -180,7 +178,7 @@ def _env(task: Task, robot: Robot) -> ReachVectorEnv:
     return ReachVectorEnv(IdealSimulator(), robot, task, NegativeDistance(), NUM_ENVS)
 
 
-def _episodes(env: ReachVectorEnv) -> list[NDArray[np.float32]]:
+def _episodes(env: ReachVectorEnv) -> list[Float32]:
     """What is seen under random actions, the last observations of ended episodes included."""
     env.action_space.seed(0)
     seen = [env.reset(seed=0)[0]]

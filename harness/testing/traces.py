@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.trace import FLAGS, INTEGERS, NUMBERS, Trace
+from harness.record.trace import FLAGS, INTEGERS, NUMBERS, Trace
 
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2

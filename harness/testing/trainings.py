@@ -6,19 +6,18 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.algorithm import ActionSpace, Algorithm
-from harness.env import Actions, Infos, Mask, ReachVectorEnv
+from harness.arrays import Float, Float32, Mask
+from harness.env import ReachVectorEnv
+from harness.env.vector_env import Actions, Infos
 from harness.policy import Policy
 from harness.progress import Progress
 from harness.reach import ReachTask
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
-from harness.robot_by_name import load_robot
+from harness.robot.load import load_robot
 from harness.testing.ideal import IdealSimulator
-
-Float32 = NDArray[np.float32]
 
 EASY = ReachTask(epsilon=0.2, horizon=20, target_center=(0.6, 0.6, 0.6), target_half_extent=(0.0, 0.0, 0.0))
 """One target, about 0.7 m from home: the arm gets there in 10 steps and more."""
@@ -69,7 +68,7 @@ class WatchedEnv(ReachVectorEnv):
         self.seeds.append(seed)
         return super().reset(seed=seed, options=options)
 
-    def step(self, actions: Actions) -> tuple[Float32, NDArray[np.float64], Mask, Mask, Infos]:  # type: ignore[override]
+    def step(self, actions: Actions) -> tuple[Float32, Float, Mask, Mask, Infos]:  # type: ignore[override]
         """As any step; counts it, and looks at the actions."""
         self.steps += self.num_envs
         self.actions_in_box &= self.action_space.contains(np.asarray(actions, self.action_space.dtype))

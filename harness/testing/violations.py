@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from harness.errors import ContractViolation
-from harness.parameters import build, values_of
+from harness.registry.parameters import build, values_of
 
 
 def require(condition: object, message: str) -> None:

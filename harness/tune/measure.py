@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
-from harness.cell import Cell
 from harness.executor import OnEvent
-from harness.experiment import run_plan
-from harness.manifest import read_manifest
+from harness.experiment.experiment import run_plan
+from harness.experiment.plan import Plan
 from harness.metric import Metric
-from harness.plan import Plan
-from harness.plugins import Registry
-from harness.store import Store
-from harness.trace import read_trace
+from harness.record.cell import Cell
+from harness.record.manifest import read_manifest
+from harness.record.store import Store
+from harness.record.trace import read_trace
+from harness.registry.registry import Registry
 from harness.tune.outcome import Outcome, outcome_of
 from harness.tune.validation import Order
 from harness.tune.validator import validate_all

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from harness.metric import Metric
-from harness.trace import Trace
+from harness.record.trace import Trace
 
 
 class Outcome(NamedTuple):

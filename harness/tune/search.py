@@ -4,11 +4,11 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from harness.cell import Cell
-from harness.choice import Choice, choose
 from harness.errors import UsageError
-from harness.plan import Plan
-from harness.plugins import Registry
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.registry.choice import Choice, choose
+from harness.registry.registry import Registry
 from harness.tune.measure import Measure
 from harness.tune.outcome import Outcome, mean_outcome, score
 from harness.tune.study import Study

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from harness.cell import Cell
-from harness.choice import Choice
 from harness.errors import UsageError
 from harness.executor import OnEvent
-from harness.experiment import DEFAULT_FOLDER
-from harness.plugins import Registry, load_registry
+from harness.experiment.experiment import DEFAULT_FOLDER
+from harness.experiment.workers import core_count
+from harness.record.cell import Cell
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry, load_registry
 from harness.tune.folder import tuning_folder
 from harness.tune.measure import Follow, Measurer
 from harness.tune.search import Searcher
@@ -19,7 +20,6 @@ from harness.tune.study import Study, open_storage, require_optuna
 from harness.tune.trial import Search, TrialRecord, Tuned
 from harness.tune.tuned_file import write_tuned
 from harness.tune.tuning import Setup, check_tuning, resolve
-from harness.workers import core_count
 
 OnTrial: TypeAlias = Callable[[tuple[str, ...], TrialRecord], None]
 """Told the rewards of the search and each trial that has ended."""

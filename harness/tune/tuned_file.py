@@ -5,8 +5,8 @@ from pathlib import Path
 
 import tomli_w
 
-from harness.choice import choose
-from harness.plugins import Registry
+from harness.registry.choice import choose
+from harness.registry.registry import Registry
 from harness.tune.folder import TUNED, write_whole
 from harness.tune.trial import Search, TrialRecord
 from harness.tune.tuning import FIRST_SEED, Setup, table_of

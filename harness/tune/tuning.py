@@ -12,11 +12,11 @@ import tomli_w
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
-from harness.choice import Choice
 from harness.errors import UsageError
-from harness.parameters import build
-from harness.plan import Count, Given, Names, Plan, Seed, check_experiment, expand
-from harness.plugins import Registry
+from harness.experiment.plan import Count, Given, Names, Plan, Seed, check_experiment, expand
+from harness.registry.choice import Choice
+from harness.registry.parameters import build
+from harness.registry.registry import Registry
 from harness.tune.space import Dimension, parse_space
 
 FIRST_SEED = 1_000_000

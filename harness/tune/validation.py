@@ -1,7 +1,7 @@
 """Validation: episodes that policies of a search are judged by. ``python -m harness.tune.validation`` does them.
 
-Their starts and targets are drawn from another seed than those of the evaluation after a training (`harness.evaluate`),
-so that no comparison that follows is made on what the settings were chosen by.
+Their starts and targets are drawn from another seed than those of the evaluation after a training
+(`harness.experiment.evaluate`), so that no comparison that follows is made on what the settings were chosen by.
 
 The process reads one line of JSON from standard input, a list of orders, and does one after another. What a plugin
 prints goes into the log. It ends when its parent does.
@@ -18,13 +18,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.cell import Cell
-from harness.cell_folder import POLICY
-from harness.make import build_env
-from harness.manifest import read_manifest
-from harness.plugins import Registry, load_registry
-from harness.policy import Policy
-from harness.trace import TraceWriter
+from harness.env.make import build_env
+from harness.policy import Policy, load_policy
+from harness.record.cell import Cell
+from harness.record.folder import POLICY
+from harness.record.manifest import read_manifest
+from harness.record.trace import TraceWriter
+from harness.registry.registry import Registry, load_registry
 
 VALIDATION_SEED = 20_230_705
 """Of the starts and targets of every validation; not the evaluation's, and not a small number."""
@@ -67,7 +67,7 @@ def validate(order: Order, registry: Registry) -> None:
     partial = Path(f"{order.path}.{os.getpid()}.partial")
     try:
         cell = read_manifest(Path(order.cell_folder)).cell
-        record_validation(cell, registry, Policy.load(Path(order.cell_folder) / POLICY), order.episodes, partial)
+        record_validation(cell, registry, load_policy(Path(order.cell_folder) / POLICY), order.episodes, partial)
         partial.rename(order.path)
     except (Exception, SystemExit) as error:
         traceback.print_exc()

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
+from harness.experiment.workers import GRACE_SECONDS, ONE_THREAD
 from harness.tune.validation import Order
-from harness.workers import GRACE_SECONDS, ONE_THREAD
 
 LOG = "log.txt"
 

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.acting import act_for
 from harness.algorithm import ActionSpace
+from harness.authoring.act_without_learning import act_for
+from harness.env.arm_observation import ArmObservation
 from harness.motion import MoveJ, MoveJAbsolute, SetJoints
-from harness.observation import ArmObservation
 from harness.policy import InverseKinematics
 from harness.progress import Progress
 from harness.robot import Robot

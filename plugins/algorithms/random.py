@@ -6,8 +6,8 @@ from gymnasium.spaces import Discrete
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.acting import act_for
 from harness.algorithm import ActionSpace
+from harness.authoring.act_without_learning import act_for
 from harness.policy import Policy, Uniform, UniformChoice
 from harness.progress import Progress
 

@@ -14,14 +14,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.algorithm import ActionSpace
+from harness.arrays import Float32, Mask
+from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Gaussian
 from harness.progress import Progress, State, as_state
-from harness.random_state import pack_generator, restore_generator
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(gt=0)]
-Float32 = NDArray[np.float32]
-Mask = NDArray[np.bool_]
 Net: TypeAlias = "dict[str, Tensor]"
 """Linear layers, ``NAME.weight`` (out, into) and ``NAME.bias`` (out,), in the order in which they act."""
 

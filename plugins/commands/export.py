@@ -6,10 +6,10 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from harness.cell_folder import POLICY
 from harness.errors import UsageError
-from harness.policy import CARD, Network, Policy
+from harness.policy import CARD, Network, load_policy
 from harness.policy.folder import read_folder
+from harness.record.folder import POLICY
 
 
 class Form(NamedTuple):
@@ -51,7 +51,7 @@ def _network_in(folder: Path) -> tuple[Network, dict[str, Any]]:
     home = next((home for home in (folder, folder / POLICY) if (home / CARD).is_file()), None)
     if home is None:
         raise UsageError(f"{folder} holds no policy: give the folder of a cell that is done, or of a policy")
-    policy = Policy.load(home)
+    policy = load_policy(home)
     if not isinstance(policy, Network):
         raise UsageError(f"{home} holds a policy of kind '{policy.kind}', which is no network: it cannot be exported")
     return policy, read_folder(home)[0]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from harness.executor import Event, Job, OnEvent
-from harness.workers import News, Order, run_orders
+from harness.experiment.workers import News, Order, run_orders
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness_plugins.fast_sac.network import Float32
+from harness.arrays import Float32
 
 LOWEST_LOG_STD, HIGHEST_LOG_STD = -20.0, 2.0
 HALF_LOG_2_PI = 0.5 * float(np.log(2.0 * np.pi))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness_plugins.fast_sac.network import Float32
+from harness.arrays import Float32
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from harness.arrays import Float32
 from harness_plugins.fast_sac.actor import Draw, draw, put_error
 from harness_plugins.fast_sac.adam import Adam
 from harness_plugins.fast_sac.coefficient import EntropyCoefficient
 from harness_plugins.fast_sac.network import (
-    Float32,
     Networks,
     Room,
     backward,

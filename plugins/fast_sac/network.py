@@ -10,9 +10,9 @@ from itertools import pairwise
 from typing import Self, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float32: TypeAlias = NDArray[np.float32]
+from harness.arrays import Float32
+
 Networks: TypeAlias = tuple[Float32, ...]
 """Weights of each layer, or their gradients, (count, into + 1, out); the last row of the inputs' axis is the bias."""
 

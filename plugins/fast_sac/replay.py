@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness_plugins.fast_sac.network import Float32
+from harness.arrays import Float32, Mask
 
 
 class Batch(NamedTuple):
@@ -40,7 +40,7 @@ class Replay:
         action: Float32,
         following: Float32,
         reward: NDArray[np.floating],
-        terminated: NDArray[np.bool_],
+        terminated: Mask,
     ) -> None:
         """A decision of every env; the oldest transitions are forgotten where there is no room."""
         a, w, count = self._action_size, self._width, len(self._rows)

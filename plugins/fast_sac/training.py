@@ -4,12 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from harness.arrays import Float32
 from harness.policy import SquashedGaussian
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress
 from harness_plugins.episode_means import EpisodeMeans
 from harness_plugins.fast_sac.actor import draw
 from harness_plugins.fast_sac.learner import Learner, Losses
-from harness_plugins.fast_sac.network import Float32, Networks, Room, forward
+from harness_plugins.fast_sac.network import Networks, Room, forward
 from harness_plugins.fast_sac.replay import Replay
 from harness_plugins.soft_actor_critic import SoftActorCritic
 

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from harness.trace import Trace
+from harness.record.trace import Trace
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.trace import Trace
+from harness.record.trace import Trace
 
 
 @dataclass(frozen=True)

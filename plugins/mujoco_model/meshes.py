@@ -16,8 +16,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.meshes import is_readable, read_mesh
-from harness.shapes import Array, read_origin, read_scale, read_shapes
+from harness.arrays import Float
+from harness.robot.meshes import is_readable, read_mesh
+from harness.robot.shapes import read_origin, read_scale, read_shapes
 
 GREY = [0.7, 0.7, 0.7, 1.0]
 """Of a surface without colour."""
@@ -36,9 +37,9 @@ class Surface:
         color: Red, green, blue and opacity, 0 to 1.
     """
 
-    vertices: Array
+    vertices: Float
     faces: NDArray[np.int32]
-    pose: Array
+    pose: Float
     color: list[float]
 
 
@@ -107,7 +108,7 @@ def _new_mesh(spec: mujoco.MjSpec, **settings: Any) -> str:
     return name
 
 
-def _add_geom(body: Any, mesh: str, pose: Array) -> Any:
+def _add_geom(body: Any, mesh: str, pose: Float) -> Any:
     """A mesh in the frame `pose` of a link, (4, 4), [m]."""
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, pose[:3, :3].ravel())

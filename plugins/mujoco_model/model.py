@@ -2,13 +2,11 @@
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness_plugins.mujoco_model.meshes import add_meshes, without_meshes
-
-Float = NDArray[np.float64]
 
 GROUND, TARGET, TOUCH, TIP = "harness_ground", "harness_target", "harness_touch", "harness_tip"
 

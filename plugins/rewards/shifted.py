@@ -5,8 +5,8 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.authoring.wrapped_reward import WrappedReward
 from harness.reward import Array, Carry, Sample
-from harness.wrapped_reward import WrappedReward
 
 
 @dataclass(frozen=True)

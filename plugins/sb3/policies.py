@@ -4,11 +4,9 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float32
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
-
-Float32 = NDArray[np.float32]
 
 
 def squashed_gaussian(model: Any, activation: str, algorithm: str) -> SquashedGaussian:

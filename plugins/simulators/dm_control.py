@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.arrays import Float, Mask
+from harness.authoring.substeps import Substeps
 from harness.errors import SimulationDiverged, UsageError
 from harness.robot import Robot
 from harness.simulator import State
-from harness.substeps import Substeps
 from harness_plugins.mujoco_model import TOUCH, build_model
-
-Float = NDArray[np.float64]
 
 
 def _import_engine() -> ModuleType:
@@ -136,7 +135,7 @@ class DmControlSimulation:
         # The legacy order ends with the links and contacts of the last state, not of one physics step before.
         return control.Environment(physics, JointRamp(physics, robot, period), n_sub_steps=substeps, legacy_step=True)
 
-    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+    def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
         for k in np.flatnonzero(mask):
             self.arms[k].task.start[:] = qpos[k]

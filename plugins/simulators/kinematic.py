@@ -4,14 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from harness.arrays import Float, Mask
 from harness.errors import UsageError
-from harness.kinematics import link_frames
 from harness.robot import Robot
-from harness.shapes import attach_shapes
+from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import link_frames
+from harness.robot.shapes import attach_shapes
 from harness.simulator import State
-from harness.solids import build_solids
-
-Float = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class KinematicSimulation:
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
         self.reset(np.tile(robot.home, (num_envs, 1)), np.ones(num_envs, bool))
 
-    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+    def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
         state = self._state
         state.qpos[mask], state.qvel[mask] = qpos[mask], 0.0
@@ -70,7 +69,7 @@ class KinematicSimulation:
     def close(self) -> None:
         """Does nothing: there is no engine."""
 
-    def _place_links(self, qpos: Float) -> tuple[Float, NDArray[np.bool_]]:
+    def _place_links(self, qpos: Float) -> tuple[Float, Mask]:
         """End effectors, (n, 3), [m], and ground contacts, (n,), of arms at `qpos`, (n, dof)."""
         frames = link_frames(self._chain, qpos)
         x, y, z = self._chain.T_last_tip[:3, 3]

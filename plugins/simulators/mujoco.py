@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.arrays import Float, Mask
+from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import State
-from harness.substeps import Substeps
 from harness_plugins.mujoco_model import build_model
 
-Float = NDArray[np.float64]
 Count = Annotated[int, Field(gt=0)]
 
 FULL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
@@ -71,7 +71,7 @@ class MujocoSimulation:
         self._state = State(qpos, qvel, np.zeros((n, 3)), np.zeros(n, bool))
         self._outputs: dict[int, dict[str, Float]] = {}  # by the number of physics steps
 
-    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+    def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
         data = self._data
         for k in np.flatnonzero(mask):

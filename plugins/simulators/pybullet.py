@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.arrays import Float, Mask
+from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import State
-from harness.substeps import Substeps
 
-Float = NDArray[np.float64]
 Count = Annotated[int, Field(gt=0)]
 
 GRAVITY = -9.81
@@ -74,7 +74,7 @@ class PyBulletSimulation:
         self._clients.append(client)
         return client
 
-    def reset(self, qpos: Float, mask: NDArray[np.bool_]) -> State:
+    def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
         for k in np.flatnonzero(mask):
             self.arms[k].put(qpos[k])

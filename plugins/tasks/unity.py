@@ -6,20 +6,18 @@ A point (x, y, z) of Unity's left-handed y-up frame is (z, -x, y) here.
 from typing import Annotated, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.episodes import Episodes
+from harness.arrays import Float, Float32
+from harness.env.episodes import Episodes
 from harness.errors import UsageError
-from harness.inverse import reach_position
-from harness.kinematics import forward
 from harness.motion import Motion, Setting, build_motion
 from harness.robot import Robot
+from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import forward
 from harness.task import Targets
 
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(gt=0)]
 Metres3 = tuple[float, float, float]
@@ -183,7 +181,7 @@ class UnityObservation:
         return self._high.astype(np.float32)
 
     def observe(self, episodes: Episodes) -> Float32:
-        """See `harness.observation.Observation`."""
+        """See `harness.task.Observation`."""
         base = np.broadcast_to(self._base, episodes.target.shape)
         vectors = (base, base + episodes.target, base + episodes.end_effector, episodes.offset)
         joints = (episodes.qpos - self._middle) / self._half

@@ -7,7 +7,7 @@ import pytest
 
 from harness.audit.rollout import record_rollouts
 from harness.reach import ReachTask
-from harness.robot_by_name import load_robot
+from harness.robot.load import load_robot
 from harness.testing import IdealSimulator
 
 

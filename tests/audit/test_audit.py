@@ -9,9 +9,9 @@ from harness.audit.audit import audit_reward
 from harness.audit.number import number
 from harness.audit.rollout import Rollout
 from harness.audit.verdict import verdict_of
-from harness.choice import choose
 from harness.errors import SimulationDiverged
-from harness.plugins import load_registry
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from harness.audit.distance import canonical_values, reward_distance
 from harness.audit.rollout import record_rollouts
-from harness.choice import choose
-from harness.plugins import load_registry
 from harness.reach import ReachTask
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
 from harness.testing import IdealSimulator
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline

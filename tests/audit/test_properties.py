@@ -6,8 +6,8 @@ import pytest
 from harness.audit.potential import fit_potential, waiting_at_target, worst_detour
 from harness.audit.probe import probe_distances
 from harness.audit.properties import bounded, potential_based, properties_of, scale_free
-from harness.choice import choose
-from harness.plugins import load_registry
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
 

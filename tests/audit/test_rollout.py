@@ -7,12 +7,12 @@ from gymnasium.vector import AutoresetMode
 from harness.audit.rollout import record_rollouts
 from harness.audit.score import score_rollout
 from harness.audit.scripted import SCRIPTS, plan_actions
-from harness.choice import choose
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
-from harness.evaluate import EVALUATION_SEED
-from harness.plugins import load_registry
+from harness.experiment.evaluate import EVALUATION_SEED
 from harness.reach import ReachTask
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
 from harness.testing import IdealSimulator
 
 REGISTRY = load_registry()

@@ -1,35 +1,32 @@
-"""Timings side by side: what is compared takes turns in one run, and medians are quoted."""
+"""Times of a cell that add up to a round number."""
 
-import statistics
-import time
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
+from harness.bench.bench import Timing
+from harness.bench.cell_times import PARTS, CellTimes
+from harness.record.cell import Cell
+
+SECONDS = dict(zip(PARTS, (1.0, 2.0, 0.5, 0.25, 0.75, 4.5, 0.6, 0.4), strict=True))
+
 
 @pytest.fixture
-def speed_ratio(benchmark):
-    """Speed of `candidate` relative to `reference`; both take no argument and do equal work.
+def make_times() -> Callable[..., CellTimes]:
+    """10 seconds for 1,000 steps; some parts may be said otherwise."""
 
-    They take turns, so that a slow moment of the machine meets both. The ratio and both medians go into the
-    benchmark's extra info and onto the terminal.
-    """
+    def make(**seconds: float) -> CellTimes:
+        return CellTimes({**SECONDS, **seconds}, steps=1_000, calls=4_000, core_share=0.95)
 
-    def measure(reference: Callable[[], object], candidate: Callable[[], object], rounds: int = 9) -> float:
-        reference()
-        candidate()
-        pairs = [(_seconds(reference), _seconds(candidate)) for _ in range(rounds)]
-        ratio = statistics.median(first / second for first, second in pairs)
-        medians = [statistics.median(column) for column in zip(*pairs, strict=True)]
-        benchmark.extra_info.update(ratio=ratio, reference_s=medians[0], candidate_s=medians[1])
-        benchmark.pedantic(candidate, rounds=1)
-        print(f"\n  speed ratio {ratio:.3f} (reference {medians[0]:.4f} s, candidate {medians[1]:.4f} s)")  # noqa: T201
-        return ratio
-
-    return measure
+    return make
 
 
-def _seconds(function: Callable[[], object]) -> float:
-    start = time.perf_counter()
-    function()
-    return time.perf_counter() - start
+@pytest.fixture
+def make_timing(make_cell: Callable[..., Cell], make_times: Callable[..., CellTimes]) -> Callable[..., Timing]:
+    """A combination with rounds of which some parts are said otherwise; by default one as it is."""
+
+    def make(*rounds: dict[str, float], clock_seconds: float = 5e-7, **fields: Any) -> Timing:
+        return Timing(make_cell(**fields), tuple(make_times(**said) for said in rounds or ({},)), clock_seconds)
+
+    return make

@@ -1,26 +1,30 @@
-"""What it costs to know where the time of a cell goes."""
+"""The times of one cell."""
 
-from collections.abc import Callable
+import json
 
 import pytest
 
-from harness.cell import Cell
-from harness.cell_times.meter import CLOCK
-from harness.cell_times.stopwatch import Stopwatch
-from harness.choice import Choice
-from harness.run_cell import run_cell
-from harness.watch import UNWATCHED, Watch
-
-pytestmark = pytest.mark.bench
-MakeCell = Callable[..., Cell]
+from harness.bench.cell_times import PARTS, TRAINING, CellTimes
 
 
-def test_a_timed_cell_has_nineteen_twentieths_of_an_untimed_one(tmp_path, speed_ratio, make_cell: MakeCell):
-    """Where every step is cheap and nothing is learned, a timed cell does at least 0.95 of the steps of another."""
-    named = {key: Choice(name, (), name) for key, name in (("simulator", "kinematic"), ("algorithm", "random"))}
-    cell = make_cell(task=Choice("fd100-reach", (), "fd100-reach"), steps=4_000, evaluation_episodes=1, **named)
+def test_whole_is_the_sum_of_the_parts(make_times):
+    """No part is missing, none counts twice."""
+    assert make_times().whole == pytest.approx(10.0)
 
-    def run(watch: Watch) -> None:
-        assert run_cell(cell, tmp_path / "cell", lambda steps: None, watch=watch).reason == ""
 
-    assert speed_ratio(lambda: run(UNWATCHED), lambda: run(Stopwatch(CLOCK()))) >= 0.95
+def test_the_end_of_the_process_is_saving(make_times):
+    """What comes after the times were told belongs to the last part, and to no other."""
+    later = make_times().ended_after(2.0)
+    assert later.seconds["saving"] == pytest.approx(2.4)
+    assert later.whole == pytest.approx(12.0)
+
+
+def test_json_gives_the_same_times_back(make_times):
+    """Through text, as one process tells another."""
+    assert CellTimes.from_json(json.loads(json.dumps(make_times().to_json()))) == make_times()
+
+
+def test_training_is_made_of_parts():
+    """Of some, in their order, not of all."""
+    assert [part for part in PARTS if part in TRAINING] == list(TRAINING)
+    assert len(TRAINING) < len(PARTS)

@@ -24,7 +24,7 @@ def test_rendering_that_fails_says_what_to_install(harness, monkeypatch):
 
 def test_missing_libraries_come_with_their_extra(harness, without_rendering, monkeypatch):
     """What is missing says what to install."""
-    monkeypatch.setattr("harness.plugins._is_installed", lambda module: module != "stable_baselines3")
+    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "stable_baselines3")
     out = harness("doctor").out
     assert "missing stable_baselines3 for algorithm 'sac': pip install 'fd100-harness[sb3]'" in out
 

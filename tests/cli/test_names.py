@@ -25,5 +25,5 @@ def test_an_unknown_kind_names_the_nearest(harness):
 
 def test_a_missing_library_is_shown_with_its_extra(harness, monkeypatch):
     """What cannot be used for want of a library says which extra brings it."""
-    monkeypatch.setattr("harness.plugins._is_installed", lambda module: module != "mujoco")
+    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "mujoco")
     assert "missing mujoco: pip install 'fd100-harness[mujoco]'" in harness("list", "simulators").out

@@ -107,7 +107,7 @@ def test_folders_that_cannot_be_made_are_refused(harness, quick, tmp_path):
 
 def test_a_missing_library_names_its_extra(harness, monkeypatch):
     """A simulator whose library is not installed ends with the line that installs it."""
-    monkeypatch.setattr("harness.plugins._is_installed", lambda module: module != "mujoco")
+    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "mujoco")
     answer = harness("run", "--sim", "mujoco", "--algo", "wander")
     assert answer.status == 2
     assert "pip install 'fd100-harness[mujoco]'" in answer.err

@@ -122,7 +122,7 @@ def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, quick, experi
 
 def test_missing_library_names_its_extra(harness, experiment, monkeypatch):
     """A simulator that was asked for and is not installed ends with the line that installs it."""
-    monkeypatch.setattr("harness.plugins._is_installed", lambda module: module != "mujoco")
+    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "mujoco")
     answer = harness("transfer", experiment, "--to", "mujoco")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "pip install 'fd100-harness[mujoco]'" in answer.err

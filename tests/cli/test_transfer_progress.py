@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from harness.choice import Choice
 from harness.cli.transfer_progress import TransferProgress
-from harness.store import Store
-from harness.transfer import TransferEvent, TransferJob, TransferPlan
+from harness.record.store import Store
+from harness.registry.choice import Choice
+from harness.transfer.jobs import TransferEvent, TransferJob, TransferPlan
 
 
 @pytest.fixture

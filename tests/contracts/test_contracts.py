@@ -12,8 +12,8 @@ import pytest
 import harness
 from harness.errors import ContractViolation
 from harness.motion import MODES
-from harness.plugins import load_registry
 from harness.reach import ReachTask
+from harness.registry.registry import load_registry
 from harness.testing import (
     ALGORITHM_CHECKS,
     METRIC_CHECKS,

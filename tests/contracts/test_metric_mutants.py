@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from harness.record.trace import Trace
 from harness.testing import METRIC_CHECKS, metrics, violations
-from harness.trace import Trace
 
 
 @dataclass

@@ -11,9 +11,9 @@ import pytest
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 import harness
-from harness.episodes import Episodes
+from harness.env.arm_observation import ArmObservation
+from harness.env.episodes import Episodes
 from harness.motion import Move, MoveJ
-from harness.observation import ArmObservation
 from harness.reach import ReachTask
 from harness.robot import Robot
 from harness.task import Targets

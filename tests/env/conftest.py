@@ -8,8 +8,8 @@ import pytest
 
 import harness
 from harness.env import ReachVectorEnv
-from harness.inverse import reach_position
 from harness.reach import ReachTask
+from harness.robot.inverse_kinematics import reach_position
 from harness.task import Task
 from harness.testing import IdealSimulator
 from harness.testing.trainings import NegativeDistance

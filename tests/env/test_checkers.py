@@ -7,9 +7,9 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common import env_checker
 
+from harness.env.single_env import ReachEnv
 from harness.motion import MODES
-from harness.plugins import load_registry
-from harness.single_env import ReachEnv
+from harness.registry.registry import load_registry
 
 INNER = [f"discrete:action={mode}" for mode in MODES if mode != "discrete"]
 ACTIONS = [*MODES, *INNER]

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from harness.errors import SimulationDiverged
+from harness.record.trace import TraceWriter
 from harness.robot import Robot
 from harness.simulator import State
 from harness.testing import IdealSimulator
 from harness.testing.ideal import IdealSimulation
-from harness.trace import TraceWriter
 
 Call = Callable[..., Any]
 

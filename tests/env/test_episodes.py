@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode
 
 import harness
 from harness.reach import ReachTask
-from harness.trace import TraceWriter, read_trace
+from harness.record.trace import TraceWriter, read_trace
 
 Call = Callable[..., Any]
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import harness
-from harness.inverse import reach_position
-from harness.kinematics import forward
 from harness.reach import ReachTask
-from harness.trace import Trace, TraceWriter, read_trace
+from harness.record.trace import Trace, TraceWriter, read_trace
+from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import forward
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 
 Call = Callable[..., Any]

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import harness
-from harness.inverse import reach_position
-from harness.recording import open_recording
+from harness.record.trace import Trace, TraceWriter, read_trace
+from harness.robot.inverse_kinematics import reach_position
+from harness.score.recording import open_recording
 from harness.task import Targets
 from harness.testing.trainings import NegativeDistance
-from harness.trace import Trace, TraceWriter, read_trace
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 
 Call = Callable[..., Any]

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from harness.kinematics import build_chain
 from harness.motion import JointLimits, Motion, Setting
 from harness.robot import Robot
-from harness.robot_by_name import load_robot
-from harness.urdf import Joint
+from harness.robot.kinematics import build_chain
+from harness.robot.load import load_robot
+from harness.robot.urdf import Joint
 
 PERIOD = 0.1
 SPEED, ACCELERATION = 0.8, 0.6

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
-from harness.kinematics import forward
 from harness.motion.frames import CartesianMode
 from harness.robot import Robot
+from harness.robot.kinematics import forward
 
 COORDINATE = st.floats(-2.0, 2.0).map(lambda number: round(number, 2))
 POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)

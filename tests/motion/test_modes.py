@@ -2,12 +2,12 @@
 
 import pytest
 
-from harness.choice import choose
 from harness.errors import UsageError
 from harness.motion import MODES, Discrete, build_motion
-from harness.parameters import parameters_of
-from harness.plugins import load_registry
 from harness.reach import ReachTask
+from harness.registry.choice import choose
+from harness.registry.parameters import parameters_of
+from harness.registry.registry import load_registry
 from harness.robot import Robot
 
 SIZES = {"movej": 6, "movej-absolute": 6, "movel": 3, "movea": 6, "set-joints": 6, "discrete": 6}

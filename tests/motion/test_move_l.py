@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.kinematics import forward
 from harness.motion import Motion, build_motion
 from harness.robot import Robot
+from harness.robot.kinematics import forward
 
 COUNT = 30
 UCS = "ucs_origin=0.1x0x0,ucs_x=0.1x2x0,ucs_xy=0.1x1x1"

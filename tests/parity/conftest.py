@@ -8,7 +8,7 @@ import pytest
 from harness.parity.contenders import Contenders
 from harness.parity.orders import Setting
 from harness.parity.parity import compare_simulators
-from harness.robot_by_name import load_robot
+from harness.robot.load import load_robot
 from harness.testing import IdealSimulator
 from harness.testing.ideal import IdealSimulation
 

@@ -5,7 +5,7 @@ import pytest
 from harness.errors import PluginError, UsageError
 from harness.parity.contenders import Missing, choose_contenders
 from harness.parity.failure import Failure
-from harness.plugins import Registry, Spec
+from harness.registry.registry import Registry, Spec
 
 
 def spec(name, target="harness.testing:IdealSimulator", requires=(), plugin="toys"):

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from harness.parity.contenders import Missing
 from harness.parity.grids import pair_grids, remarks, setting_text, simulator_grid, title, verdict
-from harness.parity.table import parity_table
+from harness.parity.parity_table import parity_table
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 from harness.parity.contenders import choose_contenders
 from harness.parity.orders import Setting
 from harness.parity.parity import compare_simulators
-from harness.plugins import load_registry
+from harness.registry.registry import load_registry
 
 SIMULATORS = ("mujoco", "dm_control", "pybullet", "kinematic")
 

@@ -9,9 +9,9 @@ from stable_baselines3.common.vec_env import VecEnv
 
 import harness
 from harness.env import ReachVectorEnv
-from harness.inverse import reach_position
 from harness.progress import Progress
 from harness.reach import ReachTask
+from harness.robot.inverse_kinematics import reach_position
 from harness.testing import IdealSimulator
 from harness.testing.trainings import NegativeDistance
 from harness_plugins.sb3.callback import SilentProgress

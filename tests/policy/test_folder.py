@@ -28,6 +28,7 @@ from harness.policy import (
     SquashedGaussian,
     Uniform,
     UniformChoice,
+    load_policy,
 )
 from harness.policy.network import ACTIVATIONS
 
@@ -77,7 +78,7 @@ def test_policy_is_loaded_as_it_was_saved(make_network: Make, observations: Obse
     """Kind, every array bit for bit, every field, the same actions with noise and without."""
     policy = example(make_network)
     policy.save(tmp_path / "policy")
-    loaded = Policy.load(tmp_path / "policy")
+    loaded = load_policy(tmp_path / "policy")
     assert type(loaded) is type(policy)
     assert {name: array.tobytes() for name, array in loaded.weights.items()} == {
         name: array.tobytes() for name, array in policy.weights.items()
@@ -125,7 +126,7 @@ def test_weights_in_column_order_are_saved_right(make_network: Make, observation
     policy = make_network(SquashedGaussian)
     weights = {name: np.asfortranarray(weight) for name, weight in policy.weights.items()}
     SquashedGaussian(weights, "tanh", policy.action_low, policy.action_high).save(tmp_path / "policy")
-    np.testing.assert_array_equal(Policy.load(tmp_path / "policy").act(observations()), policy.act(observations()))
+    np.testing.assert_array_equal(load_policy(tmp_path / "policy").act(observations()), policy.act(observations()))
 
 
 def test_policy_of_format_1_is_read(make_network: Make, observations: Observations, tmp_path: Path):
@@ -142,7 +143,7 @@ def test_policy_of_format_1_is_read(make_network: Make, observations: Observatio
         "action_high": [1.0, 1.0],
     }
     (tmp_path / "policy" / CARD).write_text(json.dumps(card))
-    loaded = Policy.load(tmp_path / "policy")
+    loaded = load_policy(tmp_path / "policy")
     assert (type(loaded), loaded.algorithm) == (SquashedGaussian, "sac")
     np.testing.assert_array_equal(loaded.act(observations()), policy.act(observations()))
 
@@ -151,7 +152,7 @@ def test_newer_card_is_refused(saved: Path):
     """A policy of a later version is not guessed at."""
     _change(saved, format=FORMAT + 1)
     with pytest.raises(SchemaError, match=f"has format {FORMAT + 1}, this version reads up to {FORMAT}"):
-        Policy.load(saved)
+        load_policy(saved)
 
 
 class _Bomb:
@@ -167,7 +168,7 @@ def test_loading_never_unpickles(saved: Path, tmp_path: Path, monkeypatch: pytes
     monkeypatch.chdir(tmp_path)
     (saved / file).write_bytes(pickle.dumps(_Bomb(), protocol=0))
     with pytest.raises(SchemaError, match="holds no readable policy"):
-        Policy.load(saved)
+        load_policy(saved)
     assert not (tmp_path / "exploded").exists()
     pickle.loads((saved / file).read_bytes())
     assert (tmp_path / "exploded").exists()  # the bomb was live
@@ -180,7 +181,7 @@ def test_damaged_card_is_refused(saved: Path, card: str):
     """Whatever is in the file, the error is ours and names the folder."""
     (saved / CARD).write_text(card, encoding="latin-1")
     with pytest.raises(SchemaError, match="policy holds no readable policy"):
-        Policy.load(saved)
+        load_policy(saved)
 
 
 JSON = st.recursive(
@@ -205,21 +206,21 @@ def test_odd_card_is_refused_or_read(make_network: Make, tmp_path: Path, example
         card[entry] = data.draw(JSON)
     (folder / CARD).write_text(json.dumps(card))
     with contextlib.suppress(SchemaError):
-        assert isinstance(Policy.load(folder), Policy)
+        assert isinstance(load_policy(folder), Policy)
 
 
 def test_unknown_kind_is_refused(saved: Path):
     """The error names the kinds that there are."""
     _change(saved, kind="oracle")
     with pytest.raises(SchemaError, match="no kind 'oracle'; there is: squashed-gaussian, gaussian"):
-        Policy.load(saved)
+        load_policy(saved)
 
 
 def test_unknown_activation_is_refused(saved: Path):
     """A card that asks for what this version cannot do is refused when it is loaded, not when the policy acts."""
     _change(saved, activation="swish")
     with pytest.raises(SchemaError, match=f"no activation 'swish'; there is: {', '.join(ACTIVATIONS)}"):
-        Policy.load(saved)
+        load_policy(saved)
 
 
 BOXES = {
@@ -236,7 +237,7 @@ def test_impossible_box_is_refused(saved: Path, low: list[float], high: list[flo
     """The actions of a card have to exist, and to be those of the network."""
     _change(saved, action={"type": "continuous", "low": low, "high": high})
     with pytest.raises(SchemaError, match=reason):
-        Policy.load(saved)
+        load_policy(saved)
 
 
 @pytest.mark.parametrize(("choices", "reason"), [(0, "0 choices leave none"), (4, "value does not have 4 outputs")])
@@ -245,7 +246,7 @@ def test_impossible_choices_are_refused(make_network: Make, tmp_path: Path, choi
     make_network(Greedy).save(tmp_path / "policy")
     _change(tmp_path / "policy", action={"type": "discrete", "choices": choices})
     with pytest.raises(SchemaError, match=reason):
-        Policy.load(tmp_path / "policy")
+        load_policy(tmp_path / "policy")
 
 
 @pytest.mark.parametrize("name", ["mean.weight", "log_std.bias", "hidden.0.bias", "hidden.1.weight", "observation.std"])
@@ -253,7 +254,7 @@ def test_missing_array_is_refused(saved: Path, name: str):
     """A network that lacks a part is refused when it is loaded, and the part is named."""
     _change_arrays(saved, **{name.replace(".", "__"): None})
     with pytest.raises(SchemaError, match=f"'{name}' is missing"):
-        Policy.load(saved)
+        load_policy(saved)
 
 
 ARRAYS = {
@@ -275,7 +276,7 @@ def test_array_that_does_not_fit_is_refused(saved: Path, name: str, array: np.nd
     """What would fail later, or act without meaning, is refused when it is loaded."""
     _change_arrays(saved, **{name.replace(".", "__"): array})
     with pytest.raises(SchemaError, match=reason):
-        Policy.load(saved)
+        load_policy(saved)
 
 
 @pytest.mark.parametrize("log_std", [None, np.zeros(3, np.float32)])
@@ -284,7 +285,7 @@ def test_gaussian_without_its_deviation_is_refused(make_network: Make, tmp_path:
     make_network(Gaussian).save(tmp_path / "policy")
     _change_arrays(tmp_path / "policy", log_std=log_std)
     with pytest.raises(SchemaError, match="log_std"):
-        Policy.load(tmp_path / "policy")
+        load_policy(tmp_path / "policy")
 
 
 @pytest.mark.parametrize(
@@ -296,7 +297,7 @@ def test_impossible_noise_is_refused(make_network: Make, tmp_path: Path, kind: A
     make_network(kind).save(tmp_path / "policy")
     _change(tmp_path / "policy", **{entry: value})
     with pytest.raises(SchemaError, match=f"{entry} is {value}"):
-        Policy.load(tmp_path / "policy")
+        load_policy(tmp_path / "policy")
 
 
 def test_truncated_weights_are_refused(saved: Path):
@@ -305,11 +306,11 @@ def test_truncated_weights_are_refused(saved: Path):
     for length in (0, 7, 100, len(whole) - 1):
         (saved / WEIGHTS).write_bytes(whole[:length])
         with pytest.raises(SchemaError, match="holds no readable policy"):
-            Policy.load(saved)
+            load_policy(saved)
 
 
 def test_missing_files_are_refused(tmp_path: Path):
     """An empty folder holds no policy, nor does one that is not there."""
     for folder in (tmp_path, tmp_path / "nowhere"):
         with pytest.raises(SchemaError, match="holds no readable policy"):
-            Policy.load(folder)
+            load_policy(folder)

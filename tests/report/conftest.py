@@ -7,17 +7,17 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 
-from harness.cell import Cell
-from harness.cell_folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
-from harness.choice import Choice, choose
 from harness.errors import UsageError
-from harness.manifest import Manifest, Status
-from harness.plan import Plan
-from harness.plugins import load_registry
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
+from harness.record.manifest import Manifest, Status
+from harness.record.store import Store
+from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
+from harness.registry.choice import Choice, choose
+from harness.registry.registry import load_registry
 from harness.results import Results, load_results
-from harness.score import score_trace
-from harness.store import Store
-from harness.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
+from harness.score.scorer import score_trace
 
 BASELINE = "baseline"
 ENVIRONMENT = {

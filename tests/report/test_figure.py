@@ -2,7 +2,7 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from harness.decompose import BB, KK
+from harness.eta.decompose import BB, KK
 from harness.report.figure import draw_panels
 
 

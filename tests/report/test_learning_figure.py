@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from harness.learning import learning_of
+from harness.eta.verdict import SUCCESS
 from harness.report.learning_figure import describe_learning, draw_learning
 from harness.report.palette import BLUE, VERMILION
-from harness.verdict import SUCCESS
+from harness.results.learning import learning_of
 
 
 @pytest.fixture

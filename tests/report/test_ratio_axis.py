@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.index import Ratio
+from harness.eta.index import Ratio
 from harness.report.ratio_axis import interval_ends, is_drawable, ratio_range, ticks
 
 NEAR_ZERO = "I_N of the baseline is near zero beside I_P of the same runs: the ratio says little"

@@ -1,7 +1,7 @@
 """Returns under every reward, as text."""
 
 from harness.report.return_rows import return_grids, return_title
-from harness.return_matrix import return_matrices
+from harness.results.return_matrix import return_matrices
 
 
 def _matrix(results):

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.decompose import Split
-from harness.index import Ratio
+from harness.eta.decompose import Split
+from harness.eta.index import Ratio
 from harness.report.rows import (
     behaviour_grid,
     behaviour_rows,

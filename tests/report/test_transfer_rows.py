@@ -3,10 +3,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.choice import Choice
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.registry.choice import Choice
 from harness.report.transfer_rows import PLACES, failure_lines, transfer_block, transfer_grids
-from harness.seed_mean import SeedMean, mean_over_seeds
-from harness.transfer_matrix import Series, TransferMatrix
+from harness.transfer.matrix import Series, TransferMatrix
 
 NAMES = ("ideal", "mujoco", "stuck", "gone", "far")
 FIVE = "2 seeds: the interval is rough below 5"

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from harness.cell_folder import EVALUATION, POLICY
-from harness.choice import Choice
 from harness.policy import SquashedGaussian
+from harness.record.folder import EVALUATION, POLICY
+from harness.registry.choice import Choice
 from harness.report.html import write_html
 from harness.report.transfer_table import transfer_table
-from harness.transfer_matrix import load_transfers
-from harness.transfer_record import FOLDER, TransferRecord, policy_digest, simulator_id
+from harness.transfer.matrix import load_transfers
+from harness.transfer.record import FOLDER, TransferRecord, policy_digest, simulator_id
 
 
 @pytest.fixture

@@ -11,7 +11,8 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.robot import Robot, read_robot
+from harness.robot import Robot
+from harness.robot.robot import read_robot
 from harness.testing.simulators import SIMULATOR_CHECKS, frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.kinematic import Kinematic
@@ -154,9 +155,9 @@ def test_simulators_agree_on_ground_contact(robot: Robot):
 
 def _height(robot: Robot, qpos: np.ndarray) -> np.ndarray:
     """Of the lowest point of the moving links, (n,), [m]."""
-    from harness.kinematics import link_frames
-    from harness.shapes import attach_shapes
-    from harness.solids import build_solids
+    from harness.robot.ground_clearance import build_solids
+    from harness.robot.kinematics import link_frames
+    from harness.robot.shapes import attach_shapes
 
     return build_solids(attach_shapes(robot.urdf, robot.joint_names)).lowest(link_frames(robot.chain, qpos))
 

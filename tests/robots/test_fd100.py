@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import harness_robots
-from harness.robot import read_robot
-from harness.urdf import read_chain
+from harness.robot.robot import read_robot
+from harness.robot.urdf import read_chain
 
 ROBOT = read_robot(harness_robots.FD100)
 LINKS = ElementTree.fromstring(ROBOT.urdf).findall("link")

@@ -13,9 +13,9 @@ import pytest
 
 import harness
 import harness_robots
-from harness.kinematics import forward
-from harness.robot import read_robot
-from harness.urdf import read_chain
+from harness.robot.kinematics import forward
+from harness.robot.robot import read_robot
+from harness.robot.urdf import read_chain
 
 ROBOT = read_robot(harness_robots.UNITY_ARM)
 LINKS = {link.get("name"): link for link in ElementTree.fromstring(ROBOT.urdf).findall("link")}

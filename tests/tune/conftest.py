@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness.plugins import Registry
+from harness.registry.registry import Registry
 from harness.tune.trial import Tuned
 from harness.tune.tune import tune
 from harness.tune.tuning import Setup, check_tuning, resolve

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.plugins import Registry
-from harness.trace import read_trace
+from harness.record.trace import read_trace
+from harness.registry.registry import Registry
 from harness.tune.outcome import Outcome, mean_outcome, outcome_of, score
 from harness.tune.validation import Order, validate
 
@@ -40,7 +40,7 @@ REWARDS = ["reward", "reward_ground", "reward_target", "reward_step"]
 @pytest.fixture
 def recorded(toys: Registry, make_cell, tmp_path: Path) -> Path:
     """The trace of a validation."""
-    from harness.run_cell import run_cell
+    from harness.experiment.run_cell import run_cell
 
     run_cell(make_cell(), tmp_path / "cell", lambda steps: None)
     validate(Order(str(tmp_path / "cell"), str(tmp_path / "validation.parquet"), 8), toys)

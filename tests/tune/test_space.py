@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
-from harness.plugins import Registry
+from harness.registry.registry import Registry
 from harness.tune.space import Options, Range, parse_space
 
 SAC = "algorithm 'sac'"

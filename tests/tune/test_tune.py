@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.manifest import read_manifest
-from harness.plan import expand, read_experiment
+from harness.experiment.plan import expand, read_experiment
+from harness.record.manifest import read_manifest
 from harness.tune.tune import tune
 from harness.tune.tuning import FIRST_SEED
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.cell_folder import EVALUATION
-from harness.choice import Choice
-from harness.evaluate import EVALUATION_SEED
-from harness.manifest import read_manifest
-from harness.run_cell import run_cell
-from harness.trace import read_trace
+from harness.experiment.evaluate import EVALUATION_SEED
+from harness.experiment.run_cell import run_cell
+from harness.record.folder import EVALUATION
+from harness.record.manifest import read_manifest
+from harness.record.trace import read_trace
+from harness.registry.choice import Choice
 from harness.tune.validation import VALIDATION_SEED, Order, validate
 from harness.tune.validator import validate_all
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.cell_folder import TRACE
-from harness.curve import curve_of
-from harness.manifest import Manifest
+from harness.eta.curve import curve_of
+from harness.record.folder import TRACE
+from harness.record.manifest import Manifest
+from harness.record.trace import read_trace
 from harness.results import Results
-from harness.trace import read_trace
 
 OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")
 """Of the run alone, under the reward that it was paid; the indices are not rounded."""

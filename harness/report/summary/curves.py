@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.combination import Combination
-from harness.curve import GroupCurve
+from harness.eta.curve import GroupCurve
+from harness.results.combination import Combination
 
 CURVES = "curves.parquet"
 ROWS = 1_200

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from datetime import datetime, timedelta
 from typing import NamedTuple
 
-from harness.manifest import Manifest
+from harness.record.manifest import Manifest
 
 
 class Effort(NamedTuple):

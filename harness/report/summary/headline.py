@@ -3,8 +3,8 @@
 import textwrap
 from typing import TYPE_CHECKING
 
-from harness.combination import Combination
 from harness.report.rows import combination_title, rewards_text, seeds_text
+from harness.results.combination import Combination
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -2,13 +2,13 @@
 
 from typing import TYPE_CHECKING, Any
 
-from harness.combination import Combination
-from harness.learning import Learning, LearningCurve
+from harness.eta.verdict import SUCCESS
 from harness.report.palette import BLUE, GREY, VERMILION
 from harness.report.rows import combination_title, rewards_text
 from harness.report.summary.headline import WIDTH, headline, height_of, put_headline
 from harness.report.summary.svg import draw_svg
-from harness.verdict import SUCCESS
+from harness.results.combination import Combination
+from harness.results.learning import Learning, LearningCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,9 +4,9 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
-from harness.change import Change
-from harness.combination import Combination
-from harness.index import Ratio
+from harness.eta.behaviour_change import Change
+from harness.eta.index import Ratio
+from harness.record.store import EXPERIMENT
 from harness.report.facts import Fact, shared_facts
 from harness.report.question import question
 from harness.report.rows import (
@@ -27,7 +27,7 @@ from harness.report.rows import (
 from harness.report.summary.effort import duration_text, effort_of
 from harness.report.summary.missing import missing_text
 from harness.results import Results
-from harness.store import EXPERIMENT
+from harness.results.combination import Combination
 
 Pictures: TypeAlias = Mapping[str, str]
 """Paths of a combination's figures, by what they show."""

@@ -2,9 +2,9 @@
 
 from collections import Counter
 
-from harness.combination import Combination, Group
-from harness.manifest import Status
+from harness.record.manifest import Status
 from harness.results import Results
+from harness.results.combination import Combination, Group
 
 STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending")
 

@@ -5,7 +5,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-from harness.combination import Combination
+from harness.results.combination import Combination
 
 LONGEST = 120
 """Characters; a longer name is cut, and ends in a hash of the whole."""

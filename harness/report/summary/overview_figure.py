@@ -4,14 +4,14 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from harness.combination import Combination
-from harness.decompose import no_split
+from harness.eta.decompose import no_split
 from harness.report.palette import GREEN, GREY, GRID, INK
 from harness.report.rows import BETTER, SCALES, splits
 from harness.report.split_rows import SplitRow
 from harness.report.summary.headline import height_of, put_headline
 from harness.report.summary.ratio_marks import ENDLESS, draw_marks
 from harness.report.summary.svg import draw_svg
+from harness.results.combination import Combination
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

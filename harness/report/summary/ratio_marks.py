@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from harness.index import Ratio
+from harness.eta.index import Ratio
 from harness.report.palette import INK
 from harness.report.ratio_axis import interval_ends, is_drawable, ratio_range, ticks
 from harness.report.rows import NOTHING, interval_text, ratio_text

@@ -3,13 +3,13 @@
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from harness.combination import Combination
 from harness.report.palette import GREY, INK
 from harness.report.panel import Panel, panels_of, reward_range, step_range
 from harness.report.points import select_points
 from harness.report.rows import combination_title, rewards_text
 from harness.report.summary.headline import WIDTH, headline, height_of, put_headline
 from harness.report.summary.svg import draw_svg
+from harness.results.combination import Combination
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING
 
-from harness.combination import Combination
 from harness.report.rows import BETTER, combination_title, is_split, rewards_text, splits
 from harness.report.split_rows import SplitRow, has_parts, split_rows
 from harness.report.summary.headline import WIDTH, headline, height_of, put_headline
 from harness.report.summary.ratio_marks import ENDLESS, draw_marks
 from harness.report.summary.svg import draw_svg
+from harness.results.combination import Combination
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,7 @@
 from pathlib import Path
 
 from harness.errors import UsageError
-from harness.learning import learning_of
+from harness.record.store import EXPERIMENT, PLAN
 from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
 from harness.report.summary.curves import CURVES, write_curves
@@ -27,7 +27,7 @@ from harness.report.summary.runs_figure import draw_runs
 from harness.report.summary.split_figure import draw_splits
 from harness.report.summary.svg import require_matplotlib
 from harness.results import Results
-from harness.store import EXPERIMENT, PLAN
+from harness.results.learning import learning_of
 
 RECORD, CELLS, SUMMARY = "results.json", "cells.csv", "summary.md"
 FIGURES = "figures"

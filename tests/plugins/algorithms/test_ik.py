@@ -10,14 +10,14 @@ import pytest
 
 import harness
 from harness.algorithm import learns, why_not
-from harness.choice import choose
+from harness.env.arm_observation import ArmObservation
 from harness.errors import SchemaError
-from harness.evaluate import EVALUATION_SEED
-from harness.observation import ArmObservation
-from harness.plan import check_experiment, expand
-from harness.plugins import load_registry
-from harness.policy import CARD, InverseKinematics, Policy, Uniform
+from harness.experiment.evaluate import EVALUATION_SEED
+from harness.experiment.plan import check_experiment, expand
+from harness.policy import CARD, InverseKinematics, Uniform, load_policy
 from harness.reach import ReachTask
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
 from harness.testing.trainings import observations, train
 from harness_plugins.algorithms.ik import Ik
 
@@ -65,7 +65,7 @@ def test_policy_comes_back_from_its_folder(tmp_path: Path, mode: str):
     """It acts the same, bit for bit, and says of which arm it is."""
     policy = _policy(ReachTask(action=mode), mode=mode)
     policy.save(tmp_path)
-    loaded = Policy.load(tmp_path)
+    loaded = load_policy(tmp_path)
     np.testing.assert_array_equal(policy.act(observations()), loaded.act(observations()))
     card = json.loads((tmp_path / CARD).read_text())
     assert card["robot"]["name"] == harness.load_robot("fd100", REGISTRY).name
@@ -102,7 +102,7 @@ def test_damaged_card_is_refused(tmp_path: Path, message: str, damage: Callable[
     damage(card)
     (tmp_path / CARD).write_text(json.dumps(card))
     with pytest.raises(SchemaError, match=message):
-        Policy.load(tmp_path)
+        load_policy(tmp_path)
 
 
 def test_it_says_that_it_does_not_learn():

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness.cell_folder import EVALUATION, RANDOM
-from harness.mean_return import mean_return
+from harness.record.folder import EVALUATION, RANDOM
+from harness.record.returns import mean_return
+from harness.record.trace import read_trace
 from harness.results import Results
-from harness.trace import read_trace
 
 pytestmark = pytest.mark.slow
 SEEDS = 3

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.parameters import build
-from harness.policy import Policy
+from harness.policy import load_policy
+from harness.registry.parameters import build
 from harness.testing.algorithms import the_budget_is_spent_exactly, the_return_rises
 from harness.testing.trainings import observations, train
 from harness_plugins.algorithms.sac import Sac
@@ -22,7 +22,7 @@ def test_policy_acts_as_the_actor(models: list[Any], tmp_path: Path, settings: d
     train(Sac(**settings), STEPS).policy.save(tmp_path / "policy")
     seen = observations()
     expected, _ = models[0].predict(seen, deterministic=True)
-    np.testing.assert_allclose(Policy.load(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(load_policy(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
     assert expected.std(axis=0).min() > 1e-3
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.algorithm import ActionSpace, Algorithm
-from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Policy
+from harness.policy import Categorical, Deterministic, Gaussian, Greedy, load_policy
 from harness.progress import Progress
 from harness.testing.algorithms import the_budget_is_spent_exactly
 from harness.testing.trainings import Training, WatchedEnv, observations, train
@@ -38,7 +38,7 @@ def test_policy_acts_as_the_model(models: list[Any], tmp_path: Path, algorithm: 
     trained(algorithm, space).policy.save(tmp_path / "policy")
     seen = observations()
     expected, _ = models[0].predict(seen, deterministic=True)
-    np.testing.assert_allclose(Policy.load(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(load_policy(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize(("algorithm", "space"), EVERY, ids=repr)

@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from harness.choice import choose
 from harness.errors import UsageError
-from harness.parameters import build
-from harness.plugins import load_registry
+from harness.registry.choice import choose
+from harness.registry.parameters import build
+from harness.registry.registry import load_registry
 from harness.testing.trainings import train
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn

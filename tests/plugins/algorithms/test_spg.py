@@ -11,10 +11,10 @@ import torch
 
 import harness
 from harness.errors import UsageError
-from harness.evaluate import EVALUATION_SEED
-from harness.parameters import build
+from harness.experiment.evaluate import EVALUATION_SEED
 from harness.policy import Gaussian, Policy, Uniform
 from harness.progress import Progress, State
+from harness.registry.parameters import build
 from harness.testing.trainings import ENV_SEED, WatchedEnv, observations, train
 from harness_plugins.algorithms import spg
 from harness_plugins.algorithms.spg import Learner, Segment, Spg

@@ -11,7 +11,7 @@ import pytest
 import torch
 
 from harness.cli import main
-from harness.policy import InverseKinematics, Policy, SquashedGaussian, Uniform, UniformChoice
+from harness.policy import InverseKinematics, Policy, SquashedGaussian, Uniform, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import SHAPES
 
 
@@ -42,7 +42,7 @@ def test_onnx_model_of_a_cell_is_written(call, cell: Path, inside: str):
     assert call(cell / inside, "--onnx", "model.onnx") == (0, "Model: model.onnx (squashed-gaussian)\n")
     seen = np.ones((3, 5), np.float32)
     (actions,) = onnxruntime.InferenceSession("model.onnx").run(None, {"observation": seen})
-    np.testing.assert_allclose(actions, Policy.load(cell / "policy").act(seen), atol=1e-5)
+    np.testing.assert_allclose(actions, load_policy(cell / "policy").act(seen), atol=1e-5)
     assert '"seed": 3' in onnx.load("model.onnx").metadata_props[0].value
 
 
@@ -53,7 +53,7 @@ def test_both_models_are_written(call, cell: Path):
     assert (status, told.count("Model: ")) == (0, 2)
     seen = np.ones((3, 5), np.float32)
     actions = torch.jit.load("model.pt")(torch.from_numpy(seen)).numpy()
-    np.testing.assert_allclose(actions, Policy.load(cell / "policy").act(seen), atol=1e-5)
+    np.testing.assert_allclose(actions, load_policy(cell / "policy").act(seen), atol=1e-5)
 
 
 def _assert_refused(answer: tuple[int, str], reason: str, status: int = 2) -> None:

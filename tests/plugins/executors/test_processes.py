@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.cell import Cell
-from harness.cell_folder import LOG, partial_folder
-from harness.choice import Choice
 from harness.executor import Event, Job
-from harness.manifest import read_manifest
-from harness.plugins import Registry
+from harness.record.cell import Cell
+from harness.record.folder import LOG, partial_folder
+from harness.record.manifest import read_manifest
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
 from harness_plugins.executors.processes import Processes
 
 pytestmark = pytest.mark.usefixtures("toys")
@@ -135,7 +135,7 @@ def test_worker_ends_with_its_parent(make_cell: Callable[..., Cell], tmp_path: P
     os.mkfifo(note)
     order = {"cell": _that(make_cell, "wait", str(note)).to_json(), "folder": str(tmp_path / "cell"), "command": ["x"]}
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
-    with subprocess.Popen([sys.executable, "-m", "harness.worker"], text=True, **pipes) as worker:
+    with subprocess.Popen([sys.executable, "-m", "harness.experiment.worker"], text=True, **pipes) as worker:
         worker.stdin.write(json.dumps(order) + "\n")
         worker.stdin.flush()
         assert int(note.read_text()) == worker.pid
@@ -150,7 +150,7 @@ def test_worker_dies_with_a_killed_parent(make_cell: Callable[..., Cell], tmp_pa
     cell = _that(make_cell, "wait", str(note))
     script = (
         "import json, sys; from pathlib import Path\n"
-        "from harness.cell import Cell; from harness.executor import Job\n"
+        "from harness.record.cell import Cell; from harness.executor import Job\n"
         "from harness_plugins.executors.processes import Processes\n"
         "cell = Cell.from_json(json.loads(sys.argv[1]))\n"
         "Processes().run([Job(cell, Path(sys.argv[2]))], 1, lambda event: None)\n"

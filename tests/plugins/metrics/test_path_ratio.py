@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from harness.record.trace import Trace
 from harness.testing.traces import recorded_trace
-from harness.trace import Trace
 from harness_plugins.metrics.path_ratio import PathRatio
 
 

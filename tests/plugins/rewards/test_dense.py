@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
-from harness.parameters import build
+from harness.registry.parameters import build
 from harness.testing import check_reward
 from harness_plugins.rewards.dense import Dense
 

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import harness
-from harness.choice import choose
 from harness.errors import UsageError
-from harness.plugins import load_registry
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
 from harness.testing import check_reward
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp

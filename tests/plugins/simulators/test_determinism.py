@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import harness
-from harness.plugins import load_registry
-from harness.trace import Trace, TraceWriter, read_trace
+from harness.record.trace import Trace, TraceWriter, read_trace
+from harness.registry.registry import load_registry
 
 SIMULATORS = [*load_registry().names("simulators")]
 TASKS = {"driven": "fd100-reach:horizon=12,epsilon=0.15", "set": "unity-reach:horizon=17"}

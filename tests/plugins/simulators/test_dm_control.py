@@ -14,7 +14,7 @@ from dm_control.rl import control
 
 import harness
 from harness.errors import SimulationDiverged, UsageError
-from harness.plugins import load_registry
+from harness.registry.registry import load_registry
 from harness.simulator import Simulation, State
 from harness_plugins.simulators.dm_control import DmControl
 from harness_plugins.simulators.mujoco import Mujoco
@@ -178,7 +178,7 @@ def test_reset_in_the_middle_starts_anew():
 
 DIGEST = """
 import hashlib, sys, tempfile, pathlib, numpy as np, harness
-from harness.trace import TraceWriter
+from harness.record.trace import TraceWriter
 env = harness.make_env("dm_control", num_envs=3)
 path = pathlib.Path(tempfile.mkdtemp(), "trace.parquet")
 env.recorder = TraceWriter(path, env.robot.dof, env.robot.dof)
@@ -245,7 +245,7 @@ def test_without_the_library_the_extra_is_named(monkeypatch: pytest.MonkeyPatch)
 def test_listing_does_not_import_it():
     """The registry knows the simulator without importing dm_control, or even looking at how it renders."""
     done = python(
-        "import sys\nfrom harness.plugins import load_registry\n"
+        "import sys\nfrom harness.registry.registry import load_registry\n"
         "assert load_registry().get('simulators', 'dm_control').missing == ()\n"
         "sys.stdout.write(str({'dm_control', 'mujoco', 'glfw', 'OpenGL'} & set(sys.modules)))"
     )

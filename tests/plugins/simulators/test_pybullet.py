@@ -14,8 +14,8 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.motion import MoveJ
-from harness.plain_urdf import plain_urdf
 from harness.robot import Robot
+from harness.robot.normal_urdf import plain_urdf
 from harness.simulator import Simulation, State
 from harness_plugins.simulators.pybullet import PyBullet, exact_timestep
 

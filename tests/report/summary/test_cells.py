@@ -6,9 +6,9 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from harness.cell_folder import TRACE
+from harness.record.folder import TRACE
+from harness.record.trace import read_trace
 from harness.report.summary.cells import write_cells
-from harness.trace import read_trace
 
 
 def rows(results):

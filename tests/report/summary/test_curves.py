@@ -4,7 +4,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from harness.decompose import BB, BK, KB, KK
+from harness.eta.decompose import BB, BK, KB, KK
 from harness.report.summary.curves import ROWS, write_curves
 
 LABELS = {"baseline": "baseline", "proposed": "arp"}

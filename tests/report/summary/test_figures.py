@@ -4,7 +4,6 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from harness.learning import learning_of
 from harness.report.palette import BLUE, VERMILION
 from harness.report.rows import is_near_zero, splits
 from harness.report.split_rows import split_rows
@@ -12,6 +11,7 @@ from harness.report.summary.learning_figure import draw_learning
 from harness.report.summary.overview_figure import draw_overview, name_apart
 from harness.report.summary.runs_figure import draw_runs
 from harness.report.summary.split_figure import draw_splits
+from harness.results.learning import learning_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 LONG = "scaled:reward=(arp:k1=2,k2=3.25),factor=12.5"

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from harness.index import Ratio
+from harness.eta.index import Ratio
 from harness.report.palette import INK
 from harness.report.split_rows import SplitRow
 from harness.report.summary.headline import WIDTH

@@ -97,7 +97,7 @@ def test_nothing_heavy_is_imported(build, tmp_path):
     results = build(learned={10: 1})
     code = (
         "import sys, harness.report.summary.summary as summary\n"
-        "from harness.results import load_results\n"
+        "from harness.results.results import load_results\n"
         "assert 'matplotlib' not in sys.modules\n"
         "from pathlib import Path\n"
         "summary.write_summary(load_results(sys.argv[1]), Path(sys.argv[2]))\n"

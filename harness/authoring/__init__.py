@@ -1,0 +1,1 @@
+"""What plugin authors may build on; the core does without it."""

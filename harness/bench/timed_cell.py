@@ -1,0 +1,73 @@
+"""One cell, timed: in the process that runs it, and around that process."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import NamedTuple
+
+from harness.bench.cell_times import CellTimes
+from harness.bench.meter import CLOCK
+from harness.bench.stopwatch import Stopwatch
+from harness.executor import Event, OnEvent
+from harness.experiment.cell_progress import Report
+from harness.experiment.run_cell import run_cell
+from harness.experiment.workers import News, Order, run_orders
+from harness.record.cell import Cell
+from harness.record.manifest import read_manifest
+
+FILE = "times.json"
+"""In the cell's folder: its times, and what the clock showed when they were told."""
+
+
+def run_timed(cell: Cell, folder: Path, report: Report, begun: float) -> None:
+    """Do what `run_cell` does, and leave the times too.
+
+    Args:
+        cell: What to do.
+        folder: Of the cell.
+        report: Told the environment steps done so far.
+        begun: What the clock showed before this process was started.
+    """
+    stopwatch = Stopwatch(begun)
+    run_cell(cell, folder, report, watch=stopwatch)
+    times = stopwatch.stop()
+    # Last of all: what follows is the end of the process.
+    (folder / FILE).write_text(json.dumps({"times": times.to_json(), "told": begun + times.whole}))
+
+
+class Failed(NamedTuple):
+    """Why a cell has no times: it raised, or its process ended early."""
+
+    reason: str
+
+
+def time_cell(cell: Cell, folder: Path, on_event: OnEvent) -> CellTimes | Failed:
+    """Have a fresh one-thread process run a cell, as ``harness run`` does.
+
+    Args:
+        cell: What to do.
+        folder: Where; removed again.
+        on_event: Told what happens to the cell.
+    """
+    ended: list[tuple[float, str]] = []
+
+    def tell(news: News) -> None:
+        reason, now = news.reason, CLOCK()
+        if news.kind == "ended":
+            reason = reason or _reason(folder)
+            ended.append((now, reason))
+        on_event(Event(news.kind, cell, news.steps, reason))
+
+    run_orders([Order(folder, {"cell": cell.to_json(), "timed_from": CLOCK()})], 1, tell)
+    [(end, reason)] = ended
+    if reason:
+        return Failed(reason)
+    data = json.loads((folder / FILE).read_text())
+    shutil.rmtree(folder)
+    return CellTimes.from_json(data["times"]).ended_after(end - data["told"])
+
+
+def _reason(folder: Path) -> str:
+    """Why a cell that left its folder has no times; empty if it has."""
+    reason = read_manifest(folder).reason
+    return reason if reason or (folder / FILE).exists() else "its process ended before it told its times"

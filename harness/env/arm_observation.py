@@ -1,0 +1,60 @@
+"""What the learner sees: NOTE Table I, and where the target is."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float32
+from harness.env.episodes import Episodes
+from harness.robot import Robot
+
+
+class ArmObservation:
+    """NOTE Table I (angle, speed, acceleration per joint), target, end effector, offset and distance.
+
+    Layout of the last axis, for dof joints:
+
+    ============================  =====  ==========================================================
+    joint angles                  dof    position in the joint's range, -1 lower end, 1 upper end
+    joint speeds                  dof    fraction of the maximum speed, in [-1, 1]
+    joint accelerations           dof    fraction of the maximum acceleration, in [-1, 1]
+    target                        3      world frame, [m]
+    end effector                  3      world frame, [m]
+    offset                        3      target - end effector, [m]
+    distance                      1      length of the offset, [m]
+    ============================  =====  ==========================================================
+    """
+
+    def __init__(self, robot: Robot, period: float) -> None:
+        half_range = (robot.upper - robot.lower) / 2.0
+        joints = np.concatenate([half_range, robot.max_speed, robot.max_acceleration * period])
+        self._scale = 1.0 / np.concatenate([joints, np.ones(10)])
+        self._middle = np.concatenate([(robot.lower + robot.upper) / 2.0, np.zeros(2 * robot.dof + 10)])
+        # The end effector cannot leave this, whatever the joints do; targets are checked against the arm's reach.
+        extent = 2.0 * (robot.reach + float(np.linalg.norm(robot.chain.T_previous_joint[0, :3, 3])))
+        self._high = np.concatenate([np.ones(3 * robot.dof), np.full(10, extent)])
+        self._low = -self._high
+        self._low[-1] = 0.0
+        self._columns: NDArray[np.intp] | None = None
+
+    @property
+    def low(self) -> Float32:
+        """Lower bounds, (size,)."""
+        return self._low.astype(np.float32)
+
+    @property
+    def high(self) -> Float32:
+        """Upper bounds, (size,)."""
+        return self._high.astype(np.float32)
+
+    def observe(self, episodes: Episodes) -> Float32:
+        """See `harness.task.Observation`."""
+        if self._columns is None:
+            self._columns = episodes.columns(
+                "qpos", "qvel", "qvel_change", "target", "end_effector", "offset", "distance"
+            )
+        seen = episodes.matrix.take(self._columns, axis=1)
+        seen -= self._middle
+        seen *= self._scale
+        np.maximum(seen, self._low, out=seen)
+        np.minimum(seen, self._high, out=seen)
+        return seen.astype(np.float32)

@@ -1,0 +1,326 @@
+"""The environment: a simulator, a task and a reward as a Gymnasium vector env."""
+
+from typing import Any, NamedTuple, TypeAlias
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Float32, Mask
+from harness.env.episodes import Episodes
+from harness.env.random_streams import Seed, Streams
+from harness.errors import UsageError
+from harness.motion import Discrete, Move
+from harness.progress import State as Kept
+from harness.progress import as_state
+from harness.record.trace import TraceWriter
+from harness.reward import Reward, replace_where
+from harness.robot import Robot
+from harness.simulator import Simulator, State
+from harness.task import Task
+
+Infos: TypeAlias = dict[str, Any]
+Actions: TypeAlias = NDArray[Any]
+
+GROUND, REACHED, HELD, TERMINATED, TRUNCATED = range(5)
+"""Columns of `Episodes.flags`."""
+
+
+class Outcome(NamedTuple):
+    """What a step brought, (num_envs,) each."""
+
+    paid: Float
+    terminated: Mask
+    truncated: Mask
+    reached: Mask
+    distance: Float
+    shaped: Float
+
+
+class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
+    """`num_envs` robots on one reach task, paid by one reward.
+
+    A step is a decision: `task.decision_period` environment steps under one action, fewer where the episode ends
+    before. The reward of an environment step is the shaped reward plus the task's event terms; a step pays their sum.
+    Each env has its own random stream: what env k meets depends on the seed and k alone, whatever the number of envs,
+    the reward or the actions.
+
+    `infos` holds, for every env, ``distance`` [m], to the target that the step was made for, ``reward_shaped`` and
+    ``is_success``, whether that target was reached; in the autoreset mode SAME_STEP also ``final_obs``, (num_envs,
+    observation_size), whose rows hold where ``_final_obs`` is True.
+
+    Attributes:
+        environment_steps: Taken so far, in all envs together.
+        recorder: Gets one row per env and environment step, and one per episode start.
+    """
+
+    _command: Float
+    _command_speed: Float
+    _carry: Any
+
+    def __init__(
+        self,
+        simulator: Simulator,
+        robot: Robot,
+        task: Task,
+        reward: Reward,
+        num_envs: int = 1,
+        recorder: TraceWriter | None = None,
+        autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
+    ) -> None:
+        """Open the simulator.
+
+        Args:
+            simulator: Whose engine moves the arms.
+            robot: The arm.
+            task: What it has to do.
+            reward: What it is paid for.
+            num_envs: How many arms.
+            recorder: Gets one row per env and environment step, and one per episode start.
+            autoreset_mode: SAME_STEP starts the next episode in the step that ends one; DISABLED leaves it to
+                `reset` with the option ``reset_mask``.
+        """
+        if autoreset_mode is AutoresetMode.NEXT_STEP:
+            raise UsageError("autoreset_mode NEXT_STEP is not offered: take SAME_STEP or DISABLED")
+        self.num_envs = num_envs
+        self.robot, self.task, self.reward = robot, task, reward
+        self.metadata = {"autoreset_mode": autoreset_mode, "render_modes": ["rgb_array"], "render_fps": 10}
+        self.render_mode = "rgb_array"
+        self._motion = task.motion(robot)
+        self._observation = task.observation(robot)
+        self.recorder = recorder
+        self.environment_steps = 0
+        self._same_step = autoreset_mode is AutoresetMode.SAME_STEP
+        self._define_spaces()
+        self._allocate()
+        self._streams = Streams(task, robot, num_envs, None)
+        self.simulation = simulator.open(robot, num_envs, task.control_period)
+
+    def reset(self, *, seed: Seed = None, options: dict[str, Any] | None = None) -> tuple[Float32, Infos]:
+        """Start new episodes in all envs, or in those of the option ``reset_mask``, (num_envs,) of bool.
+
+        Args:
+            seed: Of all envs' random streams, or one per env; None goes on with the streams.
+            options: See above.
+        """
+        if seed is not None:
+            self._streams = Streams(self.task, self.robot, self.num_envs, seed)
+        mask = np.ones(self.num_envs, bool) if not options else np.asarray(options["reset_mask"], bool)
+        self._start_episodes(mask)
+        episodes = self.episodes
+        infos = {
+            "distance": episodes.distance.copy(),
+            "reward_shaped": episodes.shaped.copy(),
+            "is_success": episodes.flags[:, REACHED] > 0.0,
+        }
+        return self._observation.observe(episodes), infos
+
+    def step(self, actions: Actions) -> tuple[Float32, Float, Mask, Mask, Infos]:  # type: ignore[override]
+        """One decision in every env."""
+        if self._starting:
+            self._record_starts()
+        discrete = self._discrete
+        self.episodes.action[...] = actions if discrete is None else discrete.decode(actions, self._command)
+        outcome = self._environment_step(None) if self._period == 1 else self._repeat()
+        infos = {"distance": outcome.distance, "reward_shaped": outcome.shaped, "is_success": outcome.reached}
+        if self._events and self._same_step:
+            ended = outcome.terminated | outcome.truncated
+            if ended.any():
+                infos["final_obs"], infos["_final_obs"] = self._observation.observe(self.episodes), ended
+                self._start_episodes(ended)
+        observations = self._observation.observe(self.episodes)
+        return observations, outcome.paid, outcome.terminated, outcome.truncated, infos
+
+    def state(self) -> Kept:
+        """What goes on from episode to episode, by name: the random streams and the counters."""
+        numbers = {"environment_steps": self.environment_steps, "episode": self.episodes.episode.copy()}
+        return as_state({**numbers, "started": self._started.copy(), "streams": self._streams.pack()})
+
+    def restore(self, state: Kept) -> None:
+        """Go on where an env of the same kind stood; the next thing to do is to reset all envs."""
+        self.environment_steps = int(state["environment_steps"])
+        self.episodes.episode[...] = state["episode"]
+        self._started[...] = state["started"]
+        self._streams.unpack(state["streams"])
+
+    def render(self) -> tuple[NDArray[np.uint8], ...]:
+        """One RGB frame of every env, each (480, 640, 3)."""
+        return tuple(self.simulation.render(k, self.episodes.target[k], 640, 480) for k in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the simulator; the recorder belongs to whoever made it."""
+        self.simulation.close()
+
+    def _define_spaces(self) -> None:
+        spaces, batch = gymnasium.spaces, gymnasium.vector.utils.batch_space
+        motion = self._motion
+        self._discrete = motion if isinstance(motion, Discrete) else None
+        self.single_observation_space = spaces.Box(self._observation.low, self._observation.high)
+        self.single_action_space = (
+            spaces.Discrete(motion.choices)
+            if isinstance(motion, Discrete)
+            else spaces.Box(-1.0, 1.0, (motion.action_size,), np.float32)
+        )
+        self.observation_space = batch(self.single_observation_space, self.num_envs)
+        self.action_space = batch(self.single_action_space, self.num_envs)
+
+    def _allocate(self) -> None:
+        n, dof = self.num_envs, self.robot.dof
+        # Asked for once: a task may be a dataclass with checks, and these are read in every step.
+        task = self.task
+        self._period, self._duration, self._jumps = task.decision_period, task.control_period, self._motion.jumps
+        self._horizon, self._epsilon, self._step_reward = task.horizon, task.epsilon, task.step_reward
+        self._goes_on = not task.ends_at_target
+        self.episodes = Episodes(n, dof, self._motion.action_size)
+        self._command = np.zeros((n, dof))
+        self._command_speed = np.zeros((n, dof))
+        self._inside = np.zeros(n, bool)  # where the end effector was in the target one step earlier
+        self._carry = None
+        self._until_horizon = 0  # no episode is truncated in so many steps
+        self._starting = False
+        self._events = False  # whether the record holds flags of the step before
+        self._started = np.zeros(n, bool)
+
+    # ------------------------------------------------------------------------------------------------ steps
+
+    def _repeat(self) -> Outcome:
+        """As many environment steps as a decision lasts; an episode that ends in one is left as it ended."""
+        active = np.ones(self.num_envs, bool)
+        total = self._environment_step(active)
+        for _ in range(1, self._period):
+            active = active & ~(total.terminated | total.truncated)
+            if not active.any():
+                break
+            ended, carry = self.episodes.matrix[~active], self._carry
+            outcome = self._environment_step(active)
+            self.episodes.matrix[~active] = ended
+            self._carry = replace_where(active, self._carry, carry)
+            total = Outcome(
+                total.paid + np.where(active, outcome.paid, 0.0),
+                total.terminated | (outcome.terminated & active),
+                total.truncated | (outcome.truncated & active),
+                total.reached | (outcome.reached & active),
+                np.where(active, outcome.distance, total.distance),
+                total.shaped + np.where(active, outcome.shaped, 0.0),
+            )
+        self._events |= bool((total.terminated | total.truncated).any())
+        return total
+
+    def _environment_step(self, active: Mask | None) -> Outcome:
+        """One control period in every env; only `active` ones are recorded (None: all)."""
+        episodes = self.episodes
+        if self._events:
+            self._forget_events()
+        move = self._motion.advance(self._command, self._command_speed, episodes.action)
+        self._command, self._command_speed = move.waypoints[-1], move.qvel
+        state, ground = self._drive(move)
+        distance = episodes.measure(state)
+        self._carry, shaped = self.reward(self._carry, episodes.sample)
+        episodes.shaped[...] = shaped
+        paid = shaped + self._step_reward
+        far = distance > self._epsilon  # False also where the distance is no number
+        reached = ~far
+        if self._goes_on:
+            reached, self._inside = reached & ~self._inside, reached
+        self._until_horizon -= 1
+        terminated = truncated = np.greater_equal(ground, far)  # on the ground, or not far
+        if self._until_horizon <= 0 or np.count_nonzero(terminated) or move.held is not None:
+            terminated, truncated = self._mark_events(ground, reached, move)
+            episodes.require_finite(distance)
+            paid = paid + episodes.events.sum(axis=1)
+        else:
+            truncated = terminated.copy()  # none in either
+        self._record(active)
+        np.minimum(episodes.previous_best, distance, out=episodes.previous_best)
+        outcome = Outcome(paid, terminated, truncated, reached, distance, episodes.shaped.copy())
+        if self._goes_on and reached.any():
+            going_on = reached & ~(terminated | truncated)
+            self._set_next_targets(going_on if active is None else going_on & active)
+        return outcome
+
+    def _drive(self, move: Move) -> tuple[State, Mask]:
+        """Let the engine do a move; contact counts at any of its waypoints."""
+        if self._jumps:
+            state = self.simulation.place(move.waypoints[-1])
+            return state, state.ground_contact
+        if len(move.waypoints) == 1:
+            state = self.simulation.drive(move.waypoints[0], self._duration)
+            return state, state.ground_contact
+        ground = np.zeros(self.num_envs, bool)
+        for waypoint in move.waypoints:
+            state = self.simulation.drive(waypoint, self._duration / len(move.waypoints))
+            ground |= state.ground_contact
+        return state, ground
+
+    def _mark_events(self, ground: Mask, reached: Mask, move: Move) -> tuple[Mask, Mask]:
+        """Flags and event terms into the record; returns where episodes are terminated and truncated."""
+        episodes = self.episodes
+        terminated = ground | reached if not self._goes_on else ground.copy()
+        truncated = (episodes.step >= self._horizon) & ~terminated
+        held = np.zeros_like(ground) if move.held is None else move.held
+        for column, flag in enumerate((ground, reached, held, terminated, truncated)):
+            episodes.flags[:, column] = flag
+        episodes.events[:, 0] = ground * self.task.ground_reward
+        if reached.any():
+            episodes.events[reached, 1] = self.task.target_rewards(self.robot, episodes.qpos[reached])
+        self._events = True
+        return terminated, truncated
+
+    def _forget_events(self) -> None:
+        self.episodes.flags[...] = 0.0
+        self.episodes.events[...] = 0.0
+        self._events = False
+
+    def _record(self, active: Mask | None) -> None:
+        self.environment_steps += self.num_envs if active is None else int(active.sum())
+        if self.recorder is not None:
+            record = self.episodes.record
+            self.recorder.append(record if active is None else record[active])
+
+    # ------------------------------------------------------------------------------------------------ starts
+
+    def _start_episodes(self, mask: Mask) -> None:
+        """Put the arms of `mask` at new starts with new targets."""
+        envs, episodes = [int(k) for k in np.flatnonzero(mask)], self.episodes
+        self._command, self._command_speed = self._command.copy(), self._command_speed.copy()
+        for k in envs:
+            self._command[k] = self._streams.start(k)
+        self._command_speed[mask] = 0.0
+        state = self.simulation.reset(self._command, mask)
+        target = episodes.target.copy()
+        for k in envs:
+            target[k] = self._streams.target_apart(k, state.end_effector[k])
+        episodes.start(mask, state, target)
+        self._inside[mask] = False
+        self._restart_reward(mask)
+        # An episode that was left before its first step left no row: its number is free.
+        episodes.episode[mask & ~self._started] += 1.0
+        self._started |= mask
+        self._starting = True
+        self._until_horizon = self._horizon - int(episodes.step.max())
+
+    def _set_next_targets(self, mask: Mask) -> None:
+        """Give the envs of `mask`, which reached their targets, the next ones."""
+        episodes = self.episodes
+        target = episodes.target.copy()
+        for k in np.flatnonzero(mask):
+            target[k] = self._streams.target(int(k), episodes.end_effector[k])
+        episodes.set_target(mask, target)
+        # Where the end effector is in the next target already, it has to leave and enter it.
+        self._inside[mask] = episodes.distance[mask] <= self._epsilon
+        self._restart_reward(mask)
+
+    def _restart_reward(self, mask: Mask) -> None:
+        fresh = self.reward.initial_carry(self.episodes.begin_distance.copy())
+        self._carry = fresh if self._carry is None else replace_where(mask, fresh, self._carry)
+
+    def _record_starts(self) -> None:
+        """Write the start rows when the first step follows: an episode without a step leaves no trace."""
+        if self.recorder is not None:
+            rows = self.episodes.record[self._started]
+            rows[:, -self.episodes.action.shape[1] :] = 0.0
+            self.recorder.append(rows)
+        self._started[:] = False
+        self._starting = False
+        self.episodes.step_price[:] = self._step_reward  # of every step to come

@@ -1,0 +1,153 @@
+"""The curve of a group of runs, from which its index is read; takes runs of any length a piece at a time."""
+
+from collections.abc import Sequence
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from harness.arrays import Float, Mask
+from harness.eta.index import Index
+
+Kind: TypeAlias = Literal["accumulated", "per-step"]
+
+POINTS = 4096
+"""Of each run at least so many steps are kept for resampling, at most twice as many; shorter runs are kept whole."""
+
+
+class GroupCurve:
+    """Mean over the runs of a group, step by step.
+
+    * ``accumulated``, as published: a run's curve is the running sum of its reward. I_N sums all negative values of
+      the mean curve, I_P all positive ones, over the whole curve.
+    * ``per-step``, NOTE eq. 39-42 read literally: a run's curve is its reward. I_N sums the mean curve up to and with
+      the cross-over t_k, I_P what follows. A curve that never comes back is all I_N, one that is never negative is all
+      I_P.
+    """
+
+    def __init__(self, runs: int, kind: Kind = "accumulated") -> None:
+        self.kind: Kind = kind
+        self.count = runs
+        self._last = np.zeros(runs)
+        self._steps = 0
+        self._first_negative: int | None = None
+        self._crossover: int | None = None
+        self._sums = [0.0, 0.0]  # I_N and I_P
+        self._kept: list[Float] = []
+        self._kept_points = 0
+        self._stride = 1
+
+    def add(self, rewards: Float) -> None:
+        """Take the next n steps of every run, (runs, n); episode-start rows are steps too."""
+        if rewards.shape[1] == 0:
+            return
+        runs = self._curves(np.asarray(rewards, np.float64))
+        mean = _mean_of(runs)
+        start = self._steps
+        self._find_crossover(mean, start)
+        self._add_sums(mean, start)
+        self._keep(runs, start)
+        self._steps += rewards.shape[1]
+
+    @property
+    def index(self) -> Index:
+        """What the mean curve says so far."""
+        sums = self._sums
+        if self.kind == "per-step" and self._first_negative is None:  # taken for I_N as long as that could be
+            sums = [0.0, sums[0]]
+        return Index(self._first_negative, self._crossover, self._steps, *sums)
+
+    @property
+    def runs(self) -> Float:
+        """Each run's curve, every `stride`-th step of it, (runs, points)."""
+        return np.concatenate(self._kept, axis=1) if self._kept else np.empty((self.count, 0))
+
+    @property
+    def stride(self) -> int:
+        """Steps from one kept point to the next; 1 for short runs."""
+        return self._stride
+
+    def resample(self, shares: Float) -> tuple[Float, Float]:
+        """I_N and I_P of resampled groups, (draws,) both, from the kept points.
+
+        Args:
+            shares: How much of each run enters a draw, (draws, runs), each row sums to 1.
+        """
+        runs, parts = self.runs, []
+        for start in range(0, len(shares), _CHUNK):  # all resampled curves at once would take gigabytes
+            parts.append(self._split(shares[start : start + _CHUNK] @ runs))
+        negative, positive = np.concatenate(parts, axis=1) * self._stride
+        return negative, positive
+
+    def _curves(self, rewards: Float) -> Float:
+        if self.kind == "per-step":
+            return rewards
+        first = rewards[:, :1] + self._last[:, None]  # one addition after another, as for the whole run at once
+        runs = np.cumsum(np.concatenate([first, rewards[:, 1:]], axis=1), axis=1)
+        self._last = runs[:, -1].copy()
+        return runs
+
+    def _find_crossover(self, mean: Float, start: int) -> None:
+        negative = mean < 0.0
+        after = 0
+        if self._first_negative is None and negative.any():
+            after = int(np.argmax(negative))
+            self._first_negative = start + after
+        if self._first_negative is not None and self._crossover is None and not negative[after:].all():
+            self._crossover = start + after + int(np.argmin(negative[after:]))
+
+    def _add_sums(self, mean: Float, start: int) -> None:
+        if self.kind == "accumulated":
+            self._sums[0] += float(np.minimum(mean, 0.0).sum())
+            self._sums[1] += float(np.maximum(mean, 0.0).sum())
+            return
+        end = len(mean) if self._crossover is None else max(0, self._crossover + 1 - start)
+        self._sums[0] += float(mean[:end].sum())
+        self._sums[1] += float(mean[end:].sum())
+
+    def _keep(self, runs: Float, start: int) -> None:
+        kept = runs[:, -start % self._stride :: self._stride].copy()
+        self._kept.append(kept)
+        self._kept_points += kept.shape[1]
+        while self._kept_points > 2 * POINTS:
+            self._kept = [self.runs[:, ::2]]
+            self._kept_points = self._kept[0].shape[1]
+            self._stride *= 2
+
+    def _split(self, curves: Float) -> Float:
+        """I_N and I_P of each curve, (draws, points) -> (2, draws)."""
+        if self.kind == "accumulated":
+            positive = np.maximum(curves, 0.0).sum(axis=1)
+            return np.stack([curves.sum(axis=1) - positive, positive])
+        before = _before_crossover(curves)
+        total, negative = curves.sum(axis=1), np.where(before, curves, 0.0).sum(axis=1)
+        return np.stack([negative, total - negative])
+
+
+_CHUNK = 64
+
+
+def curve_of(rewards: Sequence[Float], kind: Kind = "accumulated") -> GroupCurve:
+    """The curve of runs that are in memory, each (steps,), cut to the shortest."""
+    curve = GroupCurve(len(rewards), kind)
+    steps = min((len(reward) for reward in rewards), default=0)
+    if steps:
+        curve.add(np.stack([reward[:steps] for reward in rewards]))
+    return curve
+
+
+def _mean_of(runs: Float) -> Float:
+    """One addition after another: numpy's own mean adds in another order where there is but one column."""
+    total = runs[0].copy()
+    for run in runs[1:]:
+        total += run
+    mean: Float = total / len(runs)
+    return mean
+
+
+def _before_crossover(curves: Float) -> Mask:
+    """Steps up to and with the cross-over, (draws, points); none where a curve is never negative."""
+    seen_negative = np.logical_or.accumulate(curves < 0.0, axis=1)
+    crossed = np.logical_or.accumulate(seen_negative & (curves >= 0.0), axis=1)
+    first = crossed & ~np.pad(crossed, ((0, 0), (1, 0)))[:, :-1]
+    before: Mask = (~crossed | first) & seen_negative[:, -1:]
+    return before

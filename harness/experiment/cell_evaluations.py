@@ -1,0 +1,86 @@
+"""The evaluations of one cell: while it trains, every so many steps, and at the end."""
+
+import time
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+from harness.experiment.attempt import Attempt
+from harness.experiment.evaluate import act_of, evaluate, random_actions
+from harness.experiment.event_log import EventLog
+from harness.metric import Metric
+from harness.policy import Policy
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files
+from harness.record.returns import mean_return
+from harness.record.trace import Trace, read_trace
+from harness.registry.registry import Registry
+
+SECTION = "Evaluation"
+
+
+class CellEvaluations:
+    """Evaluates policies of a cell in envs made for it, so that the training takes no notice.
+
+    Attributes:
+        seconds: What the evaluations took during training.
+    """
+
+    def __init__(self, cell: Cell, registry: Registry, attempt: Attempt, events: EventLog) -> None:
+        """Go on after the last evaluation that the attempt's checkpoint knows of; later ones are made again.
+
+        Args:
+            cell: Whose policies.
+            registry: The plugins.
+            attempt: Where the training begins.
+            events: Gets the results.
+        """
+        self._cell, self._registry, self._events = cell, registry, events
+        self._folder = attempt.folder
+        self.seconds = 0.0
+        self._due = cell.evaluate_every
+        for steps, path in evaluation_files(self._folder).items():
+            if steps > attempt.begun_from:
+                path.unlink()
+            else:
+                self._due = self._next_after(steps)
+
+    def offer(self, steps: int, make: Callable[[], Policy]) -> None:
+        """Evaluate what `make` gives if an evaluation is due after `steps`; the one at the end is `finish`'s."""
+        if not self._cell.evaluate_every or not self._due <= steps < self._cell.steps:
+            return
+        clock = time.perf_counter()
+        self._due = self._next_after(steps)
+        path = self._folder / EVALUATIONS / f"{steps}.parquet"
+        path.parent.mkdir(exist_ok=True)
+        partial = path.with_name(f".{path.name}")
+        self._evaluate(steps, make(), partial)
+        partial.rename(path)  # a process that is killed leaves no half of an evaluation under its name
+        self.seconds += time.perf_counter() - clock
+
+    def finish(self, policy: Policy) -> None:
+        """Evaluate the trained policy, and random actions for the floor."""
+        self._evaluate(self._cell.steps, policy, self._folder / EVALUATION)
+        evaluate(self._cell, self._registry, random_actions(policy.floor()), self._folder / RANDOM)
+
+    def _next_after(self, steps: int) -> int:
+        every = self._cell.evaluate_every
+        return (steps // every + 1) * every
+
+    def _evaluate(self, steps: int, policy: Policy, path: Path) -> None:
+        evaluate(self._cell, self._registry, act_of(policy, self._cell), path)
+        if not self._events.is_open:
+            return
+        try:
+            self._events.write(steps, evaluation_scalars(read_trace(path), self._registry))
+        except Exception:  # a metric may raise anything: what is there to look at decides no result
+            with (self._folder / LOG).open("a") as log:
+                traceback.print_exc(file=log)
+
+
+def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
+    """The return and every registered metric, those that are not defined left out: ``Evaluation/Success Rate``."""
+    metrics: dict[str, Metric] = {name: registry.get("metrics", name).load()() for name in registry.names("metrics")}
+    values = {"Cumulative Reward": mean_return(trace)}
+    values |= {name.replace("_", " ").title(): metric(trace) for name, metric in metrics.items()}
+    return {f"{SECTION}/{name}": float(value) for name, value in values.items() if value is not None}

@@ -1,0 +1,226 @@
+"""What to do: an experiment as a user writes it, and the cells it expands to."""
+
+import hashlib
+import itertools
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple, TypeAlias
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass as checked_dataclass
+
+from harness.algorithm import Algorithm, why_not
+from harness.errors import UsageError
+from harness.experiment.task_form import task_for
+from harness.record.cell import Cell
+from harness.registry.choice import Choice, choose, split_list
+from harness.registry.parameters import build
+from harness.registry.registry import Registry
+from harness.robot import Robot
+from harness.robot.load import load_robot
+
+Given: TypeAlias = str | dict[str, Any]
+Names: TypeAlias = Annotated[list[Given], Field(min_length=1)]
+Count: TypeAlias = Annotated[int, Field(gt=0)]
+Seed: TypeAlias = Annotated[int, Field(ge=0)]
+Interval: TypeAlias = Annotated[int, Field(ge=0)]
+LISTS = ("sim", "algo", "reward")
+
+
+def _arp() -> list[Given]:
+    return ["arp"]
+
+
+@checked_dataclass(frozen=True)
+class Experiment:
+    """A matrix of combinations; each field is a key of an experiment file and a flag of ``harness run``.
+
+    Names stand as text (``"arp:k2=2"``) or, in a file, as a table (``{name = "arp", k2 = 2}``).
+    """
+
+    sim: Annotated[Names, Field(description="simulators")]
+    algo: Annotated[Names, Field(description="algorithms")]
+    reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=_arp)
+    baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
+    task: Annotated[Given, Field(description="the task")] = "fd100-reach"
+    robot: Annotated[
+        str | None, Field(description="the robot: a name, a URDF, or a folder with robot.toml; by default the task's")
+    ] = None
+    seeds: Annotated[
+        Count | Annotated[list[Seed], Field(min_length=1)], Field(description="how many seeds (0, 1, ...), or a list")
+    ] = 3
+    steps: Annotated[Count, Field(description="environment steps of training per cell")] = 10_000
+    evaluation_episodes: Annotated[Count, Field(description="episodes of an evaluation")] = 100
+    evaluate_every: Annotated[
+        Interval, Field(description="environment steps from one evaluation to the next; 0: at the end alone")
+    ] = 0
+    deterministic: Annotated[bool, Field(description="whether evaluated policies draw no actions")] = True
+
+    @property
+    def seed_list(self) -> list[int]:
+        """The seeds, each once."""
+        return list(range(self.seeds)) if isinstance(self.seeds, int) else list(dict.fromkeys(self.seeds))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """An experiment resolved: what it compares and which cells that takes.
+
+    Attributes:
+        baseline: Label of the reward that the others are compared with.
+        cells: What to run, in this order.
+        skipped: Combinations that cannot work, each with the reason.
+        resolved: The experiment with every default filled in, as an experiment file holds it.
+        a_a: Whether the baseline is compared with itself too, the null control that has to give 1.
+    """
+
+    baseline: str
+    cells: tuple[Cell, ...]
+    skipped: tuple[tuple[Cell, str], ...]
+    resolved: dict[str, Any]
+    a_a: bool = False
+
+    @property
+    def id(self) -> str:
+        """A hash of the cells."""
+        return hashlib.sha256("".join(cell.id for cell in self.cells).encode()).hexdigest()[:8]
+
+
+def read_experiment(path: Path, overrides: Mapping[str, Any]) -> Experiment:
+    """The experiment in a TOML file; an override wins over a key.
+
+    Raises:
+        UsageError: The file cannot be read, or holds what no experiment has.
+    """
+    try:
+        data = tomllib.loads(path.read_text())
+    except FileNotFoundError:
+        raise UsageError(f"No experiment file '{path}'") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"Experiment file '{path}' cannot be read: {error}") from None
+    return check_experiment({**data, **overrides}, f"experiment file '{path}'")
+
+
+def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Experiment:
+    """An experiment from its keys.
+
+    Raises:
+        UsageError: A key is unknown or missing, or a value is of the wrong type or out of range.
+    """
+    for key in ("sim", "algo"):
+        if not data.get(key):
+            subject = noun[:1].upper() + noun[1:]  # a path in it keeps its capitals
+            raise UsageError(f"{subject} names no {key}: give --{key} NAME, or the key '{key}' in a file")
+    listed = {key: _split_names(value) if key in LISTS else value for key, value in data.items()}
+    experiment: Experiment = build(Experiment, listed, noun)
+    return experiment
+
+
+def expand(experiment: Experiment, registry: Registry) -> Plan:
+    """All cells of an experiment: simulator x algorithm x reward x seed.
+
+    An algorithm that takes discrete actions only gets a task with continuous ones in its discrete form.
+
+    Raises:
+        UsageError: A name or parameter is unknown, a library is missing, or the robot cannot do the task.
+    """
+    simulators = _choose_each(registry, "simulators", experiment.sim)
+    algorithms = _choose_each(registry, "algorithms", experiment.algo)
+    baseline = choose(registry, "rewards", experiment.baseline)
+    rewards = _choose_each(registry, "rewards", experiment.reward)
+    task = choose(registry, "tasks", experiment.task)
+    built = task.build(registry, "tasks")
+    robot = _locate(experiment.robot or built.robot, registry)
+    arm = load_robot(robot, registry)
+    built.check(arm)
+    # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
+    matrix = itertools.product(experiment.seed_list, simulators, algorithms, dict.fromkeys([baseline, *rewards]))
+    forms = {algorithm: _fit(algorithm, task, arm, registry, experiment.steps) for algorithm in algorithms}
+    cells = [
+        Cell(
+            simulator, robot, forms[algorithm].task, algorithm, reward, seed, experiment.steps,
+            experiment.evaluation_episodes, experiment.evaluate_every, experiment.deterministic,
+        )
+        for seed, simulator, algorithm, reward in matrix
+    ]  # fmt: skip
+    reasons = {algorithm: form.reason for algorithm, form in forms.items()}
+    return Plan(
+        baseline.label,
+        tuple(cell for cell in cells if not reasons[cell.algorithm]),
+        tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
+        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot),
+        a_a=baseline in rewards,
+    )
+
+
+def _split_names(given: Any) -> Any:
+    """Names one by one: ``"a,b:x=1"`` and ``["a", "b:x=1"]`` are the same; tables stand as they are."""
+    if not isinstance(given, list):
+        given = [given]
+    parts = [split_list(item) if isinstance(item, str) else [item] for item in given]
+    return [name for part in parts for name in part]
+
+
+def _locate(robot: str, registry: Registry) -> str:
+    """A registered name as it is, a path in full: a cell means the same from any working directory."""
+    path = Path(robot)
+    if robot in registry.names("robots") or not path.exists():
+        return robot
+    # A link to a URDF stays one: what lies beside it is looked for where the user says that it is.
+    return str(path.resolve() if path.is_dir() else path.parent.resolve() / path.name)
+
+
+def _choose_each(registry: Registry, kind: str, given: list[Given]) -> list[Choice]:
+    return list(dict.fromkeys(choose(registry, kind, item) for item in given))
+
+
+class Fit(NamedTuple):
+    """How an algorithm can do a plan."""
+
+    task: Choice
+    """In the form that it takes; as given where there is none."""
+    reason: str
+    """Why it cannot; empty if it can."""
+
+
+def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:
+    try:
+        form = task_for(algorithm, task, robot, registry)
+    except UsageError as error:
+        return Fit(task, str(error))
+    built: Algorithm = algorithm.build(registry, "algorithms")
+    if steps % built.num_envs:
+        envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
+        return Fit(form, f"steps={steps} is not a multiple of {envs}")
+    return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
+
+
+def _resolve(
+    experiment: Experiment,
+    simulators: list[Choice],
+    algorithms: list[Choice],
+    baseline: Choice,
+    rewards: list[Choice],
+    task: Choice,
+    robot: str,
+) -> dict[str, Any]:
+    """The keys of an experiment file, defaults and all."""
+    values = {field.name: getattr(experiment, field.name) for field in fields(experiment)}
+    return {
+        **values,
+        "sim": [_table(choice) for choice in simulators],
+        "algo": [_table(choice) for choice in algorithms],
+        "reward": [_table(choice) for choice in rewards],
+        "baseline": _table(baseline),
+        "task": _table(task),
+        "robot": robot,
+        "seeds": experiment.seed_list,
+    }
+
+
+def _table(choice: Choice) -> dict[str, Any]:
+    """As an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
+    params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
+    return {"name": choice.name, **params}

@@ -1,0 +1,104 @@
+"""A trace that is written in parts, so that a training that is killed can go on behind the last finished one."""
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+
+import pyarrow.parquet as pq
+
+from harness.errors import SchemaError
+from harness.record.trace import TraceWriter
+
+
+class TraceParts:
+    """Files ``trace.0``, ``trace.1``, ... beside the trace that becomes of them; one is being written.
+
+    A Parquet file cannot be read before it is finished, and takes no rows afterwards.
+
+    Attributes:
+        recorder: Writes the present part.
+        digests: SHA-256 of each finished part.
+    """
+
+    def __init__(self, path: Path, dof: int, action_size: int, digests: Sequence[str] = ()) -> None:
+        """Go on behind the parts that are finished, each of which has a digest.
+
+        Args:
+            path: The trace to be.
+            dof: Length of qpos.
+            action_size: Length of the action.
+            digests: SHA-256 of each finished part.
+        """
+        self._path, self._dof, self._action_size = path, dof, action_size
+        self.digests = list(digests)
+        discard_parts(path, len(digests))
+        self.recorder = self._open()
+
+    def cut(self) -> TraceWriter:
+        """Finish the present part and begin the next one; returns the recorder of that."""
+        self.recorder.close()
+        self.digests.append(digest_of(self._present))
+        self.recorder = self._open()
+        return self.recorder
+
+    def __enter__(self) -> "TraceParts":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        """Make one trace of the parts, a failed training's too; parts that a checkpoint may name stay."""
+        try:
+            self.recorder.close()
+        finally:
+            self._merge()
+
+    @property
+    def _present(self) -> Path:
+        return part_of(self._path, len(self.digests))
+
+    def _open(self) -> TraceWriter:
+        return TraceWriter(self._present, self._dof, self._action_size)
+
+    def _merge(self) -> None:
+        parts = [part_of(self._path, number) for number in range(len(self.digests) + 1)]
+        if len(parts) == 1:
+            parts[0].replace(self._path)
+            return
+        with pq.ParquetWriter(self._path, self.recorder.schema, compression="zstd") as file:
+            for part in parts:
+                with pq.ParquetFile(part) as rows:
+                    for group in range(rows.num_row_groups):
+                        file.write_table(rows.read_row_group(group))
+
+
+def part_of(path: Path, number: int) -> Path:
+    """A part of the trace `path`, counted from 0."""
+    return path.with_name(f"{path.stem}.{number}")
+
+
+def discard_parts(path: Path, first: int = 0) -> None:
+    """Remove the parts of the trace `path` from number `first` on."""
+    number = first
+    while part_of(path, number).exists():
+        part_of(path, number).unlink()
+        number += 1
+
+
+def digest_of(path: Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def require_parts(path: Path, digests: Sequence[str]) -> None:
+    """See whether the finished parts of a trace are as they were finished.
+
+    Raises:
+        SchemaError: One is missing or damaged.
+    """
+    for number, digest in enumerate(digests):
+        part = part_of(path, number)
+        if not part.is_file() or digest_of(part) != digest:
+            raise SchemaError(f"{part.name} is missing or damaged")

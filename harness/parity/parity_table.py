@@ -1,0 +1,21 @@
+"""A parity as a terminal shows it."""
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from harness.parity.grids import pair_grids, remarks, setting_text, simulator_grid, title, verdict
+from harness.parity.parity import Parity
+from harness.report.comparison_table import show_grid
+
+
+def parity_table(parity: Parity) -> RenderableType:
+    """What ``harness parity`` prints: the pairs first, the reference's before the others'."""
+    parts: list[RenderableType] = [
+        Text(title(parity), style="bold"),
+        Text(f"{setting_text(parity)}\n"),
+        Text(verdict(parity), style="bold"),
+    ]
+    for grid in (*pair_grids(parity), simulator_grid(parity)):
+        parts += show_grid(grid)
+    told = remarks(parity)
+    return Group(*parts, *([Text()] if told else []), *map(Text, told))

@@ -1,0 +1,70 @@
+"""One cell of the matrix: everything that decides what a training run does."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from harness.registry.choice import Choice
+
+LATER = {"evaluate_every": 0, "deterministic": True}
+"""Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One training run, to be done or done.
+
+    Attributes:
+        simulator: Whose engine moves the arm.
+        robot: Registered name or folder of the arm.
+        task: What the arm has to do.
+        algorithm: What learns.
+        reward: What it is paid for.
+        seed: Of the starts, the targets and the algorithm. Equal seeds meet equal starts and targets, whatever the
+            reward or the algorithm.
+        steps: Environment steps of training.
+        evaluation_episodes: Episodes of an evaluation; the same starts and targets in every cell.
+        evaluate_every: Environment steps from one evaluation during training to the next; 0 for one at the end alone.
+        deterministic: Whether evaluated policies take the one action of each observation, NOTE eq. 36, or draw.
+    """
+
+    simulator: Choice
+    robot: str
+    task: Choice
+    algorithm: Choice
+    reward: Choice
+    seed: int
+    steps: int
+    evaluation_episodes: int
+    evaluate_every: int = 0
+    deterministic: bool = True
+
+    @cached_property
+    def id(self) -> str:
+        """A hash of the content."""
+        text = json.dumps(self.to_json(), sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    @property
+    def title(self) -> str:
+        """For people: the combination and the seed."""
+        return f"{self.simulator.label} · {self.algorithm.label} · {self.reward.label} · seed {self.seed}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same cell back."""
+        return {
+            key: value.to_json() if isinstance(value, Choice) else value
+            for key, value in vars(self).items()
+            if key != "id" and not (key in LATER and value == LATER[key])
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "Cell":
+        """The cell that `to_json` wrote."""
+        values: dict[str, Any] = {
+            key: Choice.from_json(value) if isinstance(value, dict) else value for key, value in data.items()
+        }
+        return cls(**values)

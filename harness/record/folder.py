@@ -1,0 +1,34 @@
+"""The folder that a cell leaves: names of its files, and how it comes to be there all at once."""
+
+import shutil
+from pathlib import Path
+
+MANIFEST, LOG = "manifest.json", "log.txt"
+TRACE, EVALUATION, RANDOM = "trace.parquet", "evaluation.parquet", "random.parquet"
+EVALUATIONS = "evaluations"
+"""Folder of what the policy did before its training ended, a trace per evaluation, named by the environment steps."""
+POLICY, WEIGHTS, CARD = "policy", "weights.safetensors", "card.json"
+"""Folder of the trained policy, and the two files in it."""
+SCORES = "scores.parquet"
+"""What other rewards would have paid the rows of the trace, a column per reward."""
+CHECKPOINT = "checkpoint.safetensors"
+"""In a partial folder: where a training that was killed goes on."""
+TENSORBOARD = "tensorboard"
+
+
+def partial_folder(folder: Path) -> Path:
+    """Where a cell's folder grows until it is complete."""
+    return folder.with_name(f".{folder.name}.partial")
+
+
+def evaluation_files(folder: Path) -> dict[int, Path]:
+    """The evaluations before the end of a cell's training, by the environment steps done, in order."""
+    found = {int(path.stem): path for path in (folder / EVALUATIONS).glob("[0-9]*.parquet")}
+    return dict(sorted(found.items()))
+
+
+def publish(partial: Path, folder: Path) -> None:
+    """Give a complete folder its final name, in place of an earlier one."""
+    if folder.exists():
+        shutil.rmtree(folder)
+    partial.rename(folder)

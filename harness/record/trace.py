@@ -1,0 +1,241 @@
+"""What a cell leaves: one row per environment step, and one per episode start, in Parquet.
+
+==================  ===========================================================================================
+env                 number of the env in the batch
+episode             counted from 0 in each env
+step                t, 0 in the row of the episode's start
+begin_distance      Bd = d(0), [m]
+previous_best       Pb before this step; Bd in the start row, [m]
+distance            d(t), end effector to target, [m]
+delta_distance      d(t) - previous_best, [m]
+reward              the shaped reward alone; 0 in the start row
+reward_ground       the event terms, paid on top: ground contact,
+reward_target       target reached,
+reward_step         the price of the step
+target_x .. _z      world frame, [m]
+end_effector_x .._z world frame, [m]
+ground, reached     whether the step touched the ground, reached the target
+held                whether the motion asked for could not be done, and the arm was held
+terminated          whether one of these ended the episode
+truncated           whether the step was the last that the horizon allows
+qpos                joint positions after the step, list of dof numbers, [rad]
+action              what the policy asked for, list of numbers; zeros in the start row
+==================  ===========================================================================================
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.errors import SchemaError, SimulationDiverged
+
+FORMAT = 2
+"""Format 1 has no `held` and no `terminated`: both events ended an episode."""
+FORMAT_KEY = b"harness.record.trace"
+
+INTEGERS = ("env", "episode", "step")
+NUMBERS = (
+    "begin_distance",
+    "previous_best",
+    "distance",
+    "delta_distance",
+    "reward",
+    "reward_ground",
+    "reward_target",
+    "reward_step",
+    "target_x",
+    "target_y",
+    "target_z",
+    "end_effector_x",
+    "end_effector_y",
+    "end_effector_z",
+)
+FLAGS = ("ground", "reached", "held", "terminated", "truncated")
+SINCE_2 = ("held", "terminated")
+SCALARS = INTEGERS + NUMBERS + FLAGS
+COLUMN = {name: index for index, name in enumerate(SCALARS)}
+
+Rows = Float
+
+
+class TraceWriter:
+    """Writes rows to a Parquet file, a block at a time.
+
+    A row is one vector of `SCALARS`, then qpos, then the action; all are exact in float64.
+    """
+
+    BLOCK = 16_384
+
+    def __init__(self, path: Path, dof: int, action_size: int, episodes: int | None = None) -> None:
+        """Start the file.
+
+        Args:
+            path: The file to write.
+            dof: Length of qpos.
+            action_size: Length of the action.
+            episodes: Keep the first so many episodes of each env only; all if None.
+        """
+        self._dof, self._episodes = dof, episodes
+        self._block = np.empty((self.BLOCK, len(SCALARS) + dof + action_size))
+        self._filled = 0
+        self.schema = trace_schema(dof, action_size)
+        self._file = pq.ParquetWriter(path, self.schema, compression="zstd")
+
+    def append(self, rows: Rows) -> None:
+        """Copy a batch of rows, (n, width)."""
+        end = self._filled + len(rows)
+        if end > self.BLOCK:
+            self._flush()
+            self._append_large(rows)
+            return
+        self._block[self._filled : end] = rows
+        self._filled = end
+
+    def close(self) -> None:
+        """Write what is left and finish the file.
+
+        Raises:
+            SimulationDiverged: A number is not finite: the simulator's, or the reward's.
+        """
+        try:
+            self._flush()
+        finally:
+            self._file.close()
+
+    def __enter__(self) -> "TraceWriter":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _append_large(self, rows: Rows) -> None:
+        for start in range(0, len(rows), self.BLOCK):
+            part = rows[start : start + self.BLOCK]
+            self._block[: len(part)] = part
+            self._filled = len(part)
+            if self._filled == self.BLOCK:
+                self._flush()
+
+    def _flush(self) -> None:
+        rows = self._block[: self._filled]
+        if self._episodes is not None:
+            rows = rows[rows[:, COLUMN["episode"]] < self._episodes]
+        self._require_finite(rows)
+        if len(rows):
+            self._file.write_table(self._table(rows))
+        self._filled = 0
+
+    def _require_finite(self, rows: Rows) -> None:
+        bad = np.argwhere(~np.isfinite(rows))
+        if len(bad):
+            row, column = bad[0]
+            name = SCALARS[column] if column < len(SCALARS) else "qpos or action"
+            where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
+            raise SimulationDiverged(f"{name} is not finite at {where}")
+
+    def _table(self, rows: Rows) -> pa.Table:
+        columns = [pa.array(rows[:, index].astype(_numpy_type(name))) for name, index in COLUMN.items()]
+        joints = rows[:, len(SCALARS) : len(SCALARS) + self._dof]
+        actions = rows[:, len(SCALARS) + self._dof :]
+        lists = [pa.FixedSizeListArray.from_arrays(part.ravel(), part.shape[1]) for part in (joints, actions)]
+        return pa.Table.from_arrays(columns + lists, schema=self.schema)
+
+
+def trace_schema(dof: int, action_size: int) -> pa.Schema:
+    """Columns and types of a trace file."""
+    scalars = [(name, pa.from_numpy_dtype(_numpy_type(name))) for name in SCALARS]
+    lists = [("qpos", pa.list_(pa.float64(), dof)), ("action", pa.list_(pa.float64(), action_size))]
+    return pa.schema(scalars + lists, metadata={FORMAT_KEY: str(FORMAT).encode()})
+
+
+def _numpy_type(name: str) -> type[np.generic]:
+    if name in INTEGERS:
+        return np.int32
+    return np.bool_ if name in FLAGS else np.float64
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A recorded trace in memory: one numpy array per column."""
+
+    columns: dict[str, NDArray[Any]]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """A column, (rows,), or (rows, n) for qpos and action."""
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return len(self.columns["reward"])
+
+    @cached_property
+    def last_rows(self) -> NDArray[np.int64]:
+        """Row numbers of the ends of finished episodes."""
+        ended = self["terminated"] | self["truncated"]
+        rows: NDArray[np.int64] = np.flatnonzero(ended)
+        return rows
+
+    @cached_property
+    def episodes(self) -> list[NDArray[np.int64]]:
+        """Row numbers of each finished episode, its start row first, by env and in order."""
+        key = self["env"].astype(np.int64) << 32 | self["episode"]
+        order = np.argsort(key, kind="stable")
+        parts = np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
+        ended = np.zeros(len(self), bool)
+        ended[self.last_rows] = True
+        return [rows for rows in parts if len(rows) and ended[rows[-1]]]
+
+
+def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
+    """Read a trace, all columns or some.
+
+    Raises:
+        SchemaError: The file is damaged, is no trace or was written by a newer version.
+    """
+    try:
+        file = pq.ParquetFile(path)
+        version = _version(file.schema_arrow, path)
+        there = columns if version > 1 or columns is None else _columns_of_1(columns)
+        _require_columns(file.schema_arrow, there or [], path)
+        table = file.read(columns=there)
+    except (OSError, pa.ArrowInvalid) as error:
+        raise SchemaError(f"{path} is no readable trace: {error}") from error
+    arrays = {name: _to_numpy(table.column(name)) for name in table.column_names}
+    if version == 1:
+        terminated = arrays["ground"] | arrays["reached"]
+        arrays.update(terminated=terminated, held=np.zeros_like(terminated))
+    return Trace(arrays if columns is None else {name: arrays[name] for name in columns})
+
+
+def _columns_of_1(columns: list[str]) -> list[str]:
+    """What to read of a file of format 1, from which the columns that it lacks follow."""
+    return list(dict.fromkeys([*(name for name in columns if name not in SINCE_2), "ground", "reached"]))
+
+
+def _version(schema: pa.Schema, path: Path) -> int:
+    version = (schema.metadata or {}).get(FORMAT_KEY, b"none").decode()
+    if version not in {str(known) for known in range(1, FORMAT + 1)}:
+        raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
+    return int(version)
+
+
+def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
+    missing = [name for name in columns if name not in schema.names]
+    if missing:
+        raise SchemaError(f"{path} has no column {', '.join(missing)}")
+
+
+def _to_numpy(column: pa.ChunkedArray) -> NDArray[Any]:
+    if pa.types.is_fixed_size_list(column.type):
+        flat = column.combine_chunks().flatten().to_numpy()
+        return np.asarray(flat).reshape(len(column), column.type.list_size)
+    return np.asarray(column.to_numpy())

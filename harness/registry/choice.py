@@ -1,0 +1,176 @@
+"""What a user picks: a name with parameters, ``arp:k1=1,k2=1.5``.
+
+A parameter may itself be such a text, ``scaled:reward=arp:k2=2,factor=3``; in parentheses, ``reward=(arp:k1=2,k2=3)``,
+its commas are its own.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from harness.errors import UsageError
+from harness.registry.parameters import build, parameters_of, resolved
+from harness.registry.registry import Registry, load_registry
+
+SYNTAX = "write name or name:key=value,key=value"
+_NAME_WITH_PARAMS = re.compile(r"[\w-]+:\w+=")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A registered name with all its parameters, those left at their defaults included.
+
+    Attributes:
+        name: The registered name.
+        params: Every parameter with its value, in the order of the target's fields; JSON-able.
+        label: What to call it: the name, and the parameters that differ from their defaults.
+    """
+
+    name: str
+    params: tuple[tuple[str, Any], ...] = ()
+    label: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same choice back."""
+        return {"name": self.name, "label": self.label, "params": {key: _plain(value) for key, value in self.params}}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "Choice":
+        """The choice that `to_json` wrote."""
+        params = tuple((key, _frozen(value)) for key, value in data["params"].items())
+        return cls(data["name"], params, data["label"])
+
+    def build(self, registry: Registry, kind: str) -> Any:
+        """The chosen thing: the registered target, with these parameters."""
+        return build(registry.get(kind, self.name).load(), dict(self.params), f"{kind[:-1]} '{self.name}'")
+
+
+def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Choice:
+    """Resolve what a user gave: ``"arp:k2=2"`` or ``{"name": "arp", "k2": 2}``.
+
+    Raises:
+        UsageError: Unknown name, malformed text, unknown parameter, wrong type or value out of range.
+    """
+    name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
+    noun = f"{kind[:-1]} '{name}'"
+    target = registry.get(kind, name).load()
+    if isinstance(given, str):
+        params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
+    values, changed = resolved(target, params, noun)
+    text = ",".join(f"{key}={_text(value)}" for key, value in changed.items())
+    frozen = tuple((key, _frozen(value)) for key, value in values.items())
+    return Choice(name, frozen, f"{name}:{text}" if text else name)
+
+
+def build_named(kind: str, text: str, within: str) -> tuple[str, Any]:
+    """What a plugin's parameter names, for plugins that build on another: its label, and the thing itself.
+
+    Args:
+        kind: Of the plugin and of what is named; the parameter is its singular: ``reward`` for ``rewards``.
+        text: What the parameter holds, ``arp:k2=2``.
+        within: The plugin's own name. It may not come again in `text`: without this, names could be nested forever.
+
+    Raises:
+        UsageError: `within` is named again, or as `choose`.
+    """
+    inner = text
+    while inner:
+        name, params = parse(inner)
+        if name == within:
+            raise UsageError(f"{kind[:-1].capitalize()} '{within}' is given '{text}': it cannot stand inside itself")
+        inner = params.get(kind[:-1], "")
+    registry = load_registry()
+    choice = choose(registry, kind, text)
+    return choice.label, choice.build(registry, kind)
+
+
+def split_list(given: str | Iterable[str]) -> list[str]:
+    """Split ``a,b:x=1,y=2,c`` into ``a``, ``b:x=1,y=2`` and ``c``.
+
+    A comma starts a new name unless ``key=value`` follows, which belongs to the name before it. Commas in parentheses
+    stay.
+    """
+    texts = [given] if isinstance(given, str) else list(given)
+    names: list[str] = []
+    for text in texts:
+        for index, part in enumerate(_split(text)):
+            belongs = index > 0 and "=" in part and ":" not in part.split("=")[0]
+            if belongs and ":" in names[-1]:
+                names[-1] += "," + part
+            else:
+                names.append(part.strip())
+    return names
+
+
+def parse(text: str) -> tuple[str, dict[str, str]]:
+    """Split ``name:key=value,key=value`` into the name and its parameters, still text.
+
+    Raises:
+        UsageError: The text is malformed.
+    """
+    name, colon, rest = text.partition(":")
+    if not name or "=" in name or (colon and not rest) or text.count("(") != text.count(")"):
+        raise UsageError(f"'{text}' is malformed: {SYNTAX}")
+    params: dict[str, str] = {}
+    for part in _split(rest) if rest else []:
+        key, equals, value = part.partition("=")
+        if not (key.strip() and equals and value.strip()):
+            raise UsageError(f"'{part}' in '{text}' is malformed: {SYNTAX}")
+        if key.strip() in params:
+            raise UsageError(f"'{key.strip()}' is given twice in '{text}'")
+        params[key.strip()] = _bare(value.strip())
+    return name.strip(), params
+
+
+def _split(text: str) -> list[str]:
+    """Parts between the commas that stand in no parentheses."""
+    depth, parts = 0, [""]
+    for char in text:
+        depth = max(0, depth + (char == "(") - (char == ")"))
+        if char == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += char
+    return parts
+
+
+def _bare(value: str) -> str:
+    return value[1:-1].strip() if value.startswith("(") and value.endswith(")") else value
+
+
+def _hand_inwards(params: dict[str, str], known: set[str]) -> dict[str, str]:
+    """In ``scaled:reward=arp:k1=2,k2=3,factor=4`` k2 is no parameter of scaled: it belongs to arp, before it."""
+    kept: dict[str, str] = {}
+    last = ""
+    for key, value in params.items():
+        if key not in known and _NAME_WITH_PARAMS.match(kept.get(last, "")):
+            kept[last] += f",{key}={_text(value)}"
+        else:
+            kept[key], last = value, key
+    return kept
+
+
+def _name_and_params(given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+    params = dict(given)
+    name = params.pop("name", None)
+    if not isinstance(name, str):
+        raise UsageError(f"{dict(given)} has no name: write {{name = '...', key = value}}")
+    return name, params
+
+
+def _plain(value: Any) -> Any:
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(_frozen(item) for item in value) if isinstance(value, list | tuple) else value
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return "x".join(_text(item) for item in value)
+    if isinstance(value, float) and float(f"{value:g}") == value:
+        return f"{value:g}"
+    text = str(value)
+    return f"({text})" if "," in text or text.startswith("(") else text

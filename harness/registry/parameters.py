@@ -1,0 +1,138 @@
+"""Typed parameters: the fields of the dataclass that a name stands for."""
+
+import dataclasses
+import math
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import pydantic
+
+from harness.errors import PluginError, UsageError
+from harness.registry.registry import did_you_mean
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter as ``harness describe`` shows it."""
+
+    name: str
+    type: str
+    default: Any
+    description: str
+
+
+def build(target: Any, given: Mapping[str, Any], noun: str) -> Any:
+    """An instance of the dataclass `target` with the parameters `given`, converted and checked.
+
+    Texts are converted to the type of their field; a tuple's items are joined by 'x' (``64x64``).
+
+    Raises:
+        UsageError: A parameter is unknown, of the wrong type or out of range; names what there is.
+        PluginError: The target is no dataclass, or the types of its fields cannot be checked.
+    """
+    adapter = _adapter(target, noun)
+    names = [parameter.name for parameter in parameters_of(target)]
+    for key in given:
+        if key not in names:
+            there = f"There is: {', '.join(names) or 'none'}.{did_you_mean(key, names)}"
+            raise UsageError(f"{_sentence(noun)} has no parameter '{key}'. {there}")
+    hints = typing.get_type_hints(target)
+    values = {key: _split_tuple(hints[key], value) for key, value in given.items()}
+    try:
+        built = adapter.validate_python(values)
+    except pydantic.ValidationError as error:
+        raise UsageError(f"{_sentence(noun)}: {_first_problem(error)}") from None
+    for key, value in values_of(built).items():
+        if not _is_finite(value):
+            raise UsageError(f"{_sentence(noun)}: {key}={value!r}: Input should be a finite number")
+    return built
+
+
+def resolved(target: Any, given: Mapping[str, Any], noun: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """All parameters with their values, and of these the ones that differ from their defaults.
+
+    Where a parameter stands for several, such as a preset, the target's method ``defaults_with(values)`` gives the
+    defaults that it brings.
+    """
+    values = values_of(build(target, given, noun))
+    values = values_of(build(target, values, noun))  # once more: a default of 1 is 1.0 where the field is a float
+    missing = object()
+    defaults = {parameter.name: parameter.default for parameter in parameters_of(target)}
+    if hasattr(target, "defaults_with"):
+        defaults.update(target.defaults_with(values))
+    changed = {key: value for key, value in values.items() if value != defaults.get(key, missing)}
+    return values, changed
+
+
+def values_of(instance: Any) -> dict[str, Any]:
+    """The parameters of a built thing, in the order of its fields."""
+    return {field.name: getattr(instance, field.name) for field in dataclasses.fields(instance) if field.init}
+
+
+def parameters_of(target: Any) -> list[Parameter]:
+    """The parameters that a registered dataclass takes; an empty list for any other target."""
+    if not dataclasses.is_dataclass(target):
+        return []
+    hints = typing.get_type_hints(target)
+    extras = typing.get_type_hints(target, include_extras=True)
+    return [
+        Parameter(field.name, _type_name(hints[field.name]), _default_of(field), _description_of(extras[field.name]))
+        for field in dataclasses.fields(target)
+        if field.init
+    ]
+
+
+def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
+    if not dataclasses.is_dataclass(target):
+        raise PluginError(f"{_sentence(noun)}: its target {target!r} is no dataclass")
+    try:
+        typing.get_type_hints(target)
+        return pydantic.TypeAdapter(target)
+    except (pydantic.errors.PydanticUserError, NameError) as error:
+        reason = str(error).splitlines()[0]
+        raise PluginError(f"{_sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
+
+
+def _sentence(noun: str) -> str:
+    """The noun at the start of a sentence; a path in it keeps its capitals."""
+    return noun[:1].upper() + noun[1:]
+
+
+def _is_finite(value: Any) -> bool:
+    if isinstance(value, tuple | list):
+        return all(_is_finite(item) for item in value)
+    return not isinstance(value, float) or math.isfinite(value)
+
+
+def _split_tuple(hint: Any, value: Any) -> Any:
+    kinds = [hint, *typing.get_args(hint)]  # of an optional tuple, the tuple is one of the arguments
+    is_tuple = any(typing.get_origin(kind) is tuple for kind in kinds)
+    return value.split("x") if is_tuple and isinstance(value, str) else value
+
+
+def _default_of(field: "dataclasses.Field[Any]") -> Any:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return None if field.default is dataclasses.MISSING else field.default
+
+
+def _description_of(hint: Any) -> str:
+    infos = [item for item in typing.get_args(hint)[1:] if hasattr(item, "description")]
+    return next((info.description for info in infos if info.description), "")
+
+
+def _type_name(hint: Any) -> str:
+    return hint.__name__ if isinstance(hint, type) and not typing.get_args(hint) else str(hint).replace("typing.", "")
+
+
+def _first_problem(error: pydantic.ValidationError) -> str:
+    """The problem that lies deepest: of the alternatives that a field allows, the one that was meant."""
+    problem = max(error.errors(), key=lambda problem: len(problem["loc"]))
+    field, *inner = problem["loc"] or ("",)
+    where = ".".join([str(field), *(str(part) for part in inner if isinstance(part, int))])
+    message = problem["msg"].removeprefix("Value error, ")
+    if problem["type"] == "missing":
+        return f"{where}: {message}"
+    return f"{where}={problem['input']!r}: {message}" if where else message

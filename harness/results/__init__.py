@@ -1,0 +1,5 @@
+"""What an experiment's folder says. Importing it loads no robot, policy, environment or engine."""
+
+from harness.results.results import Results, load_results
+
+__all__ = ["Results", "load_results"]

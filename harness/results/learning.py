@@ -1,0 +1,169 @@
+"""What the policies of a comparison did in evaluations while they were trained. Reads results only."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, evaluation_files
+from harness.record.trace import read_trace
+from harness.results.combination import Combination, Group
+from harness.results.results import Results
+
+Values = Mapping[str, float | None]
+"""By metric; None where it is not defined."""
+
+
+class Moment(NamedTuple):
+    """One evaluation of one cell."""
+
+    steps: int
+    """Environment steps of training before it."""
+    values: Values
+
+
+@dataclass(frozen=True)
+class LearningRun:
+    """The evaluations of one cell, the last one after its training.
+
+    Attributes:
+        seed: Of the cell.
+        moments: In order.
+    """
+
+    seed: int
+    moments: tuple[Moment, ...]
+
+
+class Point(NamedTuple):
+    """Where a curve passes."""
+
+    steps: int
+    """Environment steps; the mean where the seeds were not evaluated after the same number."""
+    value: SeedMean
+
+
+@dataclass(frozen=True)
+class LearningCurve:
+    """What one reward taught, over environment steps.
+
+    Attributes:
+        reward: Its label.
+        runs: One per seed.
+        points: By metric; the mean over seeds with its 95 % interval at each evaluation.
+    """
+
+    reward: str
+    runs: tuple[LearningRun, ...]
+    points: Mapping[str, tuple[Point, ...]]
+
+    def known(self, metric: str) -> list[Point]:
+        """The points at which the metric is defined."""
+        return [point for point in self.points[metric] if point.value.mean is not None]
+
+    def band(self, metric: str) -> list[tuple[int, float, float]]:
+        """Steps, and both ends of the interval, of the points that have one: those of a single seed have none."""
+        return [
+            (point.steps, point.value.low, point.value.high)
+            for point in self.known(metric)
+            if point.value.low is not None and point.value.high is not None
+        ]
+
+
+@dataclass(frozen=True)
+class Learning:
+    """The learning curves of a comparison.
+
+    Attributes:
+        baseline: Of the baseline reward.
+        proposed: Of the proposed reward.
+        random: By metric, what random actions do; None where that is not defined.
+    """
+
+    baseline: LearningCurve
+    proposed: LearningCurve
+    random: Values
+
+    def last_step(self, metric: str) -> int:
+        """Where the longer of both curves of a metric ends; 1 where there is none."""
+        points = [*self.baseline.known(metric), *self.proposed.known(metric)]
+        return max((point.steps for point in points), default=1)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data: the curves by metric, and the runs that they are means of."""
+        sides = {"baseline": self.baseline, "proposed": self.proposed}
+        return {
+            "metrics": {
+                name: {
+                    **{side: [_point_to_json(point) for point in curve.points[name]] for side, curve in sides.items()},
+                    "random": self.random[name],
+                }
+                for name in self.random
+            },
+            "runs": {side: [_run_to_json(run) for run in curve.runs] for side, curve in sides.items()},
+        }
+
+
+def learning_of(results: Results, combination: Combination) -> Learning | None:
+    """The learning curves of a combination; None where no evaluation was recorded before the end of a training.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    if not combination.group.evaluate_every:
+        return None
+    baseline, proposed = (_curve(results, combination, it) for it in (combination.baseline, combination.proposed))
+    if not any(len(run.moments) > 1 for curve in (baseline, proposed) for run in curve.runs):
+        return None
+    return Learning(baseline, proposed, {change.name: change.random for change in combination.changes})
+
+
+def learning_points(runs: Sequence[LearningRun], metric: str, group: Group) -> tuple[Point, ...]:
+    """The mean of one metric over seeds at each evaluation.
+
+    Evaluations are put together by the multiple of `evaluate_every` that they were due at: algorithms that act for
+    several steps at a time do not all hit it.
+    """
+    found: dict[int, list[Moment]] = {}
+    for run in runs:
+        for moment in run.moments:
+            due = moment.steps // group.evaluate_every if moment.steps < group.steps else group.steps + 1
+            found.setdefault(due, []).append(moment)
+    return tuple(_point(moments, metric, len(runs)) for _, moments in sorted(found.items()))
+
+
+def _point(moments: list[Moment], metric: str, seeds: int) -> Point:
+    values = [value for moment in moments if (value := moment.values[metric]) is not None]
+    missing = "" if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
+    return Point(round(sum(moment.steps for moment in moments) / len(moments)), mean_over_seeds(values, missing))
+
+
+def _curve(results: Results, combination: Combination, label: str) -> LearningCurve:
+    cells = {
+        cell.seed: cell
+        for cell in results.done_cells
+        if Group.of(cell) == combination.group and cell.reward.label == label
+    }
+    runs = tuple(LearningRun(seed, _moments(results, cells[seed])) for seed in combination.seeds)
+    return LearningCurve(
+        label, runs, {name: learning_points(runs, name, combination.group) for name in results.metrics}
+    )
+
+
+def _moments(results: Results, cell: Cell) -> tuple[Moment, ...]:
+    folder = results.store.cell_folder(cell)
+    files = {**evaluation_files(folder), cell.steps: folder / EVALUATION}
+    moments = []
+    for steps, path in files.items():
+        trace = read_trace(path)
+        moments.append(Moment(steps, {name: metric(trace) for name, metric in results.metrics.items()}))
+    return tuple(moments)
+
+
+def _point_to_json(point: Point) -> dict[str, Any]:
+    return {"steps": point.steps, **point.value.to_json()}
+
+
+def _run_to_json(run: LearningRun) -> dict[str, Any]:
+    return {"seed": run.seed, "evaluations": [{"steps": steps, **values} for steps, values in run.moments]}

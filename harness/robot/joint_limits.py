@@ -1,0 +1,128 @@
+"""The numbers of each joint of an arm: from `robot.toml` where it has them, else from the URDF by fixed rules."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.robot.kinematics import Chain, chain_length
+from harness.robot.resting_pose import choose_home
+from harness.robot.settings import FILE, JOINT_KEYS, Quantity, RobotFile, motion_of, shown
+from harness.robot.shapes import Shape
+from harness.robot.urdf import Joint
+
+LARGEST_DEFAULT_SPEED = {"turning": math.radians(180.0), "sliding": 1.0}
+"""[rad/s] and [m/s]. Where a URDF allows more and robot.toml says nothing, it seldom is the arm's: 10 rad/s for 2."""
+SPEED_UP_RATE = 8.0
+"""Largest acceleration by largest speed, [1/s], where robot.toml has none: full speed in an eighth of a second."""
+RULES = {
+    "home": "the simplest pose clear of the ground and of singular poses",
+    "max_speed": "the URDF's velocity, at most 180 deg/s or 1 m/s",
+    "max_acceleration": "the largest speed in an eighth of a second",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class JointNumbers:
+    """What `harness.robot.robot.Robot` has of the same names: read-only float64 of shape (dof,)."""
+
+    lower: Float
+    upper: Float
+    max_speed: Float
+    max_acceleration: Float
+    home: Float
+
+
+def read_numbers(
+    file: RobotFile, urdf: Path, driven: Sequence[Joint], chain: Chain, shapes: Sequence[Sequence[Shape]]
+) -> JointNumbers:
+    """The numbers of the joints that move.
+
+    Args:
+        file: The robot.toml.
+        urdf: The URDF's file, for what an error begins with.
+        driven: The joints, dof of them.
+        chain: The same.
+        shapes: Those that each of them moves.
+
+    Raises:
+        UsageError: A number is not given, or cannot be; the message starts with the file to correct.
+    """
+    # One turn where a joint has no end, so that every range is finite.
+    lower = _read_only([-math.pi if joint.kind == "continuous" else joint.lower for joint in driven])
+    upper = _read_only([math.pi if joint.kind == "continuous" else joint.upper for joint in driven])
+    max_speed = _max_speed(file, urdf, driven)
+    max_acceleration = _fill(file.values("max_acceleration", driven), SPEED_UP_RATE * max_speed)
+    _check_positive(file, "max_acceleration", driven, max_acceleration)
+    home = file.values("home", driven)
+    resting = lower if None not in home else _choose_home(urdf, chain, lower, upper, max_speed, shapes)
+    numbers = JointNumbers(lower, upper, max_speed, max_acceleration, _fill(home, resting))
+    _check_home(file, driven, numbers)
+    return numbers
+
+
+def _choose_home(
+    urdf: Path, chain: Chain, lower: Float, upper: Float, max_speed: Float, shapes: Sequence[Sequence[Shape]]
+) -> Float:
+    try:
+        return choose_home(chain, lower, upper, max_speed, chain_length(chain, lower, upper), shapes)
+    except UsageError as error:
+        raise UsageError(f"{urdf}: {error}") from error
+
+
+def origin(file: RobotFile, quantity: Quantity, driven: Sequence[Joint]) -> str:
+    """Where the numbers of all joints come from, in words."""
+    missing = [value is None for value in file.values(quantity, driven)]
+    if not any(missing):
+        return FILE
+    return RULES[quantity] if all(missing) else f"{FILE}, else {RULES[quantity]}"
+
+
+def _max_speed(file: RobotFile, urdf: Path, driven: Sequence[Joint]) -> Float:
+    given = file.values("max_speed", driven)
+    for joint, value in zip(driven, given, strict=True):
+        if value is None and joint.velocity is None:
+            key = JOINT_KEYS["max_speed"][motion_of(joint)]
+            raise UsageError(f"{urdf}: joint '{joint.name}' has no velocity limit. Give it one, or {key} in a {FILE}.")
+    default = [min(joint.velocity or math.inf, LARGEST_DEFAULT_SPEED[motion_of(joint)]) for joint in driven]
+    speed = _fill(given, np.array(default))
+    _check_positive(file, "max_speed", driven, speed)
+    for joint, value in zip(driven, speed, strict=True):
+        if joint.velocity is not None and value > joint.velocity * (1.0 + 1e-6):  # equal up to rounding is fine
+            raise UsageError(
+                f"{_place(file, 'max_speed', joint)} is {shown(value, joint)}; "
+                f"the URDF allows {shown(joint.velocity, joint)}."
+            )
+    return speed
+
+
+def _check_positive(file: RobotFile, quantity: Quantity, driven: Sequence[Joint], values: Float) -> None:
+    for joint, value in zip(driven, values, strict=True):
+        if value <= 0.0:
+            raise UsageError(f"{_place(file, quantity, joint)} is {shown(value, joint)}. Give a positive value.")
+
+
+def _check_home(file: RobotFile, driven: Sequence[Joint], numbers: JointNumbers) -> None:
+    for joint, low, value, high in zip(driven, numbers.lower, numbers.home, numbers.upper, strict=True):
+        if not low <= value <= high:
+            allowed = f"{shown(low, joint)} to {shown(high, joint)}"
+            raise UsageError(f"{_place(file, 'home', joint)} is {shown(value, joint)}; allowed: {allowed}. Correct it.")
+
+
+def _place(file: RobotFile, quantity: Quantity, joint: Joint) -> str:
+    return f"{file.path}: {JOINT_KEYS[quantity][motion_of(joint)]} of '{joint.name}'"
+
+
+def _fill(given: Sequence[float | None], default: Float) -> Float:
+    """The values given, and the default ones where there is none."""
+    return _read_only([other if value is None else value for value, other in zip(given, default, strict=True)])
+
+
+def _read_only(values: Sequence[float]) -> Float:
+    array = np.array(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array

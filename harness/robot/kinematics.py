@@ -1,0 +1,294 @@
+"""Where a serial chain's tip is, and how it moves with the joints: exact, batched, numpy only.
+
+Frames: `world` is the root link's frame. `T_a_b` (4, 4) turns coordinates in frame b into coordinates in frame a, so
+that `T_a_b @ T_b_c` is `T_a_c`. A joint has a frame that stands still in its parent link, and turns (revolute,
+continuous) or slides (prismatic) its child link's frame away from it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harness.arrays import Float, Mask
+from harness.errors import UsageError
+from harness.robot.urdf import Joint, JointKind
+
+NOTHING = 1e-15
+"""What rounding leaves of a 0 where a URDF turns a frame by 90 degrees."""
+
+
+class StepTerm(NamedTuple):
+    """One number of a T_previous_child: constant + a * first + cos(q) * cosine, a as in `Chain.terms`."""
+
+    row: int
+    column: int
+    constant: float
+    first: float
+    cosine: float
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The joints that move, in order from the root; the fixed ones are folded into the transforms between them.
+
+    All arrays are read-only float64.
+
+    Attributes:
+        T_previous_joint: Each joint's frame in the child frame of the joint before it, the first one's in the world;
+            translation in [m], shape (dof, 4, 4).
+        axes: Unit vector of each joint's motion, in the joint's frame, shape (dof, 3).
+        kinds: How each joint moves, dof entries, none of them fixed.
+        T_last_tip: The tip link's frame in the last joint's child frame, shape (4, 4).
+    """
+
+    T_previous_joint: Float
+    axes: Float
+    kinds: tuple[JointKind, ...]
+    T_last_tip: Float
+
+    @property
+    def dof(self) -> int:
+        """Number of joints that move."""
+        return len(self.kinds)
+
+    @cached_property
+    def slides(self) -> Mask:
+        """Which joints are prismatic, shape (dof,)."""
+        return np.equal(self.kinds, "prismatic")
+
+    @cached_property
+    def terms(self) -> tuple[Float, Float]:
+        """A and B, both (dof, 4, 4), such that T_previous_child = T_previous_joint + a A + b B with two numbers a, b.
+
+        With T = T_previous_joint: a turn by q about an axis with the cross-product matrix K is
+        1 + sin(q) K + (1 - cos(q)) K K (Rodrigues), so A = T K, a = sin(q), B = T K K, b = 1 - cos(q). A slide by q is
+        1 + q D, where D is zero but for the axis in its last column, so A = T D, a = q, and B = 0.
+        """
+        generators = np.zeros((self.dof, 4, 4))  # K or D
+        generators[:, :3, :3] = np.where(self.slides[:, None, None], 0.0, _cross_product_matrices(self.axes))
+        generators[:, :3, 3] = np.where(self.slides[:, None], self.axes, 0.0)
+        first = self.T_previous_joint @ generators
+        return _read_only(first), _read_only(first @ generators)  # D D = 0
+
+    @cached_property
+    def sparse_steps(self) -> tuple[tuple["StepTerm", ...], ...]:
+        """Each joint's T_previous_child as those of its numbers that are not 0, dof entries."""
+        first, second = self.terms
+        weights = np.stack([self.T_previous_joint + second, first, -second], axis=-1)[:, :3]  # (dof, 3, 4, 3)
+        weights[np.abs(weights) < NOTHING] = 0.0
+        return tuple(
+            tuple(StepTerm(int(row), int(column), *joint[row, column].tolist()) for row, column in _places(joint))
+            for joint in weights
+        )
+
+
+def build_chain(joints: Sequence[Joint]) -> Chain:
+    """The chain of `joints`, given in order from the root link to the tip link, at least one of them moving."""
+    moving = [joint for joint in joints if joint.kind != "fixed"]
+    steps: list[Float] = []
+    T_previous_next: Float = np.eye(4)
+    for joint in joints:
+        T_previous_next = T_previous_next @ _constant_step(joint)
+        if joint.kind != "fixed":
+            steps.append(T_previous_next)
+            T_previous_next = np.eye(4)
+    return Chain(
+        T_previous_joint=_read_only(np.stack(steps)),
+        axes=_read_only(np.array([joint.axis for joint in moving])),
+        kinds=tuple(joint.kind for joint in moving),
+        T_last_tip=_read_only(T_previous_next),
+    )
+
+
+def forward(chain: Chain, qpos: ArrayLike) -> Float:
+    """T_world_tip, the tip link's pose.
+
+    Args:
+        chain: The chain, dof joints.
+        qpos: Joint positions, [rad] or, for a prismatic joint, [m], shape (..., dof).
+
+    Returns:
+        Homogeneous transforms, translation in [m], shape (..., 4, 4).
+
+    Raises:
+        UsageError: The last axis of qpos is not dof long.
+    """
+    return _child_frames(chain, qpos)[-1] @ chain.T_last_tip
+
+
+def end_effector_position(chain: Chain, qpos: ArrayLike) -> Float:
+    """The tip link's origin in the world frame, [m], shape (..., 3); arguments and errors as for `forward`."""
+    return forward(chain, qpos)[..., :3, 3]
+
+
+def chain_length(chain: Chain, lower: Float, upper: Float) -> float:
+    """No tip position is farther than this from the first joint's origin: the chain stretched out, slides too [m].
+
+    Args:
+        chain: The chain, dof joints.
+        lower: Smallest joint positions, [rad] or [m], shape (dof,).
+        upper: Likewise.
+    """
+    segments = np.vstack([chain.T_previous_joint[1:, :3, 3], chain.T_last_tip[:3, 3]])
+    slides = np.where(chain.slides, np.maximum(np.abs(lower), np.abs(upper)), 0.0)
+    return float(np.linalg.norm(segments, axis=-1).sum() + slides.sum())
+
+
+def position_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
+    """How the tip link's origin moves with each joint: d position / d qpos in the world frame.
+
+    The linear half of the geometric Jacobian: column j is axis_j x (tip - origin_j) where joint j turns, and axis_j
+    where it slides.
+
+    Args:
+        chain: The chain, dof joints.
+        qpos: Joint positions, [rad] or, for a prismatic joint, [m], shape (..., dof).
+
+    Returns:
+        [m/rad], for a prismatic joint [m/m], shape (..., 3, dof).
+
+    Raises:
+        UsageError: The last axis of qpos is not dof long.
+    """
+    frames = _child_frames(chain, qpos)
+    tip = (frames[-1] @ chain.T_last_tip)[..., :3, 3]
+    T_world_child = np.stack(frames, axis=-3)  # (..., dof, 4, 4)
+    # A joint's own motion leaves its axis where it is, and a turning joint's origin: the child frame gives both.
+    axes = (T_world_child[..., :3, :3] @ chain.axes[..., None])[..., 0]  # (..., dof, 3)
+    levers = tip[..., None, :] - T_world_child[..., :3, 3]
+    columns = np.where(chain.slides[:, None], axes, _cross(axes, levers))
+    return np.swapaxes(columns, -1, -2)
+
+
+def _cross(a: Float, b: Float) -> Float:
+    """The cross product along the last axis; numpy's own takes several times as long for a few vectors."""
+    x = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
+    y = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
+    z = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return np.stack([x, y, z], axis=-1)
+
+
+def link_frames(chain: Chain, qpos: ArrayLike) -> Float:
+    """T_world_child of each joint, without the last row, as a structure of arrays: quick for many poses.
+
+    Each pose's numbers are, bit for bit, the same whatever the poses beside it.
+
+    Args:
+        chain: The chain, dof joints.
+        qpos: Joint positions, [rad] or, for a prismatic joint, [m], shape (n, dof).
+
+    Returns:
+        Joint, row, column, pose: shape (dof, 3, 4, n), translation in [m].
+
+    Raises:
+        UsageError: The last axis of qpos is not dof long.
+    """
+    positions = np.ascontiguousarray(_checked(chain, qpos).T)  # (dof, n)
+    first, cosine = np.sin(positions), np.cos(positions)
+    first[chain.slides] = positions[chain.slides]
+    frames = np.empty((chain.dof, 3, 4, positions.shape[1]))
+    previous = np.eye(3, 4)[..., None]
+    for joint, frame in enumerate(frames):
+        _take_step(previous, chain.sparse_steps[joint], first[joint], cosine[joint], frame)
+        previous = frame
+    return frames
+
+
+def _take_step(previous: Float, terms: Sequence[StepTerm], first: Float, cosine: Float, frame: Float) -> None:
+    """Write the next child frame, `previous` times the matrix of `terms`, into `frame`, (3, 4, n)."""
+    sums: list[Float | None] = [None, None, None, previous[:, 3]]
+    for row, column, constant, by_first, by_cosine in terms:
+        number = _weighted(by_cosine, cosine, _weighted(by_first, first, constant))
+        product = previous[:, row] if isinstance(number, float) and number == 1.0 else previous[:, row] * number
+        total = sums[column]
+        sums[column] = product if total is None else total + product
+    for column, total in enumerate(sums):
+        frame[:, column] = total
+
+
+def _weighted(weight: float, values: Float, start: Float | float) -> Float | float:
+    """The sum of start and weight * values, (n,), without the operations that change nothing."""
+    if weight == 0.0:
+        return start
+    product = values if weight == 1.0 else weight * values
+    return product if isinstance(start, float) and start == 0.0 else start + product
+
+
+def _places(matrices: Float) -> NDArray[np.intp]:
+    """Rows and columns where not all numbers of the last axis are 0, shape (count, 2)."""
+    return np.argwhere(matrices.any(axis=-1))
+
+
+def _child_frames(chain: Chain, qpos: ArrayLike) -> list[Float]:
+    """T_world_child of each joint, dof arrays of shape (..., 4, 4)."""
+    steps = _steps(chain, qpos)
+    frames = [steps[..., 0, :, :]]
+    for joint in range(1, chain.dof):
+        frames.append(frames[-1] @ steps[..., joint, :, :])
+    return frames
+
+
+def _steps(chain: Chain, qpos: ArrayLike) -> Float:
+    """T_previous_child of each joint, shape (..., dof, 4, 4): from its child frame to the child frame before it."""
+    positions = _checked(chain, qpos)
+    first, second = chain.terms
+    a = np.where(chain.slides, positions, np.sin(positions))
+    b = 1.0 - np.cos(positions)  # unused where the joint slides: `second` is 0 there
+    return chain.T_previous_joint + a[..., None, None] * first + b[..., None, None] * second
+
+
+def _checked(chain: Chain, qpos: ArrayLike) -> Float:
+    """Joint positions as numbers, shape (..., dof)."""
+    positions = np.asarray(qpos, dtype=np.float64)
+    if positions.shape[-1:] != (chain.dof,):
+        raise UsageError(f"qpos has shape {positions.shape}, allowed is (..., {chain.dof}). Give one value per joint.")
+    return positions
+
+
+def _constant_step(joint: Joint) -> Float:
+    """T_parent_joint, the joint's frame in its parent link's frame, shape (4, 4)."""
+    return transform(joint.xyz, joint.rpy)
+
+
+def transform(xyz: tuple[float, float, float], rpy: tuple[float, float, float]) -> Float:
+    """T_parent_child of a URDF's <origin>.
+
+    Args:
+        xyz: The child frame's origin in the parent's frame [m].
+        rpy: Its orientation: turns about the parent's fixed x, then y, then z axis [rad].
+
+    Returns:
+        Shape (4, 4), translation in [m].
+    """
+    T_parent_child = np.eye(4)
+    T_parent_child[:3, :3] = _rotation_from_rpy(rpy)
+    T_parent_child[:3, 3] = xyz
+    return T_parent_child
+
+
+def _rotation_from_rpy(rpy: tuple[float, float, float]) -> Float:
+    """R_z(yaw) R_y(pitch) R_x(roll), shape (3, 3)."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def _cross_product_matrices(axes: Float) -> Float:
+    """K with K v = axis x v, shape (n, 3, 3) for axes of shape (n, 3)."""
+    x, y, z = axes.T
+    zero = np.zeros_like(x)
+    return np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
+
+
+def _read_only(array: Float) -> Float:
+    array.flags.writeable = False
+    return array

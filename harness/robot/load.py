@@ -1,0 +1,35 @@
+"""From a name or a path to a robot."""
+
+from pathlib import Path
+
+from harness.errors import UsageError
+from harness.registry.registry import Registry, load_registry
+from harness.robot.robot import Robot, read_robot
+
+
+def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Robot:
+    """A registered robot, or the one that a path leads to.
+
+    Args:
+        name_or_path: ``fd100``; or the path of a URDF, beside which a ``robot.toml`` may lie, or of a folder that holds
+            both.
+        registry: The plugins; loaded if None.
+
+    Raises:
+        UsageError: No such robot, or its files say something that cannot be.
+    """
+    text = str(name_or_path)
+    if is_path(name_or_path):
+        if not Path(text).exists():
+            raise UsageError(
+                f"No robot at '{text}': name a URDF, a folder that holds robot.toml, or a registered robot"
+            )
+        return read_robot(Path(text))
+    folder: Path = (registry or load_registry()).get("robots", text).load()
+    return read_robot(folder)
+
+
+def is_path(robot: str | Path) -> bool:
+    """Whether a robot is given by the path of its files, and not by a registered name."""
+    text = str(robot)
+    return isinstance(robot, Path) or "/" in text or "\\" in text or text.endswith(".urdf")

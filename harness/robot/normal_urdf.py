@@ -1,0 +1,142 @@
+"""A URDF with nothing left to guess: what every simulator reads, so that all of them read the same arm."""
+
+import math
+from collections.abc import Collection
+from pathlib import Path
+from typing import cast
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.robot.kinematics import build_chain, forward
+from harness.robot.meshes import locate_mesh
+from harness.robot.urdf import Joint, JointKind, linked, parse_urdf, read_axis, read_number, read_vector
+
+NEXT_TO_NO_MASS = """<inertial><mass value="1e-6"/>
+<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial>"""
+"""Of a link without mass, in kg and kg m^2. Engines would take 1 kg, a solid of water, or a part of the ground."""
+MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+SMALLEST_MOMENT = 1e-9
+"""[kg m^2]."""
+ROUNDING = 1e-3
+"""Of the moments in a URDF, as a share of them."""
+
+
+def plain_urdf(urdf: str, driven: Collection[str], folder: Path) -> str:
+    """The same arm with its meshes found, its other joints fixed and a mass for every link.
+
+    Joints that are not driven are fixed at zero, or at the end of their range that is nearest to it. Meshes have
+    absolute paths. Links without mass or inertia get next to none; an inertia that no body can have becomes a ball's.
+
+    Args:
+        urdf: Text of the URDF.
+        driven: Names of the joints that move.
+        folder: Where the names of meshes start.
+
+    Returns:
+        A URDF; `urdf` itself where there was nothing to do.
+
+    Raises:
+        UsageError: A mesh is not there, or a joint to be fixed cannot be computed with.
+    """
+    robot = parse_urdf(urdf)
+    before = ElementTree.tostring(robot)
+    for joint in robot.findall("joint"):
+        if joint.get("name") not in driven and joint.get("type") != "fixed":
+            _fix(joint)
+    for link in robot.findall("link"):
+        _give_mass(link)
+        _locate_meshes(link, folder)
+    return urdf if ElementTree.tostring(robot) == before else ElementTree.tostring(robot, encoding="unicode")
+
+
+def _fix(joint: Element) -> None:
+    """Turn a joint that moves into a fixed one."""
+    pose = _pose_at_rest(joint)
+    kept = {"parent", "child"}
+    for part in [part for part in joint if part.tag not in kept]:
+        joint.remove(part)
+    joint.set("type", "fixed")
+    origin = {"xyz": _text(pose[:3, 3]), "rpy": _text(_rpy_from_rotation(pose[:3, :3]))}
+    joint.append(Element("origin", origin))
+
+
+def _pose_at_rest(joint: Element) -> Float:
+    """T_parent_child with the joint at zero, or as near to it as its range allows, (4, 4)."""
+    xyz = read_vector(joint, "origin", "xyz", default=(0.0, 0.0, 0.0))
+    rpy = read_vector(joint, "origin", "rpy", default=(0.0, 0.0, 0.0))
+    names = joint.get("name", ""), linked(joint, "parent"), linked(joint, "child")
+    name, parent, child = names
+    kind, position, axis = joint.get("type"), 0.0, (1.0, 0.0, 0.0)
+    if kind in {"revolute", "prismatic"}:
+        lower, upper = (read_number(joint, "limit", end) or 0.0 for end in ("lower", "upper"))
+        position, axis = max(lower, min(upper, 0.0)), read_axis(joint)
+    else:
+        kind = "continuous"  # at zero they all are alike
+    moved = Joint(name, cast(JointKind, kind), parent, child, xyz, rpy, axis, 0.0, 0.0, None)
+    return forward(build_chain([moved]), [position])
+
+
+def _rpy_from_rotation(rotation: Float) -> Float:
+    """Turns about the fixed x, then y, then z axis, (3,), [rad]; at a pitch of 90 degrees the yaw is 0."""
+    pitch = np.arctan2(-rotation[2, 0], np.hypot(rotation[0, 0], rotation[1, 0]))
+    if np.hypot(rotation[0, 0], rotation[1, 0]) < 1e-9:
+        return np.array([np.arctan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0])
+    roll = np.arctan2(rotation[2, 1], rotation[2, 2])
+    return np.array([roll, pitch, np.arctan2(rotation[1, 0], rotation[0, 0])])
+
+
+def _text(numbers: Float) -> str:
+    return " ".join(repr(float(number)) for number in numbers)
+
+
+def _give_mass(link: Element) -> None:
+    """Give a link a mass and an inertia that a body can have, where it has none."""
+    inertial = link.find("inertial")
+    if inertial is None or inertial.find("inertia") is None or _number(link, inertial, "mass", "value") <= 0.0:
+        for part in link.findall("inertial"):
+            link.remove(part)
+        link.append(ElementTree.fromstring(NEXT_TO_NO_MASS))
+        return
+    moments = {name: _number(link, inertial, "inertia", name) for name in MOMENTS}
+    balanced = _balance(np.array([moments[name] for name in MOMENTS]))
+    if balanced is not None:
+        for name, moment in zip(MOMENTS, balanced, strict=True):
+            cast(Element, inertial.find("inertia")).set(name, repr(float(moment)))
+
+
+def _balance(moments: Float) -> Float | None:
+    """A ball's inertia instead of one that no body can have, in the order of `MOMENTS`; None where there is no need.
+
+    No principal moment is larger than the two others together, and none is 0 or less.
+    """
+    ixx, iyy, izz, ixy, ixz, iyz = moments
+    low, middle, high = np.linalg.eigvalsh([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+    if low > 0.0 and high <= (low + middle) * (1.0 + ROUNDING):
+        return None
+    mean = max((ixx + iyy + izz) / 3.0, SMALLEST_MOMENT)
+    return np.array([mean, mean, mean, 0.0, 0.0, 0.0])
+
+
+def _number(link: Element, inertial: Element, tag: str, attribute: str) -> float:
+    """An attribute of the inertial's element `tag`; 0 where it is missing."""
+    part = inertial.find(tag)
+    text = "0" if part is None else part.get(attribute, "0")
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise UsageError(f"Link '{link.get('name')}' has '{text}' in <{tag} {attribute}=...>. Give a finite number.")
+    return number
+
+
+def _locate_meshes(link: Element, folder: Path) -> None:
+    for mesh in link.iter("mesh"):
+        try:
+            mesh.set("filename", str(locate_mesh(mesh.get("filename", ""), folder)))
+        except UsageError as error:
+            raise UsageError(f"Link '{link.get('name')}' {error}") from error

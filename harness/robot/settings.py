@@ -1,0 +1,120 @@
+"""`robot.toml`: the numbers of an arm that its URDF has no place for.
+
+Every key may be left out. Units are in the keys: degrees for joints that turn, metres for joints that slide.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from harness.errors import UsageError
+from harness.robot.urdf import Joint
+
+FILE = "robot.toml"
+TEXT_KEYS = ("name", "urdf", "end_effector")
+
+Quantity = Literal["home", "max_speed", "max_acceleration"]
+Motion = Literal["turning", "sliding"]
+JOINT_KEYS: Mapping[Quantity, Mapping[Motion, str]] = {
+    "home": {"turning": "home_deg", "sliding": "home_m"},
+    "max_speed": {"turning": "max_speed_deg_s", "sliding": "max_speed_m_s"},
+    "max_acceleration": {"turning": "max_acceleration_deg_s2", "sliding": "max_acceleration_m_s2"},
+}
+"""The keys that hold one value per joint of a motion, in the order of the chain."""
+KEYS = (*TEXT_KEYS, *(key for keys in JOINT_KEYS.values() for key in keys.values()))
+
+
+@dataclass(frozen=True)
+class RobotFile:
+    """What a robot.toml says, or the lack of one.
+
+    Attributes:
+        path: The file.
+        settings: Its keys and values.
+    """
+
+    path: Path
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def text(self, key: str) -> str | None:
+        """The value of one of `TEXT_KEYS`; None where it is left out."""
+        return self.settings.get(key)
+
+    def values(self, quantity: Quantity, joints: Sequence[Joint]) -> list[float | None]:
+        """One value per joint, in radians or metres and seconds; None where it is left out.
+
+        Args:
+            quantity: Which.
+            joints: Those that move, in the order of the chain.
+
+        Raises:
+            UsageError: There is not one finite number for each joint of a motion.
+        """
+        given = {motion: self._list(key, motion, joints) for motion, key in JOINT_KEYS[quantity].items()}
+        return [next(given[motion_of(joint)]) for joint in joints]
+
+    def _list(self, key: str, motion: Motion, joints: Sequence[Joint]) -> Any:
+        """An iterator over the values of a key, None without end where it is left out."""
+        count = sum(motion_of(joint) == motion for joint in joints)
+        if key not in self.settings:
+            return iter([None] * count)
+        values = self.settings[key]
+        if not isinstance(values, list) or not all(_is_finite_number(value) for value in values):
+            raise UsageError(
+                f"{self.path}: {key} is {values!r}. Give a list of {count} finite numbers, one per {motion} joint."
+            )
+        if len(values) != count:
+            raise UsageError(
+                f"{self.path}: {key} has {len(values)} values for {count} {motion} joints. Give one per joint."
+            )
+        return iter([math.radians(value) if motion == "turning" else float(value) for value in values])
+
+
+def read_robot_file(path: Path) -> RobotFile:
+    """The robot.toml at `path`.
+
+    Raises:
+        UsageError: It cannot be read, has a key that none has, or no text where text belongs.
+    """
+    try:
+        settings = tomllib.loads(read_text(path))
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{path}: not well-formed TOML ({error}). Correct it at that place.") from error
+    unknown = sorted(settings.keys() - set(KEYS))
+    if unknown:
+        raise UsageError(f"{path}: unknown {', '.join(unknown)}. The keys are {', '.join(KEYS)}.")
+    for key in settings.keys() & set(TEXT_KEYS):
+        if not isinstance(settings[key], str) or not settings[key]:
+            raise UsageError(f"{path}: {key} is {settings[key]!r}. Give a text that is not empty, in quotes.")
+    return RobotFile(path, settings)
+
+
+def read_text(path: Path) -> str:
+    """A file of a robot.
+
+    Raises:
+        UsageError: It cannot be read, or is not UTF-8.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read ({error.strerror}). A robot is a URDF and its {FILE}.") from error
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path}: is not UTF-8 text ({error.reason}). Save it as UTF-8.") from error
+
+
+def motion_of(joint: Joint) -> Motion:
+    """How a joint that moves does."""
+    return "sliding" if joint.kind == "prismatic" else "turning"
+
+
+def shown(value: float, joint: Joint) -> str:
+    """A joint's position, speed or acceleration in the unit of robot.toml."""
+    return f"{value if motion_of(joint) == 'sliding' else math.degrees(value):g}"
+
+
+def _is_finite_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -1,0 +1,176 @@
+"""The collision shapes of a URDF, and the joints that move them.
+
+Reference: http://wiki.ros.org/urdf/XML/link
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal, cast
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.robot.kinematics import transform
+from harness.robot.meshes import read_mesh
+from harness.robot.urdf import Vector, carriers, linked
+
+ShapeKind = Literal["box", "cylinder", "capsule", "sphere", "mesh"]
+
+SIZES: Mapping[ShapeKind, tuple[tuple[str, int], ...]] = {
+    "box": (("size", 3),),
+    "cylinder": (("radius", 1), ("length", 1)),
+    "capsule": (("radius", 1), ("length", 1)),
+    "sphere": (("radius", 1),),
+    "mesh": (),
+}
+"""The attributes of each kind of shape that are lengths, and how many numbers each one has."""
+
+NO_POINTS: Float = np.empty((0, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One solid.
+
+    Attributes:
+        kind: Which.
+        size: Of a box its edges along x, y and z; of a sphere its radius; of a cylinder or capsule its radius and its
+            length along z, a capsule's without its half spheres; all positive [m]. Of a mesh nothing.
+        T_link_shape: The shape's frame, at its centre, in the link's frame, shape (4, 4), translation in [m].
+        points: Of a mesh its points in the shape's frame, scaled, shape (count, 3), [m]: what collides is their
+            convex hull. Of another shape none.
+    """
+
+    kind: ShapeKind
+    size: tuple[float, ...]
+    T_link_shape: Float
+    points: Float = field(default_factory=lambda: NO_POINTS)
+
+
+def read_shapes(urdf: str) -> dict[str, tuple[Shape, ...]]:
+    """The collision shapes of each link, by the link's name; a link without any has an empty tuple.
+
+    Args:
+        urdf: Text of a URDF that `harness.robot.normal_urdf.plain_urdf` returned.
+
+    Raises:
+        UsageError: A collision shape or its mesh cannot be computed with; the message names the link.
+    """
+    return {link.get("name", ""): _shapes_of_link(link) for link in ElementTree.fromstring(urdf).findall("link")}
+
+
+def attach_shapes(urdf: str, joint_names: Sequence[str]) -> tuple[tuple[Shape, ...], ...]:
+    """The shapes that move with each joint of a chain, those of links fixed to the joint's child link included.
+
+    What no joint moves is left out, and what a joint beside the chain moves.
+
+    Args:
+        urdf: Text of a URDF that `harness.robot.normal_urdf.plain_urdf` returned.
+        joint_names: The joints of the chain that move, dof of them.
+
+    Returns:
+        One tuple per joint, dof entries; `T_link_shape` is in the frame of the joint's child link.
+
+    Raises:
+        UsageError: A collision shape or the origin of a fixed joint cannot be computed with.
+    """
+    carrier = carriers(ElementTree.fromstring(urdf))
+    attached: dict[str, list[Shape]] = {name: [] for name in joint_names}
+    for link, shapes in read_shapes(urdf).items():
+        joint, T_child_link = _moving_carrier(link, carrier)
+        if joint in attached:
+            attached[joint] += [replace(shape, T_link_shape=T_child_link @ shape.T_link_shape) for shape in shapes]
+    return tuple(tuple(shapes) for shapes in attached.values())
+
+
+def _moving_carrier(link: str, carrier: Mapping[str, Element]) -> tuple[str | None, Float]:
+    """The joint that moves `link`, None where none does, and T_child_link from the joint's child link."""
+    T_child_link: Float = np.eye(4)
+    while link in carrier:
+        joint = carrier[link]
+        if joint.get("type") != "fixed":
+            return joint.get("name"), T_child_link
+        T_child_link = read_origin(joint, f"Joint '{joint.get('name')}'") @ T_child_link
+        link = linked(joint, "parent")
+    return None, T_child_link
+
+
+def _shapes_of_link(link: Element) -> tuple[Shape, ...]:
+    owner = f"Link '{link.get('name')}'"
+    return tuple(_read_shape(collision, owner) for collision in link.findall("collision"))
+
+
+def _read_shape(collision: Element, owner: str) -> Shape:
+    geometry = collision.find("geometry")
+    if geometry is None or len(geometry) != 1:
+        raise UsageError(f"{owner} has a collision without one shape in its <geometry>. Give it one.")
+    shape = geometry[0]
+    if shape.tag not in SIZES:
+        raise UsageError(f"{owner} has a collision <{shape.tag}>; allowed: {', '.join(SIZES)}. Change it.")
+    kind = cast(ShapeKind, shape.tag)
+    numbers = [number for name, count in SIZES[kind] for number in _sizes(shape, name, count, owner)]
+    points = _read_points(shape, owner) if kind == "mesh" else NO_POINTS
+    return Shape(kind, tuple(numbers), read_origin(collision, owner), points)
+
+
+def _read_points(mesh: Element, owner: str) -> Float:
+    try:
+        points = np.unique(read_mesh(Path(mesh.get("filename", ""))).vertices, axis=0)
+    except UsageError as error:
+        raise UsageError(f"{owner} has a collision mesh: {error}") from error
+    return points * read_scale(mesh, owner)
+
+
+def read_scale(mesh: Element, owner: str) -> Float:
+    """The factors of a <mesh> along x, y and z, (3,), none of them 0; 1 where it has none.
+
+    Args:
+        mesh: The element.
+        owner: What an error begins with, as ``Link 'hand'``.
+
+    Raises:
+        UsageError: They are not three numbers, or one is 0.
+    """
+    scale = np.array(_numbers(mesh.get("scale", "1 1 1"), 3, "<mesh scale=...>", owner))
+    if not scale.all():
+        raise UsageError(f"{owner} has {mesh.get('scale')!r} in <mesh scale=...>. Give factors that are not 0.")
+    return scale
+
+
+def _sizes(shape: Element, name: str, count: int, owner: str) -> list[float]:
+    where = f"<{shape.tag} {name}=...>"
+    numbers = _numbers(shape.get(name, ""), count, where, owner)
+    if min(numbers) <= 0.0:
+        raise UsageError(f"{owner} has {shape.get(name)!r} in {where}. Give positive lengths.")
+    return numbers
+
+
+def read_origin(element: Element, owner: str) -> Float:
+    """The transform of the element's <origin>, (4, 4), [m]; the identity where it has none.
+
+    Args:
+        element: A <collision>, <visual> or <joint>.
+        owner: What an error begins with, as ``Link 'hand'``.
+
+    Raises:
+        UsageError: It has no three finite numbers each.
+    """
+    origin = element.find("origin")
+    texts = ("0 0 0",) * 2 if origin is None else (origin.get("xyz", "0 0 0"), origin.get("rpy", "0 0 0"))
+    xyz, rpy = (cast(Vector, tuple(_numbers(text, 3, "<origin>", owner))) for text in texts)
+    return transform(xyz, rpy)
+
+
+def _numbers(text: str, count: int, where: str, owner: str) -> list[float]:
+    try:
+        numbers = [float(word) for word in text.split()]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
+        raise UsageError(f"{owner} has {text!r} in {where}, where {count} finite numbers belong. Correct it.")
+    return numbers

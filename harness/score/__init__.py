@@ -1,0 +1,1 @@
+"""Recorded runs, paid again under other rewards."""

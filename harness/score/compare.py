@@ -1,0 +1,212 @@
+"""Two groups of recorded runs compared: their indices, eta_N, eta_P, and how much of each is only a change of ruler."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.eta.curve import GroupCurve, Kind
+from harness.eta.decompose import BB, BK, KB, KK, Decomposition, Pair, decompose
+from harness.eta.verdict import verdict
+from harness.registry.choice import choose
+from harness.registry.registry import Registry
+from harness.reward import Reward
+from harness.score.recording import ROWS, Chunk, Recording
+from harness.score.rescore import RecordingScorer
+from harness.score.reward_guess import Guess, guess_reward, misfit
+
+HELD = 1_000_000
+"""Rows held at once, of all runs of a group together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What two groups of recorded runs say.
+
+    Attributes:
+        decomposition: Both etas, split where both rewards are known and the distances are recorded.
+        curves: S_r(tau_q) by (r, q).
+        rewards: What paid each group, ``baseline`` and ``proposed``; None where no registered reward did.
+        runs: How many runs each group has.
+        rows_left_out: Rows behind the group's shortest run, in which no mean over all runs can be taken.
+        with_events: Whether the event terms are in the curves.
+    """
+
+    decomposition: Decomposition
+    curves: Mapping[Pair, GroupCurve]
+    rewards: dict[str, str | None]
+    runs: dict[str, int]
+    rows_left_out: dict[str, int]
+    with_events: bool
+
+    @property
+    def verdict(self) -> str:
+        """What it comes to, in one line."""
+        return verdict(self.decomposition)
+
+    def to_json(self) -> dict[str, Any]:
+        """What ``harness eta --json`` prints."""
+        return {
+            **self.decomposition.to_json(),
+            "rewards": self.rewards,
+            "runs": self.runs,
+            "rows_left_out": self.rows_left_out,
+            "curve": self.curves[BB].kind,
+            "with_events": self.with_events,
+            "verdict": self.verdict,
+        }
+
+
+class _Streamed(NamedTuple):
+    """A group's curves after all its rows went by."""
+
+    own: GroupCurve
+    """Of what was recorded."""
+    other: GroupCurve | None
+    """Of what the other group's reward would have paid; None where it was not asked for, or is not finite."""
+    rows_left_out: int
+
+
+def compare_recordings(
+    baseline: Sequence[Recording],
+    proposed: Sequence[Recording],
+    registry: Registry,
+    *,
+    kind: Kind = "accumulated",
+    with_events: bool = False,
+    baseline_reward: str | None = None,
+    proposed_reward: str | None = None,
+) -> Comparison:
+    """Indices and etas of two groups of runs, read in lock-step: files of any length, in bounded memory.
+
+    Args:
+        baseline: Runs trained under the baseline reward.
+        proposed: Runs trained under the proposed one.
+        registry: Where rewards are looked up.
+        kind: Which curve; see `GroupCurve`.
+        with_events: Add the event terms to the shaped reward.
+        baseline_reward: What paid the baseline's runs; found out if None.
+        proposed_reward: The same for the proposed ones.
+
+    Raises:
+        UsageError: A file cannot be read or has no event terms, or a reward that is given did not pay the runs.
+    """
+    _require_events([*baseline, *proposed] if with_events else [])
+    groups = [_in_order_of_seeds(baseline), _in_order_of_seeds(proposed)]
+    given = (baseline_reward, proposed_reward)
+    guesses = [_reward_of(group, name, registry) for group, name in zip(groups, given, strict=True)]
+    missing = _why_not_split([*baseline, *proposed], guesses)
+    others = [None, None] if missing else [_build(guess, registry) for guess in reversed(guesses)]
+    streamed = [_stream(group, other, kind, with_events) for group, other in zip(groups, others, strict=True)]
+    curves: dict[Pair, GroupCurve] = {BB: streamed[0].own, KK: streamed[1].own}
+    if streamed[0].other is not None and streamed[1].other is not None:
+        curves |= {KB: streamed[0].other, BK: streamed[1].other}
+    elif not missing:
+        missing = "one group's reward is not finite on the other group's runs"
+    names = ("baseline", "proposed")
+    return Comparison(
+        decompose(curves, paired=_are_paired(*groups), missing=missing),
+        curves,
+        {name: guess.choice for name, guess in zip(names, guesses, strict=True)},
+        {name: len(group) for name, group in zip(names, groups, strict=True)},
+        {name: group.rows_left_out for name, group in zip(names, streamed, strict=True)},
+        with_events,
+    )
+
+
+# Which rewards
+
+
+def _reward_of(group: Sequence[Recording], given: str | None, registry: Registry) -> Guess:
+    """What paid a group: the one reward that pays every run of it as recorded."""
+    if given is not None:
+        choose(registry, "rewards", given)
+    guess = Guess(given) if given is not None else guess_reward(group[0], registry)
+    if guess.choice is None:
+        return guess
+    for recording in group:
+        problem = misfit(recording, guess.choice, registry) if recording.has_distances else ""
+        if problem and given is not None:
+            raise UsageError(f"The runs were not paid by {given}: {problem}")
+        if problem:
+            return Guess(None, f"no one reward pays all runs of a group: {problem}")
+    return guess
+
+
+def _why_not_split(recordings: Sequence[Recording], guesses: Sequence[Guess]) -> str:
+    """Why the runs cannot be scored again; empty if they can."""
+    bare = next((recording for recording in recordings if not recording.has_distances), None)
+    if bare is not None:
+        return f"{bare.path} has no distances to score again"
+    return next((guess.reason for guess in guesses if guess.choice is None), "")
+
+
+def _build(guess: Guess, registry: Registry) -> Reward:
+    assert guess.choice is not None  # or there is a reason not to split
+    reward: Reward = choose(registry, "rewards", guess.choice).build(registry, "rewards")
+    return reward
+
+
+# Which runs
+
+
+def _require_events(recordings: Sequence[Recording]) -> None:
+    for recording in recordings:
+        if not recording.has_events:
+            raise UsageError(f"{recording.path} has no event terms: leave out --with-events")
+
+
+def _in_order_of_seeds(group: Sequence[Recording]) -> list[Recording]:
+    """By seed where all are known, else as given."""
+    seeds = {recording.path: recording.seed for recording in group}
+    known = {path: seed for path, seed in seeds.items() if seed is not None}
+    return sorted(group, key=lambda recording: known[recording.path]) if len(known) == len(seeds) else list(group)
+
+
+def _are_paired(baseline: Sequence[Recording], proposed: Sequence[Recording]) -> bool:
+    """Whether run i of both groups has the same seed, or is the same run."""
+    if [recording.path for recording in baseline] == [recording.path for recording in proposed]:
+        return True
+    seeds_b, seeds_k = ([recording.seed for recording in group] for group in (baseline, proposed))
+    return seeds_b == seeds_k and None not in seeds_b and len(set(seeds_b)) == len(seeds_b)
+
+
+# All rows
+
+
+def _stream(group: Sequence[Recording], other: Reward | None, kind: Kind, with_events: bool) -> _Streamed:
+    """Send all rows of a group by, the same steps of every run at once, up to the end of the shortest run.
+
+    The rest is read, too: a fault in it is a fault of the file.
+    """
+    rows = max(1, min(ROWS, HELD // len(group)))
+    own, scored = GroupCurve(len(group), kind), GroupCurve(len(group), kind)
+    scorers = [RecordingScorer(other) for _ in group] if other is not None else []
+    finite, left_out = True, 0
+    for chunks in zip_longest(*(recording.chunks(rows) for recording in group)):
+        there = [chunk for chunk in chunks if chunk is not None]
+        steps = min(len(chunk.reward) for chunk in there) if len(there) == len(group) else 0
+        left_out += sum(len(chunk.reward) - steps for chunk in there)
+        if not steps:
+            continue
+        own.add(np.stack([_paid(chunk, chunk.reward, with_events)[:steps] for chunk in there]))
+        if scorers and finite:
+            values = _score(scorers, there, with_events, steps)
+            finite = bool(np.isfinite(values).all())
+            scored.add(values)
+    return _Streamed(own, scored if scorers and finite else None, left_out)
+
+
+def _score(scorers: Sequence[RecordingScorer], chunks: Sequence[Chunk], with_events: bool, steps: int) -> Float:
+    """What another reward would have paid in the first `steps` rows of each chunk, (runs, steps)."""
+    with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
+        scored = [scorer.score(chunk) for scorer, chunk in zip(scorers, chunks, strict=True)]
+    return np.stack([_paid(chunk, value, with_events)[:steps] for chunk, value in zip(chunks, scored, strict=True)])
+
+
+def _paid(chunk: Chunk, shaped: Float, with_events: bool) -> Float:
+    return shaped + chunk.event if with_events and chunk.event is not None else shaped

@@ -1,0 +1,86 @@
+"""Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from harness.arrays import Float, Mask
+from harness.errors import UsageError
+from harness.reward import Reward
+from harness.score.recording import Chunk, Recording
+from harness.score.scorer import Scorer
+
+
+class RecordingScorer:
+    """Scores a recording a chunk at a time; envs that trained together are runs of their own."""
+
+    def __init__(self, reward: Reward) -> None:
+        self._reward = reward
+        self._scorers: dict[int, Scorer] = {}
+
+    def score(self, chunk: Chunk) -> Float:
+        """Shaped reward of the chunk's rows, (rows,)."""
+        env = np.zeros(len(chunk.reward), np.int64) if chunk.env is None else chunk.env
+        values = np.empty(len(env))
+        for number in np.unique(env):
+            scorer = self._scorers.setdefault(int(number), Scorer(self._reward))
+            mine = env == number
+            values[mine] = scorer.score(_rows_of(chunk, mine))
+        return values
+
+
+def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> None:
+    """Write what each of `rewards` would have paid, a column each named by its label, a row per recorded row.
+
+    Columns of other rewards that `into` holds already are kept. The recording is not touched.
+
+    Raises:
+        UsageError: The recording has no distances, `into` belongs to another recording or cannot be written.
+    """
+    if not recording.has_distances:
+        raise UsageError(f"{recording.path} records no distances: no other reward can be computed from it")
+    scorers = {label: RecordingScorer(reward) for label, reward in rewards.items()}
+    parts: dict[str, list[Float]] = {label: [] for label in rewards}
+    for chunk in recording.chunks():
+        for label, scorer in scorers.items():
+            parts[label].append(scorer.score(chunk))
+    columns = {label: np.concatenate(values) for label, values in parts.items()}
+    _write(into, columns)
+
+
+def _write(into: Path, columns: Mapping[str, Float]) -> None:
+    kept: dict[str, pa.ChunkedArray] = {}
+    rows = len(next(iter(columns.values())))
+    if into.exists():
+        earlier = pq.read_table(into)
+        if earlier.num_rows != rows:
+            raise UsageError(f"{into} has {earlier.num_rows} rows, the recording {rows}: it belongs to another one")
+        kept = dict(zip(earlier.column_names, earlier.columns, strict=True))
+    partial = into.with_name(f".{into.name}.partial")
+    try:
+        into.parent.mkdir(parents=True, exist_ok=True)
+        pq.write_table(pa.table({**kept, **columns}), partial, compression="zstd")
+        os.replace(partial, into)
+    except OSError as error:
+        raise UsageError(f"'{into}' cannot be written: {error.strerror}. Name another folder with --out") from None
+
+
+class _Rows(NamedTuple):
+    """A chunk's rows of one env, as `harness.score.scorer.Rows`."""
+
+    start: Mask
+    begin_distance: Float
+    previous_best: Float
+    distance: Float
+    touched: Mask | None
+
+
+def _rows_of(chunk: Chunk, mask: Mask) -> _Rows:
+    columns = (chunk.start, chunk.begin_distance, chunk.previous_best, chunk.distance, chunk.touched)
+    rows = _Rows(*columns)  # type: ignore[arg-type]  # a recording with distances has the first four
+    return rows if mask.all() else _Rows._make(None if column is None else column[mask] for column in rows)

@@ -1,0 +1,124 @@
+"""Which reward paid a recorded run: the registered one that pays every row again as it was recorded."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from harness.arrays import Float, Mask
+from harness.registry.choice import choose
+from harness.registry.registry import Registry
+from harness.score.recording import Chunk, Recording
+from harness.score.rescore import RecordingScorer
+
+HEAD = 8_192
+"""Rows that a reward has to pay again. Rewards that remember are scored row by row: all rows would take long."""
+DIGITS = 1e-6
+"""What a float of 7 digits, as C# prints them, can be off: half a unit in the last place is 5e-7 of it, and of the two
+numbers in a difference both are."""
+LOST_SIGNS = 0.01
+"""Share of rows in which the sign of Dd may be lost: distance and best distance print alike and differ."""
+
+
+class Guess(NamedTuple):
+    """What paid a run."""
+
+    choice: str | None
+    """As ``harness.registry.choice.choose`` takes it; None if no reward fits."""
+    reason: str = ""
+    """Why none fits."""
+
+
+def guess_reward(recording: Recording, registry: Registry) -> Guess:
+    """The first reward that pays the run's first rows as recorded.
+
+    Tried in this order: the one that the run's manifest declares; ``baseline``; ``arp`` with the gains that the rows
+    show; every other registered reward with its defaults.
+    """
+    if not recording.has_distances:
+        return Guess(None, f"{recording.path} has no distances to score again")
+    head = next(recording.chunks(HEAD))
+    if not head.reward.any() and not recording.declared_reward:
+        return Guess(None, f"{recording.path} pays nothing in its first {len(head.reward):,} rows, as many rewards may")
+    for text in dict.fromkeys(_candidates(recording, head, registry)):
+        try:
+            if not _misfit_of(text, head, registry):
+                return Guess(text)
+        except Exception:
+            continue
+    declared = f"; not even {recording.declared_reward}, which its manifest declares" * bool(recording.declared_reward)
+    return Guess(None, f"no registered reward pays what {recording.path} recorded{declared}")
+
+
+def misfit(recording: Recording, text: str, registry: Registry) -> str:
+    """Where the reward `text` does not pay a run's first rows as recorded; empty if it does.
+
+    Raises:
+        UsageError: There is no such reward.
+    """
+    if not recording.has_distances:
+        return f"{recording.path} has no distances to score again"
+    problem = _misfit_of(text, next(recording.chunks(HEAD)), registry)
+    return problem and f"{recording.path}, {problem}"
+
+
+def _candidates(recording: Recording, head: Chunk, registry: Registry) -> Iterator[str]:
+    if recording.declared_reward:
+        yield recording.declared_reward
+    yield "baseline"
+    yield from _arp_of(head)
+    yield from registry.names("rewards")
+
+
+def _arp_of(head: Chunk) -> Iterator[str]:
+    """``arp`` with the gains that the rows show, to 3 digits: k2 of what is paid, k1 of what is lost."""
+    assert head.begin_distance is not None
+    assert head.distance is not None
+    assert head.delta_distance is not None
+    gained, lost = head.begin_distance - head.distance, head.delta_distance
+    k1, k2 = _gain(-head.reward, lost, lost > 0.0), _gain(head.reward, gained, (lost <= 0.0) & (gained > 0.0))
+    if k1 is not None and k2 is not None:
+        yield f"arp:k1={k1:.3g},k2={k2:.3g}"
+
+
+def _gain(value: Float, metres: Float, rows: Mask) -> float | None:
+    """How much is paid per metre, told from rows in which the metres are many; None without a row."""
+    if not rows.any():
+        return None
+    large = rows & (metres >= 0.5 * metres[rows].max())
+    return float(np.median(value[large] / metres[large]))
+
+
+def _misfit_of(text: str, head: Chunk, registry: Registry) -> str:
+    """The first row that the reward pays otherwise; empty without one."""
+    choice = choose(registry, "rewards", text)
+    with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
+        paid = RecordingScorer(choice.build(registry, "rewards")).score(head)
+    misses = ~(np.abs(paid - head.reward) <= _tolerance(paid, head))  # not finite is a miss, too
+    unsure = misses & _sign_is_lost(head)
+    if unsure.sum() <= max(1.0, LOST_SIGNS * len(paid)):
+        misses &= ~unsure
+    if not misses.any():
+        return ""
+    row = int(np.argmax(misses))
+    return f"line {head.line + row}: recorded {head.reward[row]:.7g}, {choice.label} pays {paid[row]:.7g}"
+
+
+def _tolerance(paid: Float, head: Chunk) -> Float:
+    """How far a reward may be off, (rows,), if all columns have 7 digits and it is as steep as it shows itself."""
+    assert head.begin_distance is not None
+    assert head.distance is not None
+    assert head.delta_distance is not None
+    metres = head.begin_distance + head.distance
+    change = np.maximum(np.abs(head.begin_distance - head.distance), np.abs(head.delta_distance))
+    far = (change > 0.1 * change.max()) & (change > 0.0)
+    steepness = float(np.max(np.abs(head.reward[far]) / change[far], initial=1.0))
+    return DIGITS * (steepness * metres + np.abs(paid))
+
+
+def _sign_is_lost(head: Chunk) -> Mask:
+    """Whether Dd is within what its two distances can be off, (rows,)."""
+    assert head.distance is not None
+    assert head.delta_distance is not None
+    lost: Mask = np.abs(head.delta_distance) <= 2.0 * DIGITS * head.distance
+    return lost

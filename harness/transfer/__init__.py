@@ -1,0 +1,1 @@
+"""Policies trained in one simulator, evaluated in others."""

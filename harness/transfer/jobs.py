@@ -1,0 +1,218 @@
+"""Policies trained in one simulator, evaluated in others: what there is to do, and getting it done."""
+
+import os
+import shutil
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+from harness.errors import HarnessError, UsageError
+from harness.experiment.workers import News, Order, core_count, run_orders
+from harness.record.cell import Cell
+from harness.record.folder import partial_folder, publish
+from harness.record.manifest import now
+from harness.record.store import Store
+from harness.registry.choice import Choice, choose, split_list
+from harness.registry.registry import Registry, load_registry
+from harness.results import Results
+from harness.robot.load import load_robot
+from harness.transfer.matrix import Transfers, load_transfers
+from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_record, simulator_id
+
+Given: TypeAlias = str | dict[str, Any]
+
+
+@dataclass(frozen=True)
+class TransferJob:
+    """One cell's policy and the simulator to evaluate it in.
+
+    Attributes:
+        cell: That trained the policy.
+        simulator: Another than the cell's.
+        folder: To leave.
+    """
+
+    cell: Cell
+    simulator: Choice
+    folder: Path
+
+    @property
+    def title(self) -> str:
+        """For people."""
+        return f"{self.cell.title} in {self.simulator.label}"
+
+
+class TransferEvent(NamedTuple):
+    """Something that happened to a job."""
+
+    kind: Literal["started", "ended"]
+    job: TransferJob
+    reason: str = ""
+    """Of an ended job: why it failed; empty if it did not."""
+
+
+@dataclass(frozen=True)
+class TransferPlan:
+    """What an experiment's policies have to be evaluated in.
+
+    Attributes:
+        store: The experiment's folder.
+        jobs: Every policy in every simulator but its own.
+        missing: Those of the jobs that are not done yet.
+        left_out: A line for each simulator that cannot be used here and was not asked for.
+    """
+
+    store: Store
+    jobs: tuple[TransferJob, ...]
+    missing: tuple[TransferJob, ...]
+    left_out: tuple[str, ...]
+
+
+OnEvent: TypeAlias = Callable[[TransferEvent], None]
+
+
+def transfer(folder: str | Path, to: str | Sequence[Given] | None = None, jobs: int | None = None) -> Transfers:
+    """Evaluate an experiment's policies in other simulators; what was evaluated before is not again.
+
+    Args:
+        folder: The experiment's.
+        to: Simulators to evaluate in, ``"mujoco:substeps=40,kinematic"``; by default those of the experiment and all
+            that are installed.
+        jobs: How many evaluations at once; by default as many as there are cores.
+
+    Returns:
+        Every transfer that the folder records, those of earlier calls included.
+
+    Raises:
+        UsageError: Something given cannot be used; nothing is written.
+    """
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"jobs={jobs}: must be at least 1")
+    registry = load_registry()
+    results = Results(Path(folder), registry)
+    run_transfers(plan_transfers(results, to, registry), jobs or core_count())
+    return load_transfers(results)
+
+
+def plan_transfers(results: Results, to: str | Sequence[Given] | None, registry: Registry) -> TransferPlan:
+    """What there is to do. Writes nothing.
+
+    Raises:
+        UsageError: No cell is done, a simulator is not known or not installed, or a cell's task, reward or robot is
+            gone.
+    """
+    cells = results.done_cells
+    if not cells:
+        raise UsageError(f"'{results.folder}' has no finished cell: nothing is trained that could be evaluated")
+    simulators, left_out = _choose(to, registry) if to is not None else _choose_all(cells, registry)
+    jobs = tuple(
+        TransferJob(cell, simulator, results.store.folder / FOLDER / cell.id / simulator_id(simulator))
+        for cell in cells
+        for simulator in simulators
+        if simulator != cell.simulator
+    )
+    missing = tuple(job for job in jobs if not _is_done(job, results.store))
+    _require_plugins((job.cell for job in missing), results.folder, registry)
+    return TransferPlan(results.store, jobs, missing, left_out)
+
+
+def run_transfers(plan: TransferPlan, at_once: int, on_event: OnEvent = lambda event: None) -> None:
+    """Do what a plan misses, each evaluation in a process of its own.
+
+    Args:
+        plan: What to do.
+        at_once: How many evaluations.
+        on_event: Called in this thread, when one starts and when it has ended.
+
+    Raises:
+        UsageError: The folder cannot be written, or another run is using it.
+    """
+    if not plan.missing:
+        return
+    if not os.access(plan.store.folder, os.W_OK | os.X_OK):
+        raise UsageError(f"'{plan.store.folder}' allows no writing here: copy the experiment to where you may write")
+    by_folder = {job.folder: job for job in plan.missing}
+
+    def tell(news: News) -> None:
+        job = by_folder[news.folder]
+        if news.kind == "started":
+            on_event(TransferEvent("started", job))
+        elif news.kind == "ended":
+            on_event(TransferEvent("ended", job, _reason(job, news, plan.store)))
+
+    with plan.store.locked():
+        _discard_partial(plan.store)
+        try:
+            run_orders([_order(job, plan.store) for job in plan.missing], at_once, tell)
+        finally:
+            _discard_partial(plan.store)
+
+
+def _choose(to: str | Sequence[Given], registry: Registry) -> tuple[list[Choice], tuple[str, ...]]:
+    """The simulators that were asked for, each once."""
+    given = split_list(to) if isinstance(to, str) else [name for item in to for name in _split(item)]
+    return list(dict.fromkeys(choose(registry, "simulators", item) for item in given)), ()
+
+
+def _split(item: Given) -> list[str] | list[dict[str, Any]]:
+    return split_list(item) if isinstance(item, str) else [item]
+
+
+def _choose_all(cells: Iterable[Cell], registry: Registry) -> tuple[list[Choice], tuple[str, ...]]:
+    """The experiment's simulators and all that are registered, as far as they can be used here."""
+    chosen: dict[Choice, None] = {}
+    left_out: dict[str, None] = {}
+    for simulator in dict.fromkeys(cell.simulator for cell in cells):
+        try:
+            simulator.build(registry, "simulators")
+            chosen[simulator] = None
+        except HarnessError as error:
+            left_out[f"{simulator.label} is left out: {error}"] = None
+    for name in registry.names("simulators"):
+        try:
+            chosen[choose(registry, "simulators", name)] = None
+        except HarnessError as error:
+            left_out[f"{name} is left out: {error}"] = None
+    return list(chosen), tuple(left_out)
+
+
+def _is_done(job: TransferJob, store: Store) -> bool:
+    record = read_record(job.folder)
+    if record is None or record.status != "done":
+        return False
+    return record.is_of(policy_digest(store.cell_folder(job.cell)))
+
+
+def _require_plugins(cells: Iterable[Cell], folder: Path, registry: Registry) -> None:
+    """Raises UsageError where something of the cells that is no simulator is not here any more."""
+    for robot, task, reward in dict.fromkeys((cell.robot, cell.task, cell.reward) for cell in cells):
+        try:
+            task.build(registry, "tasks").check(load_robot(robot, registry))
+            reward.build(registry, "rewards")
+        except UsageError as error:
+            raise UsageError(f"Cells of '{folder}' cannot be evaluated: {error}") from None
+
+
+def _order(job: TransferJob, store: Store) -> Order:
+    content = {"policy_of": str(store.cell_folder(job.cell)), "simulator": job.simulator.to_json()}
+    return Order(job.folder, content, "evaluation")
+
+
+def _reason(job: TransferJob, news: News, store: Store) -> str:
+    """Why an ended job failed; leaves a record for one that could not leave it itself."""
+    if news.reason:
+        digest = policy_digest(store.cell_folder(job.cell))
+        record = TransferRecord(job.cell.id, job.simulator, digest, "failed", news.reason, started=now())
+        partial = partial_folder(job.folder)
+        record.write(partial)
+        publish(partial, job.folder)
+        return news.reason
+    left = read_record(job.folder)
+    return left.reason if left else "it left no record"
+
+
+def _discard_partial(store: Store) -> None:
+    """Remove what a killed call left."""
+    for folder in (store.folder / FOLDER).glob("*/.*.partial"):
+        shutil.rmtree(folder)

@@ -1,0 +1,230 @@
+"""Success and return of policies trained in one simulator and evaluated in another. Reads results only."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.verdict import SUCCESS
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION
+from harness.record.returns import mean_return
+from harness.record.trace import read_trace
+from harness.registry.choice import Choice
+from harness.results import Results
+from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_record, simulator_id
+
+FORMAT = 1
+
+Pair: TypeAlias = tuple[Choice, Choice]
+"""Trained in, evaluated in."""
+Grid: TypeAlias = tuple[tuple[SeedMean, ...], ...]
+"""A row per simulator trained in, a column per simulator evaluated in."""
+
+
+class Series(NamedTuple):
+    """What the cells of one matrix share, their simulators and seeds apart."""
+
+    robot: str
+    task: Choice
+    algorithm: Choice
+    steps: int
+    evaluation_episodes: int
+    reward: Choice
+    evaluate_every: int = 0
+    deterministic: bool = True
+
+    @classmethod
+    def of(cls, cell: Cell) -> "Series":
+        """The series that a cell belongs to."""
+        return cls(*(getattr(cell, name) for name in cls._fields))
+
+
+class Evaluation(NamedTuple):
+    """What the policy of one seed did in one simulator."""
+
+    success: float | None
+    """Share of the episodes that reach the target; None where the metric is not installed."""
+    paid: float | None
+    """Mean over the episodes of all that was paid in one; None without a finished episode."""
+
+
+@dataclass(frozen=True)
+class TransferMatrix:
+    """Policies of one algorithm and reward, by the simulators that they were trained and evaluated in.
+
+    Attributes:
+        series: What the policies share.
+        trained_in: One per row.
+        evaluated_in: One per column.
+        success: Share of the episodes that reach the target, mean over seeds.
+        paid: Return: shaped reward and event terms of an episode, mean over episodes and seeds.
+        drop: Success where trained minus success here, the same seeds in both; no mean where that is the same place.
+    """
+
+    series: Series
+    trained_in: tuple[Choice, ...]
+    evaluated_in: tuple[Choice, ...]
+    success: Grid
+    paid: Grid
+    drop: Grid
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, by label."""
+        series = self.series
+        return {
+            "algorithm": series.algorithm.label,
+            "reward": series.reward.label,
+            "robot": series.robot,
+            "task": series.task.label,
+            "steps": series.steps,
+            "evaluation_episodes": series.evaluation_episodes,
+            "deterministic": series.deterministic,
+            "trained_in": [simulator.label for simulator in self.trained_in],
+            "evaluated_in": [simulator.label for simulator in self.evaluated_in],
+            **{name: _to_json(grid) for name, grid in self._grids().items()},
+        }
+
+    def _grids(self) -> dict[str, Grid]:
+        return {"success": self.success, "return": self.paid, "drop": self.drop}
+
+
+class Failure(NamedTuple):
+    """One evaluation that failed."""
+
+    cell: Cell
+    record: TransferRecord
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "cell": self.cell.id,
+            "algorithm": self.cell.algorithm.label,
+            "reward": self.cell.reward.label,
+            "seed": self.cell.seed,
+            "trained_in": self.cell.simulator.label,
+            "evaluated_in": self.record.simulator.label,
+            "reason": self.record.reason,
+        }
+
+
+@dataclass(frozen=True)
+class Transfers:
+    """Everything that an experiment's folder says of transfer."""
+
+    matrices: tuple[TransferMatrix, ...]
+    failed: tuple[Failure, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """What ``harness transfer --json`` prints."""
+        return {
+            "format": FORMAT,
+            "combinations": [matrix.to_json() for matrix in self.matrices],
+            "failed": [failure.to_json() for failure in self.failed],
+        }
+
+
+def load_transfers(results: Results) -> Transfers:
+    """One matrix per algorithm and reward; none where no policy was evaluated away from where it was trained.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    records = {cell: _records(results, cell) for cell in results.done_cells}
+    series: dict[Series, list[Cell]] = {}
+    for cell in records:
+        series.setdefault(Series.of(cell), []).append(cell)
+    matrices = [
+        _matrix(results, shared, {cell: records[cell] for cell in cells})
+        for shared, cells in series.items()
+        if any(records[cell] for cell in cells)
+    ]
+    failed = [Failure(cell, record) for cell, found in records.items() for record in found if record.status == "failed"]
+    return Transfers(tuple(matrices), tuple(failed))
+
+
+def _records(results: Results, cell: Cell) -> list[TransferRecord]:
+    """Of the cell's policy as it is now, by simulator."""
+    digest = policy_digest(results.store.cell_folder(cell))
+    found = [read_record(folder) for folder in sorted((results.folder / FOLDER / cell.id).glob("[!.]*"))]
+    return [record for record in found if record is not None and record.is_of(digest)]
+
+
+def _matrix(results: Results, series: Series, records: Mapping[Cell, list[TransferRecord]]) -> TransferMatrix:
+    trained_in = tuple(dict.fromkeys(cell.simulator for cell in records))
+    visited = sorted((record.simulator for found in records.values() for record in found), key=lambda it: it.label)
+    evaluated_in = tuple(dict.fromkeys([*trained_in, *visited]))
+    table = _Table(results, records)
+    return TransferMatrix(
+        series,
+        trained_in,
+        evaluated_in,
+        *(
+            tuple(tuple(mean(home, place) for place in evaluated_in) for home in trained_in)
+            for mean in (table.success, table.paid, table.drop)
+        ),
+    )
+
+
+class _Table:
+    """The evaluations of one series, by simulators and seed."""
+
+    def __init__(self, results: Results, records: Mapping[Cell, list[TransferRecord]]) -> None:
+        self._seeds: dict[Choice, list[int]] = {}
+        self._known: dict[Pair, dict[int, Evaluation]] = {}
+        self._failed: dict[Pair, int] = {}
+        for cell, found in sorted(records.items(), key=lambda item: item[0].seed):
+            home = cell.simulator
+            self._seeds.setdefault(home, []).append(cell.seed)
+            self._known.setdefault((home, home), {})[cell.seed] = _evaluation(results, cell, None)
+            for record in found:
+                pair = (home, record.simulator)
+                if record.status == "done":
+                    self._known.setdefault(pair, {})[cell.seed] = _evaluation(results, cell, record)
+                else:
+                    self._failed[pair] = self._failed.get(pair, 0) + 1
+
+    def success(self, home: Choice, place: Choice) -> SeedMean:
+        return self._mean(home, place, lambda seed: self._known[home, place][seed].success)
+
+    def paid(self, home: Choice, place: Choice) -> SeedMean:
+        return self._mean(home, place, lambda seed: self._known[home, place][seed].paid)
+
+    def drop(self, home: Choice, place: Choice) -> SeedMean:
+        if home == place:
+            return SeedMean(None, note="evaluated where it was trained")
+
+        def lost(seed: int) -> float | None:
+            there, here = self._known[home, home][seed].success, self._known[home, place][seed].success
+            return None if there is None or here is None else there - here
+
+        return self._mean(home, place, lost)
+
+    def _mean(self, home: Choice, place: Choice, value: Callable[[int], float | None]) -> SeedMean:
+        """Over the seeds that were evaluated; says why there are not all."""
+        known = self._known.get((home, place), {})
+        values = [number for number in map(value, known) if number is not None]
+        missing = self._missing(home, place) or ("" if len(values) == len(known) else "not defined for every seed")
+        return mean_over_seeds(values, missing)
+
+    def _missing(self, home: Choice, place: Choice) -> str:
+        """How many seeds have no evaluation, and why; empty if all have one."""
+        count, failed = len(self._seeds[home]), self._failed.get((home, place), 0)
+        waiting = count - failed - len(self._known.get((home, place), {}))
+        told = [f"{failed} of {count} failed"] * bool(failed) + [f"{waiting} of {count} not evaluated"] * bool(waiting)
+        return ", ".join(told)
+
+
+def _evaluation(results: Results, cell: Cell, record: TransferRecord | None) -> Evaluation:
+    """Of a policy where it was trained, or where the record says."""
+    if record is None:
+        folder = results.store.cell_folder(cell)
+    else:
+        folder = results.folder / FOLDER / cell.id / simulator_id(record.simulator)
+    trace = read_trace(folder / EVALUATION)
+    metric = results.metrics.get(SUCCESS)
+    return Evaluation(metric(trace) if metric else None, mean_return(trace))
+
+
+def _to_json(grid: Grid) -> list[list[dict[str, Any]]]:
+    return [[mean.to_json() for mean in row] for row in grid]

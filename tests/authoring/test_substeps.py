@@ -1,0 +1,66 @@
+"""Physics steps per duration, and movel in every simulator that there is."""
+
+import numpy as np
+import pytest
+
+import harness
+from harness.authoring.substeps import Substeps
+from harness.env.make import make_env
+from harness.errors import UsageError
+from harness.motion import Setting, build_motion
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+
+REGISTRY = load_registry()
+SIMULATORS = ("kinematic", "mujoco", "pybullet", "dm_control")
+PERIOD = 0.1
+
+
+@pytest.mark.parametrize(("count", "parts", "steps"), [(20, 1, 20), (20, 4, 5), (20, 20, 1), (7, 7, 1), (33, 3, 11)])
+def test_a_part_has_its_share_of_the_steps(count: int, parts: int, steps: int):
+    """As many as the control period's, divided by the parts."""
+    assert Substeps(count, PERIOD).within(PERIOD / parts) == steps
+
+
+@pytest.mark.parametrize(("count", "parts"), [(20, 3), (20, 40), (7, 2), (1, 4)])
+def test_parts_that_do_not_divide_are_a_usage_error(count: int, parts: int):
+    """It says the substeps and the parts."""
+    with pytest.raises(UsageError, match=rf"substeps={count} .* {parts} parts"):
+        Substeps(count, PERIOD).within(PERIOD / parts)
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS[1:])
+def test_every_engine_says_that_it_cannot_divide(simulator: str):
+    """Through the env: the first step that would need a part of a physics step is refused."""
+    env = make_env(f"{simulator}:substeps=20", "fd100-reach:action=movel:parts=3")
+    env.reset(seed=0)
+    try:
+        with pytest.raises(UsageError, match=r"substeps=20 .* 3 parts"):
+            env.step(env.action_space.sample())
+    finally:
+        env.close()
+
+
+@pytest.mark.parametrize("frame", ["wcs", "tcs"])
+@pytest.mark.parametrize("simulator", SIMULATORS)
+def test_every_engine_follows_the_line(simulator: str, frame: str):
+    """At the end of every part the driven end effector is within 4 mm of the line that movel commands."""
+    robot = harness.load_robot("fd100")
+    motion = build_motion(f"movel:frame={frame}", Setting(robot, PERIOD, 0.8, 0.6))
+    world = np.array([[0.0, 0.8, 0.6], [-0.6, 0.8, 0.0], [0.0, -1.0, 0.0]])
+    qpos, qvel = np.tile(robot.home, (3, 1)), np.zeros((3, 6))
+    start = robot.end_effector(qpos)
+    simulation = choose(REGISTRY, "simulators", simulator).build(REGISTRY, "simulators").open(robot, 3, PERIOD)
+    try:
+        simulation.reset(qpos, np.ones(3, bool))
+        for _ in range(8):
+            axes = motion.axes.to_world(qpos, np.tile(np.eye(3), (3, 1, 1)))
+            move = motion.advance(qpos, qvel, np.vecdot(axes, world[:, None]))
+            assert not move.held.any()
+            for waypoint in move.waypoints:
+                way = simulation.drive(waypoint, PERIOD / 4).end_effector - start
+                assert np.linalg.norm(way - np.vecdot(way, world)[:, None] * world, axis=1).max() < 4e-3
+            qpos, qvel = move.waypoints[-1], move.qvel
+    finally:
+        simulation.close()
+    assert np.linalg.norm(way, axis=1).min() > 0.25

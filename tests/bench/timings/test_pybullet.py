@@ -1,0 +1,75 @@
+"""What the environment costs on top of PyBullet."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pybullet
+import pytest
+
+import harness
+from harness.record.trace import TraceWriter
+from harness_plugins.simulators.pybullet import Arm, PyBullet, exact_timestep
+
+pytestmark = pytest.mark.bench
+STEPS, SUBSTEPS, PERIOD = 500, 20, 0.1
+
+
+def bare_loop(arm: Arm, starts: dict[int, np.ndarray], speeds: list[list[float]], calls: int) -> Callable[[], None]:
+    """The API alone, `calls` calls of stepSimulation per period: motors, steps, and what is read at the end.
+
+    Args:
+        arm: In a world of its own.
+        starts: Where an episode starts, by the number of the period, each (dof,), [rad].
+        speeds: Of the motors in each period, (periods, dof), [rad/s].
+        calls: 1, or the number of substeps.
+    """
+    body, joints, client = arm.body, arm.joints, {"physicsClientId": arm.client}
+    step = exact_timestep(PERIOD, SUBSTEPS) * SUBSTEPS / calls
+    pybullet.setPhysicsEngineParameter(fixedTimeStep=step, numSubSteps=SUBSTEPS if calls == 1 else 0, **client)
+
+    def run() -> None:
+        for period, speed in enumerate(speeds):
+            if period in starts:
+                arm.put(starts[period])
+            pybullet.setJointMotorControlArray(
+                body, joints, pybullet.VELOCITY_CONTROL, targetVelocities=speed, forces=arm.forces, **client
+            )
+            for _ in range(calls):
+                pybullet.stepSimulation(**client)
+            pybullet.getJointStates(body, joints, **client)
+            pybullet.getLinkState(body, arm.tip, computeForwardKinematics=1, **client)
+            pybullet.performCollisionDetection(**client)
+            pybullet.getContactPoints(body, arm.ground, **client)
+
+    return run
+
+
+def recorded(arm: Arm, run: Callable[[], None]) -> tuple[dict[int, np.ndarray], list[list[float]]]:
+    """What `run` tells an arm: the starts by the number of the period, and the speeds of each period."""
+    starts, speeds, put, turn = {}, [], arm.put, arm.turn
+    arm.put = lambda qpos: (starts.update({len(speeds): qpos.copy()}), put(qpos))
+    arm.turn = lambda speed: (speeds.append(speed), turn(speed))
+    run()
+    arm.put, arm.turn = put, turn
+    return starts, speeds
+
+
+@pytest.mark.parametrize(("calls", "least"), [(SUBSTEPS, 0.85), (1, 0.8)])
+def test_one_env_keeps_up_with_the_bare_loop(tmp_path, speed_ratio, calls: int, least: float):
+    """Observation, reward and trace on, one env does at least 0.85 of the steps of the bare API on the same motion.
+
+    That is the loop that calls Bullet for each substep. Of the fastest there is, in which Bullet takes all substeps of
+    a period in one call, as the simulator does, it is at least 0.8.
+    """
+    env = harness.make_env("pybullet")
+    env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
+    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (STEPS, 1, 6)).astype(np.float32)
+    reference = PyBullet(SUBSTEPS).open(env.robot, 1, PERIOD)
+
+    def through_the_env() -> None:
+        env.reset(seed=0)
+        for action in actions:
+            env.step(action)
+
+    told = recorded(env.simulation.arms[0], through_the_env)
+    assert speed_ratio(bare_loop(reference.arms[0], *told, calls), through_the_env) >= least

@@ -1,0 +1,80 @@
+"""Where the episodes of a batch stand."""
+
+import numpy as np
+import pytest
+
+from harness.env.episodes import Episodes
+from harness.errors import SimulationDiverged
+from harness.record.trace import COLUMN, SCALARS
+from harness.simulator import State
+
+DOF, ACTIONS = 2, 3
+ALL = np.ones(2, bool)
+
+
+def state(tip: float, qpos: float = 0.0, qvel: float = 0.0) -> State:
+    """Two arms whose end effectors are at x = `tip`."""
+    ends = np.array([[tip, 0.0, 0.0]] * 2)
+    return State(np.full((2, DOF), qpos), np.full((2, DOF), qvel), ends, np.zeros(2, bool))
+
+
+@pytest.fixture
+def episodes() -> Episodes:
+    """Two, that began 3 m and 4 m from their targets."""
+    begun = Episodes(2, DOF, ACTIONS)
+    begun.start(ALL, state(0.0), np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]))
+    return begun
+
+
+def test_row_is_the_traces(episodes: Episodes):
+    """The recorded part is as wide as a row of a trace, and every array is a view into it."""
+    assert episodes.record.shape == (2, len(SCALARS) + DOF + ACTIONS)
+    episodes.action[...] = 7.0
+    np.testing.assert_array_equal(episodes.record[:, -ACTIONS:], 7.0)
+    np.testing.assert_array_equal(episodes.record[:, COLUMN["env"]], [0, 1])
+    np.testing.assert_array_equal(episodes.record[:, COLUMN["target_y"]], [0.0, 4.0])
+
+
+def test_start_is_the_begin_distance(episodes: Episodes):
+    """Bd, Pb and d are the same, at step 0."""
+    for column in (episodes.begin_distance, episodes.previous_best, episodes.distance):
+        np.testing.assert_array_equal(column, [3.0, 4.0])
+    np.testing.assert_array_equal(episodes.step, 0.0)
+
+
+def test_measure_follows_the_state(episodes: Episodes):
+    """Distance, offset, difference to the best, and the distance before."""
+    distance = episodes.measure(state(1.0, 0.5, 0.25))
+    np.testing.assert_allclose(distance, [2.0, np.sqrt(17.0)])
+    np.testing.assert_allclose(episodes.delta_distance, [-1.0, np.sqrt(17.0) - 4.0])
+    np.testing.assert_array_equal(episodes.sample.previous_distance, [3.0, 4.0])
+    np.testing.assert_array_equal(episodes.offset, [[2.0, 0.0, 0.0], [-1.0, 4.0, 0.0]])
+    np.testing.assert_array_equal(episodes.qvel_change, 0.25)
+    np.testing.assert_array_equal(episodes.step, 1.0)
+
+
+def test_new_target_restarts_the_distances_of_its_env(episodes: Episodes):
+    """The other's stay; the step is counted on."""
+    episodes.measure(state(1.0))
+    kept = episodes.matrix[1].copy()
+    episodes.set_target(np.array([True, False]), np.array([[1.0, 5.0, 0.0], [9.0, 9.0, 9.0]]))
+    assert episodes.begin_distance[0] == episodes.previous_best[0] == episodes.distance[0] == 5.0
+    assert episodes.sample.previous_distance.tolist() == [5.0, 4.0]
+    assert episodes.delta_distance[0] == 0.0
+    assert episodes.step[0] == 1.0
+    np.testing.assert_array_equal(episodes.matrix[1], kept)
+
+
+def test_columns_of_several_arrays(episodes: Episodes):
+    """Where they stand in the matrix, one after the other."""
+    columns = episodes.columns("qpos", "distance", "offset")
+    np.testing.assert_array_equal(
+        episodes.matrix[:, columns],
+        np.concatenate([episodes.qpos, episodes.distance[:, None], episodes.offset], axis=1),
+    )
+
+
+def test_end_effector_nowhere_is_told(episodes: Episodes):
+    """With the env and the step."""
+    with pytest.raises(SimulationDiverged, match=r"env \[1\] is nowhere at step 0"):
+        episodes.require_finite(np.array([1.0, np.nan]))

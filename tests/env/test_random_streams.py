@@ -1,0 +1,70 @@
+"""The random streams of a batch."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.env.random_streams import AHEAD, Streams
+from harness.errors import UsageError
+from harness.reach import ReachTask
+from harness.task import Targets
+
+ROBOT = harness.load_robot("fd100")
+TIP = np.array([0.5, 0.0, 0.5])
+
+
+class Ladder(ReachTask):
+    """Targets one after the other, every second one counted from the end effector."""
+
+    def draw_targets(self, robot: Any, rng: Any, count: int) -> Targets:
+        """0, 1, 2, ... [m] on the x axis."""
+        position = np.arange(count)[:, None] * [1.0, 0.0, 0.0]
+        return Targets(position, np.arange(count) % 2 == 1)
+
+
+def test_relative_targets_count_from_the_end_effector():
+    """The others from the world's origin, in the order in which they were drawn."""
+    streams = Streams(Ladder(), ROBOT, 1, 0)
+    drawn = [streams.target(0, TIP) for _ in range(4)]
+    np.testing.assert_array_equal(drawn, [[0.0, 0.0, 0.0], [1.5, 0.0, 0.5], [2.0, 0.0, 0.0], [3.5, 0.0, 0.5]])
+
+
+def test_targets_come_in_the_order_of_the_stream():
+    """Drawing ahead does not show."""
+    streams, rng = Streams(ReachTask(), ROBOT, 1, [7]), np.random.SeedSequence(7).spawn(2)[1]
+    generator = np.random.default_rng(rng)
+    expected = [ReachTask().draw_targets(ROBOT, generator, AHEAD).position for _ in range(2)]
+    drawn = [streams.target(0, TIP) for _ in range(2 * AHEAD)]
+    np.testing.assert_array_equal(drawn, np.concatenate(expected))
+
+
+def test_target_apart_skips_those_that_one_is_in():
+    """The first target of an episode is farther than epsilon from the end effector."""
+    streams = Streams(Ladder(epsilon=0.6), ROBOT, 1, 0)
+    np.testing.assert_array_equal(streams.target_apart(0, np.zeros(3)), [1.0, 0.0, 0.0])
+
+
+def test_targets_that_all_cover_the_start_are_refused():
+    """Rather than to search for ever."""
+    with pytest.raises(UsageError, match="epsilon=100"):
+        Streams(Ladder(epsilon=100.0), ROBOT, 1, 0).target_apart(0, np.zeros(3))
+
+
+def test_envs_do_not_share_a_stream():
+    """What one draws changes nothing for the other, starts or targets."""
+    one, other = (Streams(ReachTask(), ROBOT, 2, 3) for _ in range(2))
+    for _ in range(40):
+        one.target(0, TIP)
+        one.start(0)
+    np.testing.assert_array_equal(one.target(1, TIP), other.target(1, TIP))
+    np.testing.assert_array_equal(one.start(1), other.start(1))
+
+
+def test_starts_and_targets_do_not_share_a_stream():
+    """However many targets an episode took, the next start is the same."""
+    one, other = (Streams(ReachTask(), ROBOT, 1, 3) for _ in range(2))
+    for _ in range(40):
+        one.target(0, TIP)
+    np.testing.assert_array_equal(one.start(0), other.start(0))

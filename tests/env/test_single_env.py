@@ -1,0 +1,104 @@
+"""One arm as a Gymnasium env: the vector env without its leading axis."""
+
+import os
+import subprocess
+import sys
+from ctypes.util import find_library
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import harness
+from harness.env.single_env import ReachEnv
+from harness.errors import UsageError
+
+TASK = "fd100-reach:horizon=5"
+
+
+@pytest.fixture
+def env() -> Any:
+    """One arm in MuJoCo."""
+    env = ReachEnv(task=TASK)
+    yield env
+    env.close()
+
+
+def test_gymnasium_makes_it():
+    """`gymnasium.make` gives the env with what it was asked for."""
+    env = gymnasium.make("harness/Reach-v0", simulator="mujoco", task=TASK, reward="arp:k2=3")
+    assert isinstance(env.unwrapped, ReachEnv)
+    assert env.unwrapped.vector_env.task.horizon == 5
+    assert env.unwrapped.vector_env.reward.k2 == 3.0
+    env.close()
+
+
+def test_unknown_name_is_a_usage_error():
+    """A simulator that there is not is refused in one line with the nearest name."""
+    with pytest.raises(UsageError, match="Did you mean 'mujoco'"):
+        gymnasium.make("harness/Reach-v0", simulator="mujco")
+
+
+def test_it_is_the_vector_env_of_one(env: ReachEnv):
+    """Seeded alike and told alike, it returns what the vector env returns for its first arm."""
+    vector_env = harness.make_env(task=TASK)
+    rng = np.random.default_rng(0)
+    np.testing.assert_array_equal(env.reset(seed=3)[0], vector_env.reset(seed=3)[0][0])
+    for _ in range(4):
+        action = rng.uniform(-1.0, 1.0, 6).astype(np.float32)
+        one, batch = env.step(action), vector_env.step(action[None])
+        np.testing.assert_array_equal(one[0], batch[0][0])
+        assert one[1:4] == (batch[1][0], batch[2][0], batch[3][0])
+        assert one[4] == {name: values[0] for name, values in batch[4].items()}
+    vector_env.close()
+
+
+def test_plain_python_comes_back(env: ReachEnv):
+    """Reward, ends and infos are Python's own numbers and truth values."""
+    env.reset(seed=0)
+    _, reward, terminated, truncated, infos = env.step(np.zeros(6, np.float32))
+    assert [type(value) for value in (reward, terminated, truncated)] == [float, bool, bool]
+    assert {name: type(value) for name, value in infos.items()} == {
+        "distance": float,
+        "reward_shaped": float,
+        "is_success": bool,
+    }
+
+
+def test_episode_ends_once_and_waits(env: ReachEnv):
+    """At the horizon the episode is truncated and the env waits to be reset."""
+    start, _ = env.reset(seed=0)
+    ends = [env.step(np.zeros(6, np.float32)) for _ in range(5)]
+    assert [taken[3] for taken in ends] == [False] * 4 + [True]
+    np.testing.assert_array_equal(ends[-1][0][18:21], start[18:21])
+    assert (env.reset()[0][18:21] != start[18:21]).any()
+
+
+def test_same_seed_same_episode(env: ReachEnv):
+    """A seed gives the same start again."""
+    np.testing.assert_array_equal(env.reset(seed=9)[0], env.reset(seed=9)[0])
+
+
+def test_nothing_is_rendered_without_a_mode(env: ReachEnv):
+    """Without a render mode there is no frame."""
+    env.reset(seed=0)
+    assert env.render() is None
+
+
+@pytest.mark.skipif(find_library("EGL") is None, reason="no EGL library on this machine: install libegl1")
+def test_gymnasium_finds_no_fault_with_its_frames():
+    """Gymnasium's checker passes without a warning in the render mode rgb_array, without a screen."""
+    code = (
+        "import gymnasium, harness\n"
+        "from gymnasium.utils.env_checker import check_env\n"
+        "env = gymnasium.make('harness/Reach-v0', render_mode='rgb_array')\n"
+        "check_env(env.unwrapped)\n"
+        "env.reset()\n"
+        "assert env.render().shape == (480, 640, 3)\n"
+        "env.close()\n"
+    )
+    # In a process of its own: MuJoCo chooses the library to render with when it is imported.
+    command = [sys.executable, "-W", "error", "-c", code]
+    done = subprocess.run(command, env={**os.environ, "MUJOCO_GL": "egl"}, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,310 @@
+"""The curve of a group of runs: facts of the published computation, in any chunking, whatever the length."""
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+import harness.eta.curve as module
+from harness.eta.curve import POINTS, GroupCurve, Kind, curve_of
+from harness.eta.index import Index
+
+PUBLISHED = tomllib.loads(
+    (Path(__file__).parents[2] / "results" / "reference" / "arp-2021" / "published.toml").read_text()
+)
+KINDS = ("accumulated", "per-step")
+STEP = st.one_of(
+    st.sampled_from([0.0, 0.1, -0.1, 0.3, -0.3, 1.0, -1.0]), st.floats(-10.0, 10.0).map(lambda value: round(value, 9))
+)
+RUNS = st.lists(st.lists(STEP, min_size=1, max_size=30), min_size=1, max_size=12)
+SQUARES = st.tuples(st.integers(1, 12), st.integers(1, 40)).flatmap(lambda shape: arrays(float, shape, elements=STEP))
+ANY_KIND = st.sampled_from(KINDS)
+
+
+def group_of(runs: Any, kind: Kind = "accumulated") -> GroupCurve:
+    """The curve of runs given as lists."""
+    return curve_of([np.array(run, float) for run in runs], kind)
+
+
+def of_curve(values: list[float]) -> Index:
+    """The index of a group whose mean curve is `values`."""
+    return group_of([np.diff(values, prepend=0.0)]).index
+
+
+# An independent computation, without numpy
+
+
+def slow_curve(runs: list[list[float]], kind: Kind) -> list[float]:
+    """Running sums, cut to the shortest run, averaged step by step."""
+    curves = []
+    for run in runs:
+        total, curve = 0.0, []
+        for reward in run:
+            total += reward
+            curve.append(total if kind == "accumulated" else reward)
+        curves.append(curve)
+    mean = []
+    for step in range(min(len(curve) for curve in curves)):
+        total = 0.0
+        for curve in curves:
+            total += curve[step]
+        mean.append(total / len(curves))
+    return mean
+
+
+def slow_index(curve: list[float], kind: Kind) -> tuple[int | None, int | None, int, float, float]:
+    """First negative step, cross-over, length, I_N and I_P of a mean curve."""
+    first = next((step for step, value in enumerate(curve) if value < 0.0), None)
+    crossover = None
+    if first is not None:
+        crossover = next((step for step in range(first + 1, len(curve)) if curve[step] >= 0.0), None)
+    if kind == "accumulated":
+        negative, positive = [v for v in curve if v < 0.0], [v for v in curve if v > 0.0]
+    else:
+        end = 0 if first is None else len(curve) if crossover is None else crossover + 1
+        negative, positive = curve[:end], curve[end:]
+    return first, crossover, len(curve), math.fsum(negative), math.fsum(positive)
+
+
+def same(index: Index, other: tuple[int | None, int | None, int, float, float]) -> None:
+    """Steps are equal; sums are equal but for the order of their additions."""
+    assert (index.first_negative, index.crossover, index.steps) == other[:3]
+    assert (index.negative_sum, index.positive_sum) == pytest.approx(other[3:], rel=1e-12, abs=1e-10)
+
+
+@given(RUNS, ANY_KIND)
+def test_index_agrees_with_a_plain_computation(runs: list[list[float]], kind: Kind):
+    """The published steps, written out in loops, give the same index."""
+    same(group_of(runs, kind).index, slow_index(slow_curve(runs, kind), kind))
+
+
+# The published computation, step by step
+
+CURVES = {
+    "positive, negative, positive": ([1, -1, -2, 3, 4], Index(1, 3, 5, -3.0, 8.0)),
+    "zero is not negative": ([0, -1, 0, 5], Index(1, 2, 4, -1.0, 5.0)),
+    "negative again": ([-1, 2, -3, 4], Index(0, 1, 4, -4.0, 6.0)),
+    "never negative": ([0, 1, 2], Index(None, None, 3, 0.0, 3.0)),
+    "never back": ([1, -1, -2], Index(1, None, 3, -3.0, 1.0)),
+    "negative at the end": ([1, 2, -1], Index(2, None, 3, -1.0, 3.0)),
+    "always negative": ([-1, -2], Index(0, None, 2, -3.0, 0.0)),
+    "one step": ([-2], Index(0, None, 1, -2.0, 0.0)),
+    "all zero": ([0, 0], Index(None, None, 2, 0.0, 0.0)),
+}
+
+
+@pytest.mark.parametrize(("values", "index"), CURVES.values(), ids=CURVES)
+def test_index_of_a_curve(values: list[float], index: Index):
+    """First negative step from 0, first later step that is not, sums of all negative and of all positive values."""
+    assert of_curve(values) == index
+
+
+PER_STEP = {
+    "up to and with the cross-over": ([1, -1, -2, 3, 4, -5], Index(1, 3, 6, 1.0, -1.0)),
+    "zero is a cross-over": ([-1, 0, 5], Index(0, 1, 3, -1.0, 5.0)),
+    "never back": ([1, -1, -2], Index(1, None, 3, -2.0, 0.0)),
+    "never negative": ([0, 1, 2], Index(None, None, 3, 0.0, 3.0)),
+    "all zero": ([0, 0], Index(None, None, 2, 0.0, 0.0)),
+}
+
+
+@pytest.mark.parametrize(("values", "index"), PER_STEP.values(), ids=PER_STEP)
+def test_index_of_a_curve_per_step(values: list[float], index: Index):
+    """Read literally, the curve is the reward itself, split at the cross-over."""
+    assert group_of([values], "per-step").index == index
+
+
+def test_reward_is_accumulated_over_the_run():
+    """The running sum, the reward of the start row included."""
+    np.testing.assert_array_equal(group_of([[0, 1, -3, 0.5]]).runs, [[0.0, 1.0, -2.0, -1.5]])
+
+
+def test_runs_are_cut_to_the_shortest():
+    """A group is as long as its shortest run."""
+    np.testing.assert_array_equal(group_of([[1, 1, 1], [2, -1]]).runs, [[1.0, 2.0], [2.0, 1.0]])
+
+
+def test_curve_is_the_mean_over_runs():
+    """At each step, over the runs: sums of the single runs would be otherwise."""
+    assert group_of([[-4, 4, 1], [2, 2, -1]]).index == Index(0, 1, 3, -1.0, 4.0)
+
+
+def test_sums_are_not_rounded_before_a_ratio_is_taken():
+    """What is shown has one decimal; what is kept has all."""
+    index = of_curve([-0.16, -0.1, 0.33, 0.11])
+    assert (index.I_N, index.I_P) == (-0.3, 0.4)
+    assert (index.negative_sum, index.positive_sum) == pytest.approx((-0.26, 0.44), abs=1e-12)
+
+
+@pytest.mark.parametrize("who", ["baseline", "proposed"])
+def test_published_table(who: str):
+    """A curve with the published sums gives every figure of the published table."""
+    published = PUBLISHED[who]
+    curve = np.zeros(published["steps"])
+    first, crossover = published["first_negative"], published["crossover"]
+    curve[first:crossover] = published["I_N"] / (crossover - first)
+    curve[crossover:] = published["I_P"] / (published["steps"] - crossover)
+    assert group_of([np.diff(curve, prepend=0.0)]).index.to_json() == published
+
+
+@given(SQUARES)
+def test_bounds(rewards: np.ndarray):
+    """I_N is at most 0, I_P at least 0, the cross-over comes after the first negative step."""
+    index = curve_of(list(rewards)).index
+    assert index.negative_sum <= 0.0 <= index.positive_sum
+    assert index.crossover is None or 0 <= index.first_negative < index.crossover < index.steps
+
+
+@given(SQUARES, ANY_KIND, st.sampled_from([2.0, 1024.0, 2.0**-20]))
+def test_scaling_a_group_scales_its_sums_exactly(rewards: np.ndarray, kind: Kind, scale: float):
+    """The ruler shows in both sums and nowhere else; a power of two rounds nothing."""
+    one, scaled = curve_of(list(rewards), kind).index, curve_of(list(scale * rewards), kind).index
+    assert scaled == Index(
+        one.first_negative, one.crossover, one.steps, scale * one.negative_sum, scale * one.positive_sum
+    )
+
+
+# Groups without much in them
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_group_without_a_run(kind: Kind):
+    """It has no steps and no sums, and no number that is none."""
+    assert curve_of([], kind).index == Index(None, None, 0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_run_without_a_step(kind: Kind):
+    """A group is as long as its shortest run, also where that is empty."""
+    curve = group_of([[1, 2], []], kind)
+    assert curve.index == Index(None, None, 0, 0.0, 0.0)
+    assert curve.runs.shape == (2, 0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_resamples_of_nothing_are_zero(kind: Kind):
+    """Without a step every resampled sum is 0."""
+    negative, positive = group_of([[], []], kind).resample(np.array([[1.0, 0.0], [0.5, 0.5]]))
+    assert negative.tolist() == positive.tolist() == [0.0, 0.0]
+
+
+# A piece at a time
+
+
+@given(SQUARES, ANY_KIND, st.lists(st.integers(0, 40), max_size=8))
+@example(np.random.default_rng(0).normal(size=(10, 40)), "accumulated", list(range(40)))
+@example(np.array([[-0.7, 0.3, 0.7, 0.2, 0.3, -0.3, -0.2, 0.2, -0.3, -0.2]] * 3).T, "per-step", [1, 2])
+def test_chunks_do_not_show(rewards: np.ndarray, kind: Kind, cuts: list[int]):
+    """However the steps are handed over, each run's curve is the same bit for bit, and so are the steps found."""
+    whole, pieces = curve_of(list(rewards), kind), GroupCurve(len(rewards), kind)
+    for part in np.split(rewards, sorted(min(cut, rewards.shape[1]) for cut in cuts), axis=1):
+        pieces.add(part)
+    np.testing.assert_array_equal(pieces.runs, whole.runs)
+    index = whole.index
+    same(pieces.index, (index.first_negative, index.crossover, index.steps, index.negative_sum, index.positive_sum))
+
+
+def test_runs_are_left_alone():
+    """The arrays that are handed over stay the caller's, and may be changed afterwards."""
+    rewards = np.array([[1.0, 2.0]])
+    curve = GroupCurve(1, "per-step")
+    curve.add(rewards)
+    rewards[:] = 9.0
+    np.testing.assert_array_equal(curve.runs, [[1.0, 2.0]])
+
+
+def test_integers_are_rewards():
+    """A column of integers is summed as numbers, without overflow."""
+    curve = GroupCurve(1)
+    curve.add(np.full((1, 3), 2**31 - 1, np.int32))
+    assert curve.index.positive_sum == 6.0 * (2**31 - 1)
+
+
+# Long runs
+
+
+@pytest.fixture(scope="module")
+def long_runs() -> np.ndarray:
+    """Rewards of five runs that first cost and then pay, (5, 100_000)."""
+    rng = np.random.default_rng(105)
+    drift = np.linspace(-0.5, 1.0, 100_000)
+    return drift + rng.normal(size=(5, 100_000))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_index_of_long_runs_is_exact(long_runs: np.ndarray, kind: Kind):
+    """Thinning is for resampling alone: the index knows every step."""
+    mean = (np.cumsum(long_runs, axis=1) if kind == "accumulated" else long_runs).mean(axis=0).tolist()
+    same(curve_of(list(long_runs), kind).index, slow_index(mean, kind))
+
+
+def test_long_runs_are_thinned(long_runs: np.ndarray):
+    """Of a long run every stride-th step is kept, from the first on: at least POINTS, at most twice as many."""
+    curve = curve_of(list(long_runs))
+    assert POINTS <= curve.runs.shape[1] <= 2 * POINTS
+    np.testing.assert_array_equal(curve.runs, np.cumsum(long_runs, axis=1)[:, :: curve.stride])
+
+
+def test_short_runs_are_kept_whole():
+    """Up to twice POINTS steps nothing is left out."""
+    curve = curve_of([np.ones(2 * POINTS)])
+    assert (curve.stride, curve.runs.shape) == (1, (1, 2 * POINTS))
+    assert curve_of([np.ones(2 * POINTS + 1)]).stride == 2
+
+
+def test_resampled_sums_of_long_runs_are_close(long_runs: np.ndarray):
+    """The group itself, resampled from what is kept, has its index within a thousandth."""
+    curve = curve_of(list(long_runs))
+    negative, positive = curve.resample(np.full((1, 5), 0.2))
+    assert (negative[0], positive[0]) == pytest.approx((curve.index.negative_sum, curve.index.positive_sum), rel=1e-3)
+
+
+@given(SQUARES, st.lists(st.integers(0, 40), max_size=8), st.integers(1, 6))
+def test_thinning_does_not_depend_on_chunks(rewards: np.ndarray, cuts: list[int], points: int):
+    """What is kept is decided by the length alone."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "POINTS", points)
+        whole, pieces = curve_of(list(rewards)), GroupCurve(len(rewards))
+        for part in np.split(rewards, sorted(min(cut, rewards.shape[1]) for cut in cuts), axis=1):
+            pieces.add(part)
+    assert pieces.stride == whole.stride
+    np.testing.assert_array_equal(pieces.runs, whole.runs)
+    np.testing.assert_array_equal(whole.runs, np.cumsum(rewards, axis=1)[:, :: whole.stride])
+
+
+# Resampling
+
+
+@given(SQUARES, ANY_KIND, st.randoms(use_true_random=False))
+def test_resample_is_the_index_of_the_drawn_runs(rewards: np.ndarray, kind: Kind, random: Any):
+    """A draw's sums are those of a group that holds the drawn runs, each as often as it was drawn."""
+    count = len(rewards)
+    drawn = [random.randrange(count) for _ in range(count)]
+    shares = np.bincount(drawn, minlength=count)[None] / count
+    curve = (shares @ curve_of(list(rewards), kind).runs)[0].tolist()
+    negative, positive = curve_of(list(rewards), kind).resample(shares)
+    assert (negative[0], positive[0]) == pytest.approx(slow_index(curve, kind)[3:], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_draws_are_taken_in_parts(kind: Kind):
+    """Each of many draws is what it is alone, however they are put together."""
+    rng = np.random.default_rng(1)
+    curve = curve_of(list(rng.normal(size=(4, 50))), kind)
+    shares = rng.multinomial(4, np.full(4, 0.25), size=150) / 4
+    alone = np.concatenate([np.stack(curve.resample(one[None])) for one in shares], axis=1)
+    np.testing.assert_allclose(np.stack(curve.resample(shares)), alone, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_curve_that_is_never_negative_has_no_negative_part_in_any_draw(kind: Kind):
+    """Exactly 0, so that a ratio to it is seen to be none."""
+    rng = np.random.default_rng(2)
+    negative, _ = curve_of(list(rng.uniform(0.1, 1.0, (4, 50))), kind).resample(np.full((3, 4), 0.25))
+    assert negative.tolist() == [0.0, 0.0, 0.0]

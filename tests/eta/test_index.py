@@ -1,0 +1,52 @@
+"""I_N and I_P as they are shown, and a ratio of two of them."""
+
+import json
+
+import pytest
+
+from harness.eta.index import Index, Ratio
+
+
+def test_sums_are_shown_rounded_to_a_tenth():
+    """I_N and I_P have one decimal, as published."""
+    index = Index(0, 2, 4, -0.26, 0.44)
+    assert (index.I_N, index.I_P) == (-0.3, 0.4)
+
+
+def test_sums_are_kept_unrounded():
+    """What ratios are taken of is not rounded."""
+    index = Index(0, 2, 4, -0.26, 0.44)
+    assert (index.negative_sum, index.positive_sum) == (-0.26, 0.44)
+
+
+@pytest.mark.parametrize("total", [-0.01, -0.0])
+def test_sum_that_rounds_to_zero_has_no_sign(total: float):
+    """Minus zero would be printed."""
+    assert str(Index(0, None, 2, total, 0.0).I_N) == "0.0"
+
+
+def test_index_as_json():
+    """The keys of the table, the sums rounded, null where a step does not exist."""
+    assert Index(1, None, 4, -3.14, 1.0).to_json() == {
+        "first_negative": 1,
+        "crossover": None,
+        "steps": 4,
+        "I_N": -3.1,
+        "I_P": 1.0,
+    }
+
+
+def test_ratio_as_json():
+    """A ratio is its value, the ends of its interval and a note."""
+    ratio = Ratio(2.0, 1.5, 2.5, "five seeds")
+    assert json.loads(json.dumps(ratio.to_json())) == {"value": 2.0, "low": 1.5, "high": 2.5, "note": "five seeds"}
+
+
+def test_ratio_need_not_have_an_interval():
+    """A value alone, or a reason alone, is a ratio."""
+    assert Ratio(None, note="nothing to divide by").to_json() == {
+        "value": None,
+        "low": None,
+        "high": None,
+        "note": "nothing to divide by",
+    }

@@ -1,0 +1,217 @@
+"""Evaluations of a cell: when they are due, and that a training takes no notice of them."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from harness.experiment.run_cell import run_cell
+from harness.policy import WEIGHTS
+from harness.record.cell import Cell
+from harness.record.folder import (
+    EVALUATION,
+    EVALUATIONS,
+    LOG,
+    MANIFEST,
+    POLICY,
+    RANDOM,
+    TENSORBOARD,
+    TRACE,
+    evaluation_files,
+)
+from harness.record.manifest import read_manifest
+from harness.record.trace import read_trace
+from harness.registry.choice import Choice
+from harness.score.scorer import SCORED
+
+pytestmark = pytest.mark.usefixtures("toys")
+MakeCell = Callable[..., Cell]
+NARRATE = {"algorithm": Choice("narrate", (), "narrate")}
+SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "steps": 1920}
+SAC = {"algorithm": Choice("sac", (), "sac"), "steps": 1200}
+WATCHED = (
+    "Environment/Cumulative Reward",
+    "Environment/Episode Length",
+    "Losses/Policy Loss",
+    "Losses/Value Loss",
+    "Policy/Entropy",
+)
+
+
+def _run(cell: Cell, folder: Path, **options: Any) -> Path:
+    assert run_cell(cell, folder, lambda steps: None, **options).status == "done"
+    return folder
+
+
+def _work(cell: Cell, folder: Path, until: int | None = None) -> None:
+    """Do the cell in a process of its own, which is killed when it has told of `until` steps."""
+    order = {"cell": cell.to_json(), "folder": str(folder), "command": ["harness"], "checkpoint_every": 640}
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-m", "harness.experiment.worker"], text=True, **pipes) as worker:
+        worker.stdin.write(json.dumps(order) + "\n")
+        worker.stdin.flush()
+        for line in worker.stdout:
+            if until is not None and int(line) >= until:
+                os.kill(worker.pid, signal.SIGKILL)
+                break
+        worker.wait()
+
+
+def _require_equal_results(one: Path, other: Path) -> None:
+    """Row by row, and weight by weight."""
+    for name in (TRACE, EVALUATION, RANDOM):
+        assert pq.read_table(one / name).equals(pq.read_table(other / name))
+    assert (one / POLICY / WEIGHTS).read_bytes() == (other / POLICY / WEIGHTS).read_bytes()
+
+
+def test_one_evaluation_at_the_end_is_the_default(make_cell: MakeCell, tmp_path: Path):
+    """A training that tells of its policy all the time leaves none before."""
+    folder = _run(make_cell(**NARRATE), tmp_path / "cell")
+    assert {path.name for path in folder.iterdir()} == {TRACE, POLICY, EVALUATION, RANDOM, MANIFEST}
+
+
+@pytest.mark.parametrize(
+    ("every", "num_envs", "steps", "due"),
+    [(5, 1, 12, [5, 10]), (6, 1, 12, [6]), (4, 3, 12, [6, 9]), (1, 6, 12, [6]), (13, 1, 12, [])],
+    ids=["multiples", "not at the end", "at or after", "several at once", "never"],
+)
+def test_an_evaluation_is_due_at_or_after_each_multiple(
+    make_cell: MakeCell, tmp_path: Path, every: int, num_envs: int, steps: int, due: list[int]
+):
+    """Once for each, at the first word of the training; the end has the evaluation that is always there."""
+    algorithm = Choice("narrate", (("num_envs", num_envs),), "narrate")
+    folder = _run(make_cell(algorithm=algorithm, steps=steps, evaluate_every=every), tmp_path / "cell")
+    assert list(evaluation_files(folder)) == due
+
+
+def test_an_evaluation_is_of_the_policy_as_it_was_then(make_cell: MakeCell, tmp_path: Path):
+    """It meets the starts and targets of the final one, and acts otherwise."""
+    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
+    traces = [read_trace(path) for path in (*evaluation_files(folder).values(), folder / EVALUATION)]
+    first = [trace["action"][trace["step"] == 1] for trace in traces]
+    np.testing.assert_allclose([action[0, 0] for action in first], np.tanh([5 / 12, 10 / 12, 1.0]), rtol=1e-6)
+    for name in ("qpos", "target_x", "target_y", "target_z"):
+        starts = [trace[name][trace["step"] == 0] for trace in traces]
+        np.testing.assert_array_equal(starts[0], starts[2])
+
+
+def test_an_evaluation_is_a_trace_like_the_final_one(make_cell: MakeCell, tmp_path: Path):
+    """The same columns, a finished episode of each env, and what a score needs."""
+    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
+    files = [folder / EVALUATIONS / "5.parquet", folder / EVALUATION]
+    assert pq.read_schema(files[0]).equals(pq.read_schema(files[1]), check_metadata=True)
+    assert len(read_trace(files[0], [*SCORED, "episode", "reward"]).episodes) == 2
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [NARRATE, SPG, pytest.param(SAC, marks=pytest.mark.slow)],
+    ids=["toy", "spg", "sac"],
+)
+def test_evaluations_disturb_nothing(make_cell: MakeCell, tmp_path: Path, fields: dict[str, Any]):
+    """The trace of the training and its policy are the same, bit for bit, with them and without."""
+    every = max(make_cell(**fields).steps // 4, 1)
+    often = _run(make_cell(**fields, evaluate_every=every), tmp_path / "often")
+    assert len(evaluation_files(often)) == 3
+    _require_equal_results(often, _run(make_cell(**fields), tmp_path / "once"))
+
+
+def test_time_of_evaluations_is_no_time_of_training(
+    make_cell: MakeCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The manifest's seconds of training are without them."""
+    import time
+
+    import harness.experiment.cell_evaluations as module
+
+    evaluate = module.evaluate
+    monkeypatch.setattr(
+        module, "evaluate", lambda *given: (time.sleep(0.5), evaluate(*given))
+    )
+    manifest = run_cell(make_cell(**NARRATE, evaluate_every=6), tmp_path / "cell", lambda steps: None)
+    assert manifest.seconds > 1.5
+    assert manifest.training_seconds < manifest.seconds - 1.4
+
+
+def test_killed_cell_evaluates_nothing_twice(make_cell: MakeCell, tmp_path: Path):
+    """Evaluations before the checkpoint stay as they are; in the end there are those of a cell that nobody killed."""
+    cell = make_cell(**SPG, evaluate_every=320)
+    _work(cell, tmp_path / "whole")
+    _work(cell, tmp_path / "killed", until=1440)
+    partial = next(tmp_path.glob(".killed*"))
+    before = {steps: path.stat().st_mtime_ns for steps, path in evaluation_files(partial).items()}
+    _work(cell, tmp_path / "killed")
+    begun = read_manifest(tmp_path / "killed").resumed_from
+    kept = {steps: path.stat().st_mtime_ns for steps, path in evaluation_files(tmp_path / "killed").items()}
+    assert begun == 1280
+    assert {steps: when for steps, when in kept.items() if steps <= begun} == {
+        steps: when for steps, when in before.items() if steps <= begun
+    }
+    whole, killed = (evaluation_files(tmp_path / name) for name in ("whole", "killed"))
+    assert list(killed) == list(whole) == [320, 640, 960, 1280, 1600]
+    assert all(path.read_bytes() == whole[steps].read_bytes() for steps, path in killed.items())
+    _require_equal_results(tmp_path / "whole", tmp_path / "killed")
+
+
+def test_stochastic_evaluation_is_reproducible(make_cell: MakeCell, tmp_path: Path):
+    """Draws of one evaluation depend on nothing that was drawn before, in another evaluation for one."""
+    one = _run(make_cell(**NARRATE, deterministic=False), tmp_path / "one")
+    other = _run(make_cell(**NARRATE, deterministic=False, evaluate_every=5), tmp_path / "other")
+    _require_equal_results(one, other)
+
+
+def test_stochastic_evaluation_draws(make_cell: MakeCell, tmp_path: Path):
+    """Only the evaluation is another one: the policy is the same."""
+    drawn = _run(make_cell(**NARRATE, deterministic=False), tmp_path / "drawn")
+    likeliest = _run(make_cell(**NARRATE), tmp_path / "likeliest")
+    traces = [read_trace(folder / EVALUATION) for folder in (drawn, likeliest)]
+    spread = [np.ptp(trace["action"][trace["step"] > 0], axis=0).max() for trace in traces]
+    assert spread[0] > 0.1
+    assert spread[1] == 0.0
+    assert pq.read_table(drawn / TRACE).equals(pq.read_table(likeliest / TRACE))
+    assert not pq.read_table(drawn / EVALUATION).equals(pq.read_table(likeliest / EVALUATION))
+
+
+def test_event_files_are_left_when_asked_for(make_cell: MakeCell, tmp_path: Path, read_events: Callable):
+    """All that the training tells, under its names, and each evaluation, the final one included."""
+    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell", tensorboard=True)
+    events = read_events(folder / TENSORBOARD)
+    assert set(WATCHED) <= set(events)
+    assert events["Policy/Entropy"] == [(steps, 1.5) for steps in range(1, 13)]
+    assert [steps for steps, _ in events["Evaluation/Success Rate"]] == [5, 10, 12]
+    assert [steps for steps, _ in events["Evaluation/Cumulative Reward"]] == [5, 10, 12]
+
+
+def test_event_files_change_nothing(make_cell: MakeCell, tmp_path: Path):
+    """A cell with them has the results of one without, and the folder one thing more."""
+    watched = _run(make_cell(**NARRATE), tmp_path / "watched", tensorboard=True)
+    alone = _run(make_cell(**NARRATE), tmp_path / "alone")
+    _require_equal_results(watched, alone)
+    assert {path.name for path in watched.iterdir()} == {path.name for path in alone.iterdir()} | {TENSORBOARD}
+
+
+def test_metric_that_raises_costs_no_cell(make_cell: MakeCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """What TensorBoard would show of an evaluation decides nothing: the error is in the log, the cell is done."""
+
+    def fail(trace: Any, registry: Any) -> None:
+        raise ZeroDivisionError("a metric")
+
+    monkeypatch.setattr("harness.experiment.cell_evaluations.evaluation_scalars", fail)
+    folder = _run(make_cell(**NARRATE), tmp_path / "cell", tensorboard=True)
+    assert "ZeroDivisionError: a metric" in (folder / LOG).read_text()
+
+
+@pytest.mark.slow
+def test_sac_tells_what_unity_tells(make_cell: MakeCell, tmp_path: Path, read_events: Callable):
+    """The event files have the names that users of Unity ML-Agents look for, and finite numbers."""
+    events = read_events(_run(make_cell(**SAC), tmp_path / "cell", tensorboard=True) / TENSORBOARD)
+    assert set(WATCHED) <= set(events)
+    assert all(np.isfinite(value) for values in events.values() for _, value in values)

@@ -1,0 +1,311 @@
+"""A cell whose process is killed goes on from its last checkpoint, to the same end."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+import safetensors.numpy
+
+from harness.authoring.generator_state import pack_generator, restore_generator
+from harness.errors import SchemaError
+from harness.experiment.attempt import begin_attempt
+from harness.experiment.checkpoint import ABOUT, Checkpoint, read_checkpoint
+from harness.experiment.experiment import run_plan
+from harness.experiment.plan import Plan
+from harness.experiment.run_cell import run_cell
+from harness.experiment.trace_parts import TraceParts, digest_of, discard_parts, part_of, require_parts
+from harness.policy import WEIGHTS
+from harness.record.cell import Cell
+from harness.record.folder import CHECKPOINT, EVALUATION, LOG, POLICY, TRACE, partial_folder
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.store import Store
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+from harness.testing.trainings import WatchedEnv
+
+MakeCell = Callable[..., Cell]
+ORIGIN = {"cell": "a", "versions": {"numpy": "2"}, "commit": "", "sources": {}}
+RANDOM = {"algorithm": Choice("random", (), "random"), "steps": 3000}
+SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "steps": 1920}
+
+
+def _work(cell: Cell, folder: Path, every: int, until: int | None = None) -> None:
+    """Do the cell in a process of its own, which is killed when it has told of `until` steps, if it gets there."""
+    order = {"cell": cell.to_json(), "folder": str(folder), "command": ["harness"], "checkpoint_every": every}
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-m", "harness.experiment.worker"], text=True, **pipes) as worker:
+        worker.stdin.write(json.dumps(order) + "\n")
+        worker.stdin.flush()
+        for line in worker.stdout:
+            if until is not None and int(line) >= until:
+                os.kill(worker.pid, signal.SIGKILL)
+                break
+        worker.wait()
+
+
+def _contents(folder: Path) -> list[bytes]:
+    return [(folder / name).read_bytes() for name in (TRACE, EVALUATION, f"{POLICY}/{WEIGHTS}")]
+
+
+def _checkpoint(**fields: Any) -> Checkpoint:
+    given = {"steps": 7, "origin": ORIGIN, "algorithm": {"weight": np.arange(3.0)}, "env": {"count": np.array(5)}}
+    return Checkpoint(**{**given, **fields})
+
+
+# --------------------------------------------------------------------------------------------------- whole cells
+
+
+@pytest.mark.usefixtures("toys")
+@pytest.mark.parametrize(
+    ("fields", "every", "kills"),
+    [(RANDOM, 1000, (1300, 2200)), (RANDOM, 500, (2900,)), (SPG, 640, (1500,))],
+    ids=["twice", "near the end", "spg"],
+)
+def test_killed_cell_ends_as_if_it_had_not_been(
+    make_cell: MakeCell, tmp_path: Path, fields: dict[str, Any], every: int, kills: tuple[int, ...]
+):
+    """Trace, evaluation and weights are, byte for byte, those of a cell that nobody killed."""
+    cell = make_cell(**fields)
+    _work(cell, tmp_path / "whole", every)
+    for until in kills:
+        _work(cell, tmp_path / "killed", every, until)
+        assert not (tmp_path / "killed").exists()
+    _work(cell, tmp_path / "killed", every)
+    manifest = read_manifest(tmp_path / "killed")
+    assert kills[-1] - every < manifest.resumed_from <= kills[-1]
+    assert manifest.note == f"went on after {manifest.resumed_from} steps"
+    assert _contents(tmp_path / "killed") == _contents(tmp_path / "whole")
+
+
+@pytest.mark.usefixtures("toys")
+def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path):
+    """With checkpoints and without, the trace has the same rows; nothing of them is left in the cell's folder."""
+    cell = make_cell(**RANDOM)
+    for name, every in (("with", 1000), ("without", 0)):
+        assert run_cell(cell, tmp_path / name, lambda steps: None, every).status == "done"
+    tables = [pq.read_table(tmp_path / name / TRACE) for name in ("with", "without")]
+    assert tables[0].equals(tables[1])
+    names = [{path.name for path in (tmp_path / name).iterdir()} for name in ("with", "without")]
+    assert names[0] == names[1]
+
+
+@pytest.mark.usefixtures("toys")
+def test_cell_without_a_checkpoint_starts_over_and_says_so(make_cell: MakeCell, tmp_path: Path):
+    """An algorithm that writes none loses what it had done, and log and manifest tell."""
+    waiting = Choice("wander", (("note", str(tmp_path / "note")), ("then", "wait")), "wander")
+    _work(make_cell(algorithm=waiting), tmp_path / "cell", 1, until=12)
+    assert (partial_folder(tmp_path / "cell") / f"{Path(TRACE).stem}.0").exists()
+    manifest = run_cell(make_cell(), tmp_path / "cell", lambda steps: None, 1)
+    assert (manifest.status, manifest.resumed_from) == ("done", 0)
+    assert manifest.note == "started over: no checkpoint was left"
+    assert "this one started over" in (tmp_path / "cell" / LOG).read_text()
+
+
+@pytest.mark.usefixtures("toys")
+def test_damaged_checkpoint_starts_over(make_cell: MakeCell, tmp_path: Path):
+    """The cell is done all the same, from its beginning, and says why."""
+    cell = make_cell(**RANDOM)
+    _work(cell, tmp_path / "cell", 1000, until=2500)
+    path = partial_folder(tmp_path / "cell") / CHECKPOINT
+    path.write_bytes(path.read_bytes()[:-3])
+    manifest = run_cell(cell, tmp_path / "cell", lambda steps: None, 1000)
+    assert (manifest.status, manifest.resumed_from) == ("done", 0)
+    assert manifest.note.startswith(f"started over: {CHECKPOINT} is of no use: ")
+    run_cell(cell, tmp_path / "whole", lambda steps: None, 1000)
+    assert _contents(tmp_path / "cell") == _contents(tmp_path / "whole")
+
+
+# -------------------------------------------------------------------------------------------------------- the file
+
+
+def test_checkpoint_comes_back(tmp_path: Path):
+    """Numbers, arrays of any type, and what is said of them."""
+    algorithm = {"done": np.array(7), "bytes": np.arange(3, dtype=np.uint8), "turned": np.ones((2, 3), np.float32).T}
+    _checkpoint(algorithm=algorithm, seconds=1.5).write(tmp_path)
+    back = read_checkpoint(tmp_path, ORIGIN)
+    assert (back.steps, back.seconds, back.parts, int(back.env["count"])) == (7, 1.5, (), 5)
+    for name, array in algorithm.items():
+        assert (back.algorithm[name].dtype, back.algorithm[name].shape) == (array.dtype, array.shape)
+        np.testing.assert_array_equal(back.algorithm[name], array)
+
+
+def test_later_checkpoint_replaces_the_earlier_one(tmp_path: Path):
+    """There is one file."""
+    for steps in (7, 8):
+        _checkpoint(steps=steps).write(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [CHECKPOINT]
+    assert read_checkpoint(tmp_path, ORIGIN).steps == 8
+
+
+@pytest.mark.parametrize("key", ORIGIN)
+def test_other_origin_is_refused(tmp_path: Path, key: str):
+    """Neither another cell's checkpoint, nor one of other sources or versions, is gone on from."""
+    _checkpoint().write(tmp_path)
+    with pytest.raises(SchemaError, match="have changed since"):
+        read_checkpoint(tmp_path, {**ORIGIN, key: "other"})
+
+
+def test_newer_format_is_refused(tmp_path: Path):
+    """What it means is not known."""
+    safetensors.numpy.save_file({}, tmp_path / CHECKPOINT, {ABOUT: json.dumps({"format": 99})})
+    with pytest.raises(SchemaError, match="it has format 99, this version reads up to 1"):
+        read_checkpoint(tmp_path, ORIGIN)
+
+
+def test_every_flipped_byte_is_found(tmp_path: Path):
+    """Wherever it is, the checkpoint is refused."""
+    _checkpoint(seconds=0.0).write(tmp_path)
+    whole = (tmp_path / CHECKPOINT).read_bytes()
+    for at in np.random.default_rng(0).integers(len(whole), size=60):
+        flipped = bytearray(whole)
+        flipped[at] ^= 1
+        (tmp_path / CHECKPOINT).write_bytes(flipped)
+        with pytest.raises(SchemaError):
+            read_checkpoint(tmp_path, ORIGIN)
+
+
+def test_missing_checkpoint_is_refused(tmp_path: Path):
+    """As a damaged one."""
+    with pytest.raises(SchemaError, match="it cannot be read"):
+        read_checkpoint(tmp_path, ORIGIN)
+
+
+# ------------------------------------------------------------------------------------------------- trace in parts
+
+
+def _rows(parts: TraceParts, first: int, count: int) -> None:
+    width = len(parts.recorder._block[0])
+    parts.recorder.append(np.outer(np.arange(first, first + count), np.ones(width)))
+
+
+def test_parts_become_one_trace(tmp_path: Path):
+    """The rows of all parts, in order; a part that was begun anew counts once."""
+    path = tmp_path / TRACE
+    with TraceParts(path, 2, 2) as parts:
+        _rows(parts, 0, 3)
+        parts.cut()
+        _rows(parts, 3, 2)
+    with TraceParts(path, 2, 2, parts.digests) as again:
+        _rows(again, 3, 4)
+    assert pq.read_table(path)["step"].to_pylist() == [0, 1, 2, 3, 4, 5, 6]
+    discard_parts(path)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_part_that_is_not_as_it_was_finished_is_noticed(tmp_path: Path):
+    """A byte that changed, or a file that is gone."""
+    part = part_of(tmp_path / TRACE, 0)
+    part.write_bytes(b"rows")
+    digests = [digest_of(part)]
+    require_parts(tmp_path / TRACE, digests)
+    part.write_bytes(b"rows!")
+    with pytest.raises(SchemaError, match=r"trace\.0 is missing or damaged"):
+        require_parts(tmp_path / TRACE, digests)
+    with pytest.raises(SchemaError, match=r"trace\.1 is missing or damaged"):
+        require_parts(tmp_path / TRACE, [digest_of(part), "gone"])
+
+
+# ------------------------------------------------------------------------------------------------- what is restored
+
+
+def test_env_goes_on_as_it_would_have():
+    """Starts, targets, numbers of episodes and the count of steps, from where its state was taken."""
+    first, second = WatchedEnv(3), WatchedEnv(3)
+    actions = np.ones((3, first.robot.dof), np.float32)
+    first.reset(seed=3)
+    for _ in range(30):
+        first.step(actions)
+    second.reset(seed=4)
+    second.restore(first.state())
+    assert second.environment_steps == first.environment_steps == 90
+    for _ in range(2):
+        np.testing.assert_array_equal(first.reset()[0], second.reset()[0])
+        for _ in range(25):
+            np.testing.assert_array_equal(first.step(actions)[0], second.step(actions)[0])
+        np.testing.assert_array_equal(first.episodes.matrix, second.episodes.matrix)
+
+
+def test_generator_goes_on_as_it_would_have():
+    """The same numbers follow."""
+    first, second = np.random.default_rng(0), np.random.default_rng(1)
+    first.normal(size=5)
+    restore_generator(second, pack_generator(first))
+    np.testing.assert_array_equal(first.normal(size=5), second.normal(size=5))
+
+
+@pytest.mark.parametrize("packed", [b"no json", b"[]", b'{"bit_generator": "MT19937"}'])
+def test_state_of_no_such_generator_is_refused(packed: bytes):
+    """With the kind that was expected."""
+    with pytest.raises(SchemaError, match="no state of a PCG64"):
+        restore_generator(np.random.default_rng(0), np.frombuffer(packed, np.uint8))
+
+
+def test_first_attempt_has_nothing_to_say(make_cell: MakeCell, tmp_path: Path):
+    """A folder with no more than a log is a fresh one; the log stays."""
+    (tmp_path / LOG).write_text("warming up\n")
+    attempt = begin_attempt(make_cell(), tmp_path, ORIGIN, 5)
+    assert (attempt.begun_from, attempt.parts, attempt.note, attempt.every) == (0, (), "", 5)
+    assert (tmp_path / LOG).read_text() == "warming up\n"
+
+
+# -------------------------------------------------------------------------------------------------------- plans
+
+
+def _begun(store: Store, cell: Cell, name: str = CHECKPOINT) -> Path:
+    partial = partial_folder(store.cell_folder(cell))
+    partial.mkdir()
+    (partial / name).write_bytes(b"half")
+    return partial
+
+
+def test_run_keeps_what_can_be_gone_on_from(make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path):
+    """Partial folders with a checkpoint stay; others go."""
+    one, two = make_cell(), make_cell(seed=1)
+    store = Store.create(tmp_path, make_plan(one, two))
+    kept, gone = _begun(store, one), _begun(store, two, TRACE)
+    store.discard_partial()
+    assert (kept.exists(), gone.exists()) == (True, False)
+
+
+def test_cell_whose_process_alone_was_killed_is_reopened(
+    make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path
+):
+    """It was recorded as failed, with its checkpoint: that is in the partial folder again."""
+    cell = make_cell()
+    store = Store.create(tmp_path, make_plan(cell))
+    _begun(store, cell)
+    store.record(cell, "failed", "its process was ended by SIGKILL")
+    partial = store.reopen(cell)
+    assert {path.name for path in partial.iterdir()} == {CHECKPOINT}
+    assert not store.cell_folder(cell).exists()
+
+
+def test_failed_cell_without_a_checkpoint_stays(make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path):
+    """Until its next attempt replaces it."""
+    cell = make_cell()
+    store = Store.create(tmp_path, make_plan(cell))
+    store.record(cell, "failed", "no luck")
+    store.reopen(cell)
+    assert read_manifest(store.cell_folder(cell)).reason == "no luck"
+
+
+def test_run_tells_where_a_cell_went_on(
+    toys: Registry, make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path
+):
+    """Who follows the run hears what the manifest says of it."""
+    cell = make_cell(**RANDOM)
+    plan = make_plan(cell)
+    store, notes = Store.create(tmp_path, plan), []
+    _work(cell, store.cell_folder(cell), 1000, until=2500)
+    run_plan(plan, store, toys, 1, lambda event: notes.append(event.note))
+    manifest: Manifest = read_manifest(store.cell_folder(cell))
+    assert manifest.note.startswith("went on after ")
+    assert notes[-1] == manifest.note

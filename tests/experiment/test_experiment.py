@@ -1,0 +1,187 @@
+"""From the plan to the results."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import harness
+from harness.errors import UsageError
+from harness.executor import Event
+from harness.experiment.experiment import default_folder, run, run_plan
+from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment.workers import core_count
+from harness.record.cell import Cell
+from harness.record.folder import LOG, partial_folder
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.store import Store
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+from harness.results import Results
+
+QUICK: dict[str, Any] = {"sim": "ideal", "algo": "wander", "seeds": 1, "steps": 6, "evaluation_episodes": 2}
+TASK = "fd100-reach:horizon=5"
+
+
+def _plan(registry: Registry, **keys: Any) -> Plan:
+    return expand(
+        check_experiment({**QUICK, "sim": ["ideal"], "algo": ["wander"], "task": TASK, "seeds": 2, **keys}), registry
+    )
+
+
+def _ended(plan: Plan, store: Store, registry: Registry) -> list[Cell]:
+    """The cells that a run of the plan, in this process, did."""
+    events: list[Event] = []
+    run_plan(plan, store, registry, 1, events.append, executor="here")
+    return [event.cell for event in events if event.kind == "ended"]
+
+
+def test_run_does_every_cell_and_returns_the_results(toys: Registry, tmp_path: Path):
+    """From names to results, in worker processes; one name need not stand in a list."""
+    results = run(out=tmp_path / "out", jobs=2, task=TASK, **QUICK)
+    assert isinstance(results, Results)
+    assert [(item.cell.reward.label, item.status) for item in results.manifests] == [
+        ("baseline", "done"),
+        ("arp", "done"),
+    ]
+    assert [item.seeds for item in results.combinations] == [(0,)]
+
+
+def test_failed_cells_cost_themselves_alone(toys: Registry, tmp_path: Path):
+    """One that raises and one that is killed are failed, each with its reason and its log; the others are done."""
+    algorithms = ["wander", {"name": "wander", "then": "raise"}, {"name": "wander", "then": "die silently"}]
+    results = run(out=tmp_path / "out", jobs=2, task=TASK, **{**QUICK, "algo": algorithms})
+    by_algorithm = {manifest.cell.algorithm.label: manifest for manifest in results.manifests}
+    assert {label: manifest.status for label, manifest in by_algorithm.items()} == {
+        "wander": "done",
+        "wander:then=raise": "failed",
+        "wander:then=die silently": "failed",
+    }
+    assert by_algorithm["wander:then=raise"].reason == "RuntimeError: the arm fell off"
+    killed = by_algorithm["wander:then=die silently"]
+    assert killed.reason == "its process ended with exit status 0 before the cell did"
+    assert (results.store.cell_folder(killed.cell) / LOG).read_text() == "last words\n"
+    assert len(results.failed) == 4
+
+
+def test_end_of_a_failed_cell_tells_why(toys: Registry, tmp_path: Path):
+    """Who follows a run hears the reason that the manifest has, and of a done cell none."""
+    plan = _plan(toys, algo=["wander", "wander:then=raise"], seeds=1)
+    events: list[Event] = []
+    run_plan(plan, Store.create(tmp_path, plan), toys, 1, events.append, executor="here")
+    assert {(event.cell.algorithm.label, event.reason) for event in events if event.kind == "ended"} == {
+        ("wander", ""),
+        ("wander:then=raise", "RuntimeError: the arm fell off"),
+    }
+
+
+def test_second_run_does_only_what_is_not_done(toys: Registry, tmp_path: Path):
+    """Done cells stay as they are; a failed cell and new ones are run."""
+    plan = _plan(toys)
+    store = Store.create(tmp_path, plan)
+    assert _ended(plan, store, toys) == list(plan.cells)
+    assert _ended(plan, store, toys) == []
+    failed = plan.cells[1]
+    Manifest(failed, "failed", "no luck").write(store.cell_folder(failed))
+    more = _plan(toys, seeds=3)
+    assert _ended(more, Store.create(tmp_path, more), toys) == [failed, *more.cells[4:]]
+    assert read_manifest(store.cell_folder(failed)).status == "done"
+
+
+def test_skipped_cells_are_not_run(toys: Registry, tmp_path: Path):
+    """A combination that cannot work is recorded, and no executor sees it."""
+    plan = _plan(toys, algo=["buttons", "wander"], task="handless", seeds=1)
+    store = Store.create(tmp_path, plan)
+    assert {cell.algorithm.label for cell in _ended(plan, store, toys)} == {"wander"}
+    assert {item.status for item in Results(tmp_path, toys).manifests} == {"done", "skipped"}
+
+
+def test_reason_of_a_cell_without_a_folder_is_recorded(toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path):
+    """What an executor says of a cell that it lost becomes the cell's manifest."""
+
+    class Losing:
+        def run(self, jobs: Any, at_once: int, on_event: Any) -> None:
+            for job in jobs:
+                on_event(Event("ended", job.cell, reason="lost on the way"))
+
+    class Spec:
+        def load(self) -> type:
+            return Losing
+
+    plan = _plan(toys, seeds=1)
+    store = Store.create(tmp_path, plan)
+    toys.get = lambda kind, name: Spec()
+    run_plan(plan, store, toys, 1)
+    assert [(item.status, item.reason) for item in store.manifests()] == [("failed", "lost on the way")] * 2
+
+
+def test_interrupt_keeps_what_is_finished(toys: Registry, tmp_path: Path):
+    """KeyboardInterrupt passes; done cells are done, and nothing half-done is left or locked."""
+    plan = _plan(toys, algo=["wander", "wander:then=interrupt"], seeds=1)
+    first, *_ = (cell for cell in plan.cells if cell.algorithm.label == "wander")
+    bad = next(cell for cell in plan.cells if cell.algorithm.label != "wander")
+    plan = replace(plan, cells=(first, bad))
+    store = Store.create(tmp_path, plan)
+    with pytest.raises(KeyboardInterrupt):
+        _ended(plan, store, toys)
+    assert [manifest.cell for manifest in store.manifests()] == [first]
+    assert not partial_folder(store.cell_folder(bad)).exists()
+    with store.locked():
+        assert store.is_done(first)
+
+
+def test_folder_in_use_is_refused(toys: Registry, tmp_path: Path):
+    """Two runs do not meet in one folder."""
+    plan = _plan(toys)
+    store = Store.create(tmp_path, plan)
+    with store.locked(), pytest.raises(UsageError, match="Another run is using"):
+        _ended(plan, store, toys)
+
+
+REFUSED = {
+    "name": ({"sim": "idael"}, "No simulator 'idael'"),
+    "steps": ({"steps": 0}, "Experiment: steps=0: Input should be greater than 0"),
+    "no jobs": ({"jobs": 0}, "jobs=0: must be at least 1"),
+    "fewer jobs": ({"jobs": -1}, "jobs=-1: must be at least 1"),
+    "key": ({"stpes": 3}, "Experiment has no parameter 'stpes'"),
+}
+
+
+@pytest.mark.parametrize(("keys", "message"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_used_writes_nothing(toys: Registry, tmp_path: Path, keys: dict[str, Any], message: str):
+    """A usage error comes before the folder does."""
+    with pytest.raises(UsageError, match=f"^{message}"):
+        run(out=tmp_path / "out", **{**QUICK, **keys})
+    assert not list(tmp_path.iterdir())
+
+
+def test_table_stands_for_a_single_name(toys: Registry, tmp_path: Path):
+    """A dict is one name with parameters, as in a file."""
+    with pytest.raises(UsageError, match="Simulator 'ideal' has no parameter 'dt'"):
+        run(out=tmp_path / "out", **{**QUICK, "sim": {"name": "ideal", "dt": 1}})
+
+
+def test_default_folder_is_named_for_the_plan(toys: Registry):
+    """The same plan finds its results again; another plan has another folder."""
+    plan = _plan(toys)
+    assert default_folder(plan) == Path("results/runs") / f"ideal-wander-{plan.id}"
+    assert default_folder(_plan(toys, reward=["arp:k2=1.50"])) == default_folder(plan)
+    assert default_folder(_plan(toys, steps=18)) != default_folder(plan)
+
+
+def test_plan_of_skipped_cells_alone_has_a_folder(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]):
+    """Where nothing can be run there is still a place to say why."""
+    odd = make_cell(algorithm=Choice("buttons", (), "buttons"))
+    assert default_folder(make_plan(skipped=((odd, "no"),))).name.startswith("ideal-buttons-")
+
+
+def test_jobs_by_default_are_the_cores_there_are():
+    """At least one."""
+    assert core_count() >= 1
+
+
+def test_run_is_public(toys: Registry):
+    """`harness.run` is this function."""
+    assert harness.run is run

@@ -1,0 +1,325 @@
+"""An experiment as a user writes it, and the cells it expands to."""
+
+import re
+import shutil
+from collections.abc import Callable
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+
+import harness_robots
+from harness.errors import UsageError
+from harness.experiment.plan import Plan, check_experiment, expand, read_experiment
+from harness.record.store import EXPERIMENT, Store
+from harness.registry.choice import choose
+from harness.registry.registry import Registry, load_registry
+
+BASE = {"sim": ["ideal"], "algo": ["wander"]}
+
+
+def _plan(registry: Registry, **keys: Any) -> Plan:
+    return expand(check_experiment({**BASE, **keys}), registry)
+
+
+def _write(folder: Path, keys: dict[str, Any]) -> Path:
+    path = folder / "My_Experiment.toml"
+    path.write_text(tomli_w.dumps(keys))
+    return path
+
+
+def test_defaults_compare_arp_with_the_baseline(toys: Registry):
+    """With a simulator and an algorithm alone: three seeds, 10,000 steps, 100 episodes of evaluation."""
+    plan = _plan(toys)
+    assert plan.baseline == "baseline"
+    assert [(cell.reward.label, cell.seed) for cell in plan.cells] == [
+        (reward, seed) for seed in range(3) for reward in ("baseline", "arp")
+    ]
+    assert {(cell.steps, cell.evaluation_episodes, cell.task.label) for cell in plan.cells} == {
+        (10_000, 100, "fd100-reach")
+    }
+
+
+def test_seeds_are_outermost(toys: Registry):
+    """Every combination has a run early: a plan that is cut short still compares."""
+    plan = _plan(toys, algo=["wander", "wander:width=8"], reward=["arp", "arp:k2=2"], seeds=2)
+    per_seed = [
+        (algorithm, reward) for algorithm in ("wander", "wander:width=8") for reward in ("baseline", "arp", "arp:k2=2")
+    ]
+    assert [(cell.seed, cell.algorithm.label, cell.reward.label) for cell in plan.cells] == [
+        (seed, *pair) for seed in (0, 1) for pair in per_seed
+    ]
+
+
+@pytest.mark.parametrize(
+    ("keys", "count"),
+    [
+        ({"reward": ["arp", "arp:k2=1.5", "arp:k1=1,k2=1.5", {"name": "arp", "k2": 1.5}]}, 2),
+        ({"sim": ["ideal", "ideal"]}, 2),
+        ({"algo": ["wander", "wander:width=4", {"name": "wander", "width": 4.0}]}, 2),
+        ({"reward": ["arp", "baseline"]}, 2),
+        ({"reward": ["arp", "arp:k2=2"]}, 3),
+    ],
+)
+def test_what_is_named_twice_runs_once(toys: Registry, keys: dict[str, Any], count: int):
+    """Choices are the same when their parameters are, however they are written; the baseline is no proposal."""
+    plan = _plan(toys, seeds=[7, 7], **keys)
+    assert len(plan.cells) == count
+    assert len({cell.id for cell in plan.cells}) == count
+
+
+@pytest.mark.parametrize(
+    ("seeds", "listed"), [(1, [0]), (3, [0, 1, 2]), ([5], [5]), ([3, 1, 3], [3, 1]), ("2", [0, 1])]
+)
+def test_seeds_are_a_number_or_a_list(seeds: Any, listed: list[int]):
+    """A number counts from 0; a list is taken as it stands, each once."""
+    assert check_experiment({**BASE, "seeds": seeds}).seed_list == listed
+
+
+def test_plan_of_the_same_cells_has_the_same_id(toys: Registry):
+    """The id names what is run: another step is another plan."""
+    assert _plan(toys).id == _plan(toys, reward=["arp:k2=1.5"]).id
+    assert _plan(toys).id != _plan(toys, steps=10_001).id
+
+
+@pytest.mark.parametrize(
+    ("task", "form"),
+    [
+        ("fd100-reach", "fd100-reach:action=discrete:action=movej"),
+        ("fd100-reach:action=movel", "fd100-reach:action=discrete:action=movel"),
+        ("fd100-reach:epsilon=0.1", "fd100-reach:epsilon=0.1,action=discrete:action=movej"),
+        (
+            "fd100-reach:action=(movel:frame=tcs,tip_speed=0.3)",
+            "fd100-reach:action=(discrete:action=movel:frame=tcs,tip_speed=0.3)",
+        ),
+        ("unity-reach", "unity-reach:action=discrete:action=set-joints"),
+    ],
+)
+def test_discrete_algorithm_gets_the_discrete_form_of_a_task(toys: Registry, task: str, form: str):
+    """Its choices are among what the task's own mode can do, and the cell's task says so."""
+    plan = _plan(toys, algo=["buttons", "wander"], task=task, seeds=1)
+    assert plan.skipped == ()
+    labels = {(cell.algorithm.label, cell.task.label) for cell in plan.cells}
+    assert labels == {("buttons", form), ("wander", choose(toys, "tasks", task).label)}
+
+
+@pytest.mark.parametrize("task", ["fd100-reach", "fd100-reach:action=discrete"])
+def test_algorithm_for_both_kinds_of_action_gets_the_task_as_it_is(toys: Registry, task: str):
+    """Nothing has to be changed for it."""
+    assert {cell.task.label for cell in _plan(toys, algo=["both"], task=task).cells} == {task}
+
+
+def test_discrete_form_is_the_task_that_a_user_would_name(toys: Registry):
+    """The cells are those of the discrete task itself."""
+    named = _plan(toys, algo=["buttons"], task="fd100-reach:action=discrete:action=movej")
+    assert _plan(toys, algo=["buttons"]).cells == named.cells
+
+
+def test_continuous_algorithm_is_skipped_on_a_discrete_task(toys: Registry):
+    """A combination that cannot work does not stop the others, and is never dropped silently."""
+    plan = _plan(toys, algo=["buttons", "wander"], task="fd100-reach:action=discrete", seeds=1)
+    assert {cell.algorithm.label for cell in plan.cells} == {"buttons"}
+    assert [(cell.algorithm.label, reason) for cell, reason in plan.skipped] == 2 * [
+        ("wander", "wander takes continuous actions, the task's are discrete")
+    ]
+
+
+def test_discrete_algorithm_is_skipped_on_a_task_without_a_choice_of_actions(toys: Registry):
+    """A task that has no parameter `action` keeps its actions."""
+    plan = _plan(toys, algo=["buttons", "wander"], task="handless", seeds=1)
+    assert {cell.algorithm.label for cell in plan.cells} == {"wander"}
+    assert {reason for _, reason in plan.skipped} == {
+        "buttons takes discrete actions, the task's are continuous, and it has no parameter 'action' to choose others"
+    }
+
+
+def test_steps_that_do_not_fit_the_envs_are_skipped_with_the_reason(toys: Registry):
+    """Ten steps on four envs would not be ten steps."""
+    plan = _plan(toys, algo=["wander:num_envs=4", "wander:num_envs=5"], steps=10, seeds=1)
+    assert {reason for _, reason in plan.skipped} == {
+        "steps=10 is not a multiple of the 4 envs that wander:num_envs=4 trains on"
+    }
+    assert {cell.algorithm.label for cell in plan.cells} == {"wander:num_envs=5"}
+
+
+def test_baseline_alone_is_compared_with_itself(toys: Registry):
+    """The baseline as its own proposed reward is the null control A/A: each cell once, and the plan says so."""
+    plan = _plan(toys, reward=["baseline"], seeds=2)
+    assert plan.a_a
+    assert [cell.seed for cell in plan.cells] == [0, 1]
+
+
+def test_any_reward_may_be_the_baseline(toys: Registry):
+    """The others are compared with the one that is named."""
+    plan = _plan(toys, baseline="arp:k2=2", reward=["baseline", "arp:k2=2.0"], seeds=1)
+    assert plan.baseline == "arp:k2=2"
+    assert [cell.reward.label for cell in plan.cells] == ["arp:k2=2", "baseline"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"sim": ["idael"]}, "No simulator 'idael'. There is: dm_control, ideal, "),
+        ({"algo": ["wonder"]}, "No algorithm 'wonder'."),
+        ({"reward": ["apr"]}, "No reward 'apr'."),
+        ({"baseline": "bsaeline"}, "No reward 'bsaeline'."),
+        ({"task": "reach"}, "No task 'reach'."),
+        ({"robot": "fd10"}, "No robot 'fd10'."),
+        ({"robot": "./nowhere"}, "No robot at './nowhere'"),
+    ],
+    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
+)
+def test_unknown_names_are_refused(toys: Registry, keys: dict[str, Any], message: str):
+    """One line, before anything runs."""
+    with pytest.raises(UsageError) as error:
+        _plan(toys, **keys)
+    assert str(error.value).startswith(message)
+    assert "\n" not in str(error.value)
+
+
+def test_missing_library_is_noticed_before_anything_runs(write_plugin: Callable[..., EntryPoint]):
+    """The plan cannot be made, and the message names the extra."""
+    source = (
+        "import harness\n@harness.hookimpl\ndef register_simulators(register):\n"
+        "    register('odd', 'a:B', summary='', requires=['no_such_engine'], extra='odd')\n"
+    )
+    registry = load_registry([write_plugin(source, "odd")])
+    with pytest.raises(UsageError, match=r"Simulator 'odd' needs no_such_engine: pip install '.*\[odd\]'"):
+        _plan(registry, sim=["odd"])
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"seeds": 0}, "seeds=0: Input should be greater than 0"),
+        ({"seeds": [0, -1]}, "seeds.1=-1: Input should be greater than or equal to 0"),
+        ({"seeds": []}, "seeds=[]: "),
+        ({"steps": 0}, "steps=0: Input should be greater than 0"),
+        ({"steps": -5}, "steps=-5: Input should be greater than 0"),
+        ({"steps": "many"}, "steps='many': Input should be a valid integer"),
+        ({"steps": 1.5}, "steps=1.5: Input should be a valid integer"),
+        ({"evaluate_every": -1}, "evaluate_every=-1: Input should be greater than or equal to 0"),
+        ({"evaluation_episodes": 0}, "evaluation_episodes=0: Input should be greater than 0"),
+        ({"robot": 3}, "robot=3: Input should be a valid string"),
+        ({"reward": [3]}, "reward.0=3: Input should be a valid string"),
+        ({"reward": []}, "reward=[]: List should have at least 1 item"),
+    ],
+    ids=str,
+)
+def test_values_out_of_range_are_refused(keys: dict[str, Any], message: str):
+    """The key, what was given, what is allowed; in one line."""
+    with pytest.raises(UsageError) as error:
+        check_experiment({**BASE, **keys})
+    assert str(error.value).startswith(f"Experiment: {message}")
+    assert "\n" not in str(error.value)
+
+
+def test_unknown_key_offers_the_nearest():
+    """A slip in a file is named, with the keys there are."""
+    with pytest.raises(UsageError, match=r"has no parameter 'stesp'. There is: sim, algo, .*\. Did you mean 'steps'\?"):
+        check_experiment({**BASE, "stesp": 3})
+
+
+@pytest.mark.parametrize("key", ["sim", "algo"])
+@pytest.mark.parametrize("value", [None, []])
+def test_simulator_and_algorithm_have_to_be_named(key: str, value: object):
+    """There is no default for what the experiment is about."""
+    with pytest.raises(UsageError, match=f"Experiment names no {key}: give --{key} NAME, or the key '{key}' in a file"):
+        check_experiment({**BASE, key: value})
+
+
+def test_experiment_is_read_from_a_file(toys: Registry, tmp_path: Path):
+    """Every key of the file is a field; a single name need not stand in a list, a table is a name with parameters."""
+    keys = {"sim": "ideal", "algo": {"name": "wander", "width": 8}, "reward": ["arp:k2=2"], "seeds": [4], "steps": 20}
+    plan = expand(read_experiment(_write(tmp_path, keys), {}), toys)
+    assert plan.cells == _plan(toys, algo=["wander:width=8"], reward=["arp:k2=2"], seeds=[4], steps=20).cells
+
+
+def test_flag_wins_over_a_key(tmp_path: Path):
+    """What the command line gives replaces what the file says; the rest stays."""
+    path = _write(tmp_path, {**BASE, "steps": 20, "seeds": 2})
+    experiment = read_experiment(path, {"steps": 40, "algo": ["buttons"]})
+    assert (experiment.steps, experiment.algo, experiment.seeds) == (40, ["buttons"], 2)
+
+
+def test_resolved_experiment_reads_back_to_the_same_cells(toys: Registry, tmp_path: Path):
+    """The experiment.toml that a run leaves, given to another run, is the same experiment, skipped cells included."""
+    plan = _plan(
+        toys,
+        algo=["wander:width=8,note=a b", "wander", "buttons"],
+        reward=["arp:k2=2.1", "arp"],
+        task="fd100-reach:target_center=0.8x0x0.7,epsilon=0.1",
+        seeds=[3, 1],
+        steps=30,
+    )
+    store = Store.create(tmp_path / "out", plan)
+    again = expand(read_experiment(store.folder / EXPERIMENT, {}), toys)
+    assert again == plan
+    assert [cell.id for cell in again.cells] == [cell.id for cell in plan.cells]
+
+
+def test_resolved_experiment_has_every_key(toys: Registry):
+    """Defaults are filled in, parameters too: a later version with other defaults still reads the same."""
+    resolved = _plan(toys).resolved
+    assert set(resolved) == {
+        "sim",
+        "algo",
+        "reward",
+        "baseline",
+        "task",
+        "robot",
+        "seeds",
+        "steps",
+        "evaluation_episodes",
+        "evaluate_every",
+        "deterministic",
+    }
+    assert resolved["reward"] == [{"name": "arp", "k1": 1.0, "k2": 1.5}]
+    assert resolved["seeds"] == [0, 1, 2]
+    assert resolved["task"]["horizon"] == 100
+
+
+def test_missing_file_is_named(tmp_path: Path):
+    """The message repeats the path."""
+    with pytest.raises(UsageError, match=rf"No experiment file '{tmp_path}/none\.toml'"):
+        read_experiment(tmp_path / "none.toml", {})
+
+
+@pytest.mark.parametrize("content", [b"steps = ", b"\xff\xfe", b"[sim", b"steps = 1\nsteps = 2"], ids=repr)
+def test_file_that_is_no_toml_is_refused(tmp_path: Path, content: bytes):
+    """The message names the file, and is one line."""
+    (tmp_path / "bad.toml").write_bytes(content)
+    with pytest.raises(UsageError, match=rf"Experiment file '{tmp_path}/bad\.toml' cannot be read") as error:
+        read_experiment(tmp_path / "bad.toml", {})
+    assert "\n" not in str(error.value)
+
+
+def test_folder_is_no_experiment_file(tmp_path: Path):
+    """A folder in the place of the file is refused."""
+    with pytest.raises(UsageError, match=f"Experiment file '{tmp_path}' cannot be read"):
+        read_experiment(tmp_path, {})
+
+
+@pytest.mark.parametrize("keys", [{**BASE, "stpes": 3}, {**BASE, "steps": 0}, {"algo": ["wander"]}], ids=str)
+def test_errors_in_a_file_name_the_file(tmp_path: Path, keys: dict[str, Any]):
+    """Its path is repeated as it is written."""
+    path = _write(tmp_path, keys)
+    with pytest.raises(UsageError, match="^" + re.escape(f"Experiment file '{path}'")):
+        read_experiment(path, {})
+
+
+def test_robot_is_given_by_its_full_path(toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A URDF or folder means the same in a worker that works elsewhere; a link to a URDF stays where it is."""
+    (tmp_path / "here").mkdir()
+    shutil.copytree(harness_robots.UNITY_ARM, tmp_path / "arm")
+    (tmp_path / "linked.urdf").symlink_to(tmp_path / "arm" / "unity_arm.urdf")
+    monkeypatch.chdir(tmp_path / "here")
+    for given, full in [
+        ("unity-arm", "unity-arm"),
+        ("../arm", str(tmp_path / "arm")),
+        ("../arm/unity_arm.urdf", str(tmp_path / "arm" / "unity_arm.urdf")),
+        ("../linked.urdf", str(tmp_path / "linked.urdf")),
+    ]:
+        assert _plan(toys, robot=given).cells[0].robot == full

@@ -1,0 +1,160 @@
+"""A cell from its start to its folder, in this process."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from harness.experiment.evaluate import evaluate
+from harness.experiment.run_cell import run_cell
+from harness.policy import load_policy
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, TRACE, partial_folder
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.trace import read_trace
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+
+pytestmark = pytest.mark.usefixtures("toys")
+MakeCell = Callable[..., Cell]
+
+
+def _run(cell: Cell, folder: Path) -> Manifest:
+    return run_cell(cell, folder, lambda steps: None)
+
+
+def _that(make_cell: MakeCell, then: str) -> Cell:
+    return make_cell(algorithm=Choice("wander", (("then", then),), f"wander:then={then}"))
+
+
+def test_done_cell_leaves_its_folder(make_cell: MakeCell, tmp_path: Path):
+    """Trace, policy, evaluation, the floor of random actions and the manifest; nothing beside the folder."""
+    manifest = _run(make_cell(), tmp_path / "cell")
+    assert (manifest.status, manifest.reason, manifest.cell) == ("done", "", make_cell())
+    assert {path.name for path in (tmp_path / "cell").iterdir()} == {TRACE, POLICY, EVALUATION, RANDOM, MANIFEST}
+    assert [path.name for path in tmp_path.iterdir()] == ["cell"]
+
+
+def test_manifest_in_the_folder_is_the_one_returned(make_cell: MakeCell, tmp_path: Path):
+    """With when, how long, and what it ran on."""
+    manifest = _run(make_cell(), tmp_path / "cell")
+    assert read_manifest(tmp_path / "cell") == manifest
+    assert 0.0 < manifest.training_seconds <= manifest.seconds
+    assert set(manifest.environment["sources"]) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
+
+
+def test_trace_has_every_step_of_training(make_cell: MakeCell, tmp_path: Path):
+    """As many rows as steps, and one more per episode."""
+    _run(make_cell(steps=12), tmp_path / "cell")
+    trace = read_trace(tmp_path / "cell" / TRACE)
+    assert np.count_nonzero(trace["step"]) == 12
+    assert np.count_nonzero(trace["step"] == 0) == trace["episode"].max() + 1
+
+
+def test_evaluations_have_one_finished_episode_per_env(make_cell: MakeCell, tmp_path: Path):
+    """The trained policy and random actions meet the same starts and targets; who ends early waits for the others."""
+    easy = Choice("fd100-reach", (("horizon", 30), ("epsilon", 0.4)), "easy")
+    _run(make_cell(evaluation_episodes=8, task=easy), tmp_path / "cell")
+    trained, floor = (read_trace(tmp_path / "cell" / name) for name in (EVALUATION, RANDOM))
+    for trace in (trained, floor):
+        assert sorted(trace["env"][trace.last_rows]) == list(range(8))
+        assert set(trace["episode"]) == {0}
+    assert len(set(floor["step"][floor.last_rows])) > 1
+    starts = [[trace[name][trace["step"] == 0] for name in ("qpos", "target_x")] for trace in (trained, floor)]
+    np.testing.assert_array_equal(starts[0][0], starts[1][0])
+    np.testing.assert_array_equal(starts[0][1], starts[1][1])
+
+
+def test_saved_policy_is_the_one_that_was_evaluated(make_cell: MakeCell, toys: Registry, tmp_path: Path):
+    """Loaded from the folder and evaluated again, it does the same, bit for bit."""
+    _run(make_cell(), tmp_path / "cell")
+    policy = load_policy(tmp_path / "cell" / POLICY)
+    evaluate(make_cell(), toys, policy.act, tmp_path / "again.parquet")
+    assert pq.read_table(tmp_path / "again.parquet").equals(pq.read_table(tmp_path / "cell" / EVALUATION))
+
+
+def test_same_cell_leaves_the_same_trace(make_cell: MakeCell, tmp_path: Path):
+    """Bit for bit, evaluation included; another seed leaves another."""
+    for name, seed in (("one", 0), ("two", 0), ("three", 1)):
+        _run(make_cell(seed=seed), tmp_path / name)
+    for file in (TRACE, EVALUATION, RANDOM):
+        one, two = (pq.read_table(tmp_path / name / file) for name in ("one", "two"))
+        assert one.equals(two)
+    assert not pq.read_table(tmp_path / "one" / TRACE).equals(pq.read_table(tmp_path / "three" / TRACE))
+
+
+def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell: MakeCell, tmp_path: Path):
+    """What a reward is compared on is the same for both."""
+    for name in ("baseline", "arp"):
+        _run(make_cell(reward=Choice(name, (), name)), tmp_path / name)
+    starts = []
+    for name in ("baseline", "arp"):
+        trace = read_trace(tmp_path / name / TRACE)
+        starts.append(trace["begin_distance"][trace["step"] == 0])
+    assert starts[0].tolist() == starts[1].tolist()
+
+
+def test_progress_is_told(make_cell: MakeCell, tmp_path: Path):
+    """The number of steps done so far, as the algorithm says it."""
+    told: list[int] = []
+    run_cell(make_cell(steps=3), tmp_path / "cell", told.append)
+    assert told == [1, 2, 3]
+
+
+def test_cell_that_raises_is_failed(make_cell: MakeCell, tmp_path: Path):
+    """The reason is one line with the kind of the error; the traceback is in the log."""
+    manifest = _run(_that(make_cell, "raise"), tmp_path / "cell")
+    assert (manifest.status, manifest.reason) == ("failed", "RuntimeError: the arm fell off")
+    assert read_manifest(tmp_path / "cell") == manifest
+    log = (tmp_path / "cell" / LOG).read_text()
+    assert log.startswith("Traceback")
+    assert "toy_arm.py" in log
+
+
+def test_failed_cell_keeps_its_readable_trace(make_cell: MakeCell, tmp_path: Path):
+    """What was recorded before the failure is there to look at."""
+    _run(_that(make_cell, "raise"), tmp_path / "cell")
+    assert np.count_nonzero(read_trace(tmp_path / "cell" / TRACE)["step"]) == 12
+
+
+def test_plugin_that_leaves_is_a_failed_cell(make_cell: MakeCell, tmp_path: Path):
+    """`sys.exit` in a plugin does not end the plan."""
+    manifest = _run(_that(make_cell, "sys.exit"), tmp_path / "cell")
+    assert (manifest.status, manifest.reason) == ("failed", "SystemExit: 0")
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ({"simulator": Choice("gone", (), "gone")}, "UsageError: No simulator 'gone'."),
+        ({"reward": Choice("arp", (("k2", -1.0),), "arp")}, "UsageError: Reward 'arp': k2=-1.0"),
+        ({"robot": "./nowhere"}, "UsageError: No robot at './nowhere'"),
+    ],
+    ids=["name", "parameter", "robot"],
+)
+def test_cell_that_cannot_be_built_is_failed(make_cell: MakeCell, tmp_path: Path, fields: dict, reason: str):
+    """Where a plugin has gone or changed since the plan was made, the manifest says so."""
+    manifest = _run(make_cell(**fields), tmp_path / "cell")
+    assert manifest.status == "failed"
+    assert manifest.reason.startswith(reason)
+
+
+def test_interrupt_passes(make_cell: MakeCell, tmp_path: Path):
+    """KeyboardInterrupt is no failure of the cell: nothing gets the cell's name."""
+    with pytest.raises(KeyboardInterrupt):
+        _run(_that(make_cell, "interrupt"), tmp_path / "cell")
+    assert not (tmp_path / "cell").exists()
+
+
+def test_cell_is_done_again_over_what_was_left(make_cell: MakeCell, tmp_path: Path):
+    """A folder of an earlier failure and a partial folder of an earlier kill do not stand in the way."""
+    _run(_that(make_cell, "raise"), tmp_path / "cell")
+    partial = partial_folder(tmp_path / "cell")
+    partial.mkdir()
+    (partial / TRACE).write_bytes(b"half")
+    (partial / POLICY).mkdir()
+    assert _run(make_cell(), tmp_path / "cell").status == "done"
+    assert read_manifest(tmp_path / "cell").status == "done"
+    assert not partial.exists()

@@ -1,0 +1,33 @@
+"""The folder of a cell: hidden while it grows, named when it is complete."""
+
+from pathlib import Path
+
+from harness.record.folder import EVALUATIONS, evaluation_files, partial_folder, publish
+
+
+def test_partial_folder_is_hidden_beside(tmp_path: Path):
+    """On the same file system, so that a rename completes it, and no result by its name."""
+    assert partial_folder(tmp_path / "abc") == tmp_path / ".abc.partial"
+
+
+def test_evaluations_come_in_order_of_their_steps(tmp_path: Path):
+    """As numbers, and without what a killed process was writing."""
+    (tmp_path / EVALUATIONS).mkdir()
+    for name in ("1000.parquet", "200.parquet", ".1200.parquet"):
+        (tmp_path / EVALUATIONS / name).touch()
+    assert list(evaluation_files(tmp_path)) == [200, 1000]
+
+
+def test_folder_without_evaluations_has_none(tmp_path: Path):
+    """They are made when the first one is."""
+    assert evaluation_files(tmp_path) == {}
+
+
+def test_publish_replaces(tmp_path: Path):
+    """The complete folder takes the place of the earlier one, nothing of which stays."""
+    for name, file in (("cell", "old"), (".cell.partial", "new")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / file).touch()
+    publish(partial_folder(tmp_path / "cell"), tmp_path / "cell")
+    assert [path.name for path in tmp_path.iterdir()] == ["cell"]
+    assert [path.name for path in (tmp_path / "cell").iterdir()] == ["new"]

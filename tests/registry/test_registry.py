@@ -1,0 +1,289 @@
+"""Entry points in, specs out: each hook, and each way in which a plugin can be broken."""
+
+import sys
+from collections.abc import Callable
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+
+from harness.errors import PluginError, UsageError
+from harness.hookspecs import KINDS
+from harness.registry.registry import Plugin, Registry, Spec, did_you_mean, load_registry, unknown_name
+
+Write = Callable[..., EntryPoint]
+
+ONE_OF_EACH = "import harness\n" + "".join(
+    f"@harness.hookimpl\ndef register_{kind}(register):\n"
+    f"    register('my-{kind}', 'json.decoder:JSONDecoder', summary='a {kind}')\n"
+    for kind in KINDS
+)
+
+
+def _plugin_with(body: str, hook: str = "register_rewards(register)") -> str:
+    return f"import harness\n@harness.hookimpl\ndef {hook}:\n    {body}\n"
+
+
+def _reward(name: str = "mine", target: str = "json.decoder:JSONDecoder", more: str = "") -> str:
+    return _plugin_with(f"register({name!r}, {target!r}, summary='a reward'{more})")
+
+
+def _only(registry: Registry) -> Plugin:
+    assert len(registry.plugins) == 1
+    return registry.plugins[0]
+
+
+def _assert_hook_registers(kind: str, write_plugin: Write) -> None:
+    import json.decoder
+
+    registry = load_registry([write_plugin(ONE_OF_EACH, "mine")])
+    spec = registry.get(kind, f"my-{kind}")
+    assert (spec.kind, spec.summary, spec.plugin) == (kind, f"a {kind}", "mine")
+    assert spec.load() is json.decoder.JSONDecoder
+    assert registry.names(kind) == [f"my-{kind}"]
+
+
+def test_register_simulators(write_plugin: Write):
+    """A name that is registered as a simulator is found among the simulators alone."""
+    _assert_hook_registers("simulators", write_plugin)
+
+
+def test_register_algorithms(write_plugin: Write):
+    """A name that is registered as an algorithm is found among the algorithms alone."""
+    _assert_hook_registers("algorithms", write_plugin)
+
+
+def test_register_rewards(write_plugin: Write):
+    """A name that is registered as a reward is found among the rewards alone."""
+    _assert_hook_registers("rewards", write_plugin)
+
+
+def test_register_metrics(write_plugin: Write):
+    """A name that is registered as a metric is found among the metrics alone."""
+    _assert_hook_registers("metrics", write_plugin)
+
+
+def test_register_robots(write_plugin: Write):
+    """A name that is registered as a robot is found among the robots alone."""
+    _assert_hook_registers("robots", write_plugin)
+
+
+def test_register_tasks(write_plugin: Write):
+    """A name that is registered as a task is found among the tasks alone."""
+    _assert_hook_registers("tasks", write_plugin)
+
+
+def test_register_executors(write_plugin: Write):
+    """A name that is registered as an executor is found among the executors alone."""
+    _assert_hook_registers("executors", write_plugin)
+
+
+def test_register_commands(write_plugin: Write):
+    """A name that is registered as a command is found among the commands alone."""
+    _assert_hook_registers("commands", write_plugin)
+
+
+def test_every_hook_has_a_test_named_after_it():
+    """A new hook without its test is noticed here."""
+    assert {f"test_register_{kind}" for kind in KINDS} <= set(globals())
+
+
+def test_plugin_says_what_it_registered(write_plugin: Write):
+    """The record of a plugin that works lists each kind and name."""
+    plugin = _only(load_registry([write_plugin(_reward(), "mine")]))
+    assert (plugin.name, plugin.status, plugin.reason, plugin.registered) == ("mine", "ok", "", ("reward mine",))
+
+
+def test_third_party_distribution_comes_in_by_the_same_door(toys: Registry):
+    """An installed package is found by its entry point, and known by its distribution and version."""
+    (plugin,) = [plugin for plugin in toys.plugins if plugin.name == "toys"]
+    assert (plugin.distribution, plugin.version, plugin.module, plugin.status) == ("toy-arm", "1.0", "toy_arm", "ok")
+    assert toys.get("simulators", "ideal").distribution == "toy-arm"
+
+
+def test_built_in_plugins_are_all_fine(monkeypatch: pytest.MonkeyPatch):
+    """What this distribution brings loads without a complaint, and no name is claimed twice."""
+    monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
+    registry = load_registry()
+    ours = [plugin for plugin in registry.plugins if plugin.distribution == "fd100-harness"]
+    assert {plugin.status for plugin in ours} == {"ok"}
+    assert registry.conflicts() == []
+
+
+def test_targets_are_not_imported_before_they_are_loaded(write_plugin: Write, tmp_path: Path):
+    """Loading the registry imports the light module alone; loading a spec imports its target."""
+    (tmp_path / "heavy_engine_of_a_test.py").write_text("class Engine: ...\n")
+    registry = load_registry([write_plugin(_reward(target="heavy_engine_of_a_test:Engine"), "mine")])
+    assert "heavy_engine_of_a_test" not in sys.modules
+    engine = registry.get("rewards", "mine").load()
+    assert engine is sys.modules["heavy_engine_of_a_test"].Engine
+
+
+BROKEN = {
+    "raises at import": ("raise RuntimeError('no\\nluck')", "RuntimeError: no luck"),
+    "does not parse": ("def", "SyntaxError: invalid syntax"),
+    "leaves at import": ("import sys; sys.exit(3)", "SystemExit: 3"),
+    "misses a module": ("import no_such_module_here", "ModuleNotFoundError: No module named 'no_such_module_here'"),
+    "raises in a hook": (_plugin_with("raise RuntimeError('hooked')"), "RuntimeError: hooked"),
+    "leaves in a hook": (_plugin_with("raise SystemExit"), "SystemExit"),
+    "registers a bad name": (_reward("My Reward"), "name 'My Reward' must be lower-case"),
+    "registers no name": (_reward(""), "name '' must be lower-case"),
+    "registers a colon": (_reward("a:b"), "name 'a:b' must be lower-case"),
+    "registers a bad target": (_reward(target="json.decoder"), "'json.decoder' of 'mine' must be 'module:attribute'"),
+    "requires a text": (_reward(more=", requires='numpy'"), "must be a list of modules, not a string"),
+    "forgets the summary": (_plugin_with("register('mine', 'a:b')"), "'summary'"),
+}
+
+
+@pytest.mark.parametrize(("source", "reason"), BROKEN.values(), ids=BROKEN)
+def test_broken_plugin_is_recorded_and_breaks_no_other(write_plugin: Write, source: str, reason: str):
+    """The reason is one line, nothing of the broken one is registered, and its neighbours load."""
+    broken, before, after = (
+        write_plugin(source, "broken", entry="m-broken"),
+        write_plugin(_reward("before"), "before", entry="a-before"),
+        write_plugin(_reward("after"), "after", entry="z-after"),
+    )
+    registry = load_registry([after, broken, before])
+    assert [plugin.status for plugin in registry.plugins] == ["ok", "broken", "ok"]
+    assert reason in registry.plugins[1].reason
+    assert "\n" not in registry.plugins[1].reason
+    assert registry.names("rewards") == ["after", "before"]
+
+
+def test_name_registered_before_a_hook_broke_is_not_kept(write_plugin: Write):
+    """A plugin is loaded as a whole or not at all."""
+    source = _reward("half") + "    raise RuntimeError\n"
+    assert load_registry([write_plugin(source, "broken")]).names("rewards") == []
+
+
+INCOMPATIBLE = {
+    "unknown hook": (
+        _plugin_with("pass", "register_rewrads(register)"),
+        "no hook register_rewrads; there is: register_simulators, register_algorithms, register_rewards",
+    ),
+    "wrong signature": (_plugin_with("pass", "register_rewards(registrar)"), "registrar"),
+    "newer interfaces": ("harness_api = 2\n" + _reward(), "written for harness_api 2, this is 1"),
+    "no hook": ("import harness\ndef register_rewards(register): ...\n", "implements no hook: mark its functions with"),
+}
+
+
+@pytest.mark.parametrize(("source", "reason"), INCOMPATIBLE.values(), ids=INCOMPATIBLE)
+def test_incompatible_plugin_is_recorded_and_breaks_no_other(write_plugin: Write, source: str, reason: str):
+    """A plugin for other interfaces registers nothing, and says why in one line."""
+    odd = write_plugin(source, "odd", entry="a-odd")
+    registry = load_registry([odd, write_plugin(_reward(), "good", entry="b-good")])
+    assert [plugin.status for plugin in registry.plugins] == ["incompatible", "ok"]
+    assert reason in registry.plugins[0].reason
+    assert "\n" not in registry.plugins[0].reason
+    assert registry.names("rewards") == ["mine"]
+
+
+def test_plugin_may_state_this_version_of_the_interfaces(write_plugin: Write):
+    """`harness_api = 1` loads."""
+    assert _only(load_registry([write_plugin("harness_api = 1\n" + _reward(), "mine")])).status == "ok"
+
+
+def test_module_named_by_two_entry_points_loads_once(write_plugin: Write):
+    """The second entry point is recorded as incompatible, and no name is claimed twice."""
+    first = write_plugin(_reward(), "mine", entry="a")
+    registry = load_registry([first, EntryPoint("b", first.value, "harness")])
+    assert [plugin.status for plugin in registry.plugins] == ["ok", "incompatible"]
+    assert registry.conflicts() == []
+
+
+def test_name_claimed_twice_names_both_plugins(write_plugin: Write):
+    """Neither wins: using the name is an error that names both, and other names still work."""
+    registry = load_registry(
+        [write_plugin(_reward(), "one"), write_plugin(_reward(), "two"), write_plugin(_reward("other"), "three")]
+    )
+    with pytest.raises(PluginError, match=r"Reward 'mine' is claimed by the plugins 'one' \(.*\) and 'two' \(.*\)"):
+        registry.get("rewards", "mine")
+    assert len(registry.conflicts()) == 1
+    assert registry.get("rewards", "other").plugin == "three"
+
+
+def test_same_name_of_two_kinds_is_no_conflict(write_plugin: Write):
+    """A simulator and a reward may share a name."""
+    simulator = _plugin_with("register('mine', 'a:b', summary='')", "register_simulators(register)")
+    registry = load_registry([write_plugin(_reward(), "one"), write_plugin(simulator, "two")])
+    assert registry.conflicts() == []
+
+
+@pytest.mark.parametrize(
+    ("value", "statuses"), [("", ["off", "off"]), ("two", ["off", "ok"]), (" one , two ", ["ok", "ok"])]
+)
+def test_environment_variable_restricts_what_loads(
+    write_plugin: Write, monkeypatch: pytest.MonkeyPatch, value: str, statuses: list[str]
+):
+    """HARNESS_PLUGINS names the plugins to load; the others are off, and an empty list loads none."""
+    points = [write_plugin(_reward("first"), "one"), write_plugin(_reward("second"), "two")]
+    monkeypatch.setenv("HARNESS_PLUGINS", value)
+    registry = load_registry(points)
+    assert [plugin.status for plugin in registry.plugins] == statuses
+    assert len(registry.names("rewards")) == statuses.count("ok")
+
+
+def test_plugin_that_is_off_is_not_imported(write_plugin: Write, monkeypatch: pytest.MonkeyPatch):
+    """A plugin that HARNESS_PLUGINS leaves out cannot do harm at import."""
+    point = write_plugin("raise SystemExit", "one")
+    monkeypatch.setenv("HARNESS_PLUGINS", "")
+    assert _only(load_registry([point])).status == "off"
+    assert point.module not in sys.modules
+
+
+def _spec(requires: tuple[str, ...] = (), extra: str | None = None, target: str = "json.decoder:JSONDecoder") -> Spec:
+    return Spec("simulators", "mine", target, "", requires, extra, "one", "a-package")
+
+
+def test_missing_library_names_the_extra():
+    """The message says what is missing and the line that installs it."""
+    spec = _spec(("numpy", "no_such_engine"), "engine")
+    with pytest.raises(UsageError, match=r"Simulator 'mine' needs no_such_engine: pip install 'a-package\[engine\]'"):
+        spec.load()
+
+
+def test_missing_library_without_an_extra_names_the_library():
+    """Where the plugin names no extra, the missing modules themselves are what to install."""
+    assert _spec(("no_such_engine", "no_such.wheel")).remedy == "pip install no_such_engine no_such.wheel"
+
+
+def test_library_that_is_there_is_not_missing():
+    """What can be imported is not imported to find out."""
+    assert _spec(("numpy", "antigravity")).missing == ()
+    assert "antigravity" not in sys.modules
+
+
+BAD_TARGETS = {
+    "no module": ("no_such_module_here:Engine", "No module named"),
+    "no attribute": ("json.decoder:Engine", "has no attribute 'Engine'"),
+    "leaves": ("leaving_engine_of_a_test:Engine", "SystemExit: 4"),
+}
+
+
+@pytest.mark.parametrize(("target", "reason"), BAD_TARGETS.values(), ids=BAD_TARGETS)
+def test_target_that_cannot_be_imported_names_its_plugin(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, target: str, reason: str
+):
+    """The error names plugin, distribution, target and what went wrong."""
+    (tmp_path / "leaving_engine_of_a_test.py").write_text("raise SystemExit(4)")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(PluginError, match=rf"Plugin 'one' \(a-package\): {target} of simulator 'mine'.*{reason}"):
+        _spec(target=target).load()
+
+
+def test_unknown_name_offers_the_nearest(toys: Registry):
+    """One line: what was given, what there is, the nearest match."""
+    with pytest.raises(UsageError) as error:
+        toys.get("algorithms", "wandr")
+    assert str(error.value).startswith("No algorithm 'wandr'. There is: both, buttons, ")
+    assert str(error.value).endswith(" Did you mean 'wander'?")
+
+
+def test_unknown_name_among_none():
+    """Where nothing is registered, the message says so."""
+    assert unknown_name("reward", "arp", []) == "No reward 'arp'. There is: none."
+
+
+def test_far_name_has_no_near_match():
+    """Nothing is offered that does not look alike."""
+    assert did_you_mean("mujoco", ["sac", "spg"]) == ""

@@ -1,0 +1,157 @@
+from dataclasses import replace
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from harness.report.comparison_table import comparison_table
+from harness.report.return_rows import EXPLANATION
+from harness.report.rows import behaviour_grid, index_grid, ratio_grid, split_grid
+
+GRIDS = (ratio_grid, split_grid, index_grid, behaviour_grid)
+CASES = {
+    "plain": {},
+    "large": {"baseline": (20, 19, 1e8), "proposed": {"arp": (20, 19, 1e8)}},
+    "noise": {"seeds": 5},
+    "one seed": {"seeds": 1},
+    "not scorable": {"proposed": {"gone": (9, 30)}},
+    "near zero": {"baseline": (9, 9), "proposed": {"arp": (1, 3_000)}, "seeds": 2},
+    "paths disagree": {"baseline": (9, 12), "proposed": {"arp": (1, 20)}},
+    "never positive": {"baseline": (39, 0)},
+}
+
+
+def printed(results, width=80, **console):
+    """The table as it goes to a pipe, unless `console` says otherwise."""
+    output = StringIO()
+    Console(file=output, width=width, **console).print(comparison_table(results))
+    return output.getvalue()
+
+
+def squeezed(text):
+    """The text with its line breaks undone."""
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize("width", [80, 100])
+@pytest.mark.parametrize("case", CASES)
+def test_nothing_is_cut(build, case, width):
+    """Every value stands whole in the table, indices of ten and more digits included, and so does every note."""
+    results = build(**CASES[case])
+    (combination,) = results.combinations
+    text = printed(results, width)
+    for grid in (make(combination) for make in GRIDS):
+        assert all(value in text for row in grid.rows for value in row[1:])
+        assert all(heading in text for heading in grid.headings[1:] if grid.rows)
+        assert all(squeezed(note) in squeezed(text) for note in grid.notes)
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= width
+
+
+def test_wide_behaviour_is_not_cut(build):
+    """Where the numbers of behaviour are as wide as they get, the names give way."""
+    results = build(reached={"arp": lambda seed: [9] * seed})
+    (combination,) = results.combinations
+    wide = {"unit": "m", "baseline": 0.000123, "proposed": 0.000123, "random": -0.000123}
+    changes = [replace(change, **wide, low=-0.000123, high=-0.000123) for change in combination.changes]
+    results.__dict__["combinations"] = (replace(combination, changes=tuple(changes)),)
+    text = printed(results)
+    assert text.count("[-0.000123, -0.000123]") == len(changes)
+    assert text.count("  better") + text.count("  worse") >= len(changes)
+
+
+def test_combination_says_what_was_compared(build):
+    """A block names the simulator, the algorithm, both rewards and the seeds."""
+    text = printed(build(seeds=2))
+    assert "mujoco · sac · fd100 · fd100-reach" in text
+    assert "arp against baseline" in text
+    assert "2 seeds (0, 1) compared" in text
+
+
+def test_verdict_comes_first(build):
+    """The verdict and what it rests on stand before any number, then the etas, their parts, indices, behaviour."""
+    results = build()
+    (combination,) = results.combinations
+    text = squeezed(printed(results))
+    headings = ["proposed / baseline", "eta = ruler x behaviour", "accumulated reward", "behaviour baseline proposed"]
+    places = [text.index(squeezed(part)) for part in (combination.verdict, combination.basis, *headings)]
+    assert places == sorted(places)
+
+
+def test_verdict_is_bold(build):
+    """In a terminal the verdict stands out; into a pipe goes plain text."""
+    results = build()
+    (combination,) = results.combinations
+    first = combination.verdict[:30]
+    assert f"\x1b[1m{first}" in printed(results, force_terminal=True)
+    assert "\x1b" not in printed(results)
+
+
+def test_ruler_and_behaviour_are_explained_once(build):
+    """However many combinations there are, one sentence says what ruler and behaviour mean."""
+    text = squeezed(printed(build(simulators=("mujoco", "pybullet"))))
+    assert text.count("the ruler is the same runs scored by the two rewards") == 1
+    assert text.count("the behaviour is the two trainings scored by one reward") == 1
+
+
+def test_what_is_not_split_is_not_explained(build):
+    """Where no reward could score the other's runs, there is no ruler to explain."""
+    text = squeezed(printed(build(proposed={"gone": (9, 30)})))
+    assert "Not split into ruler x behaviour: No reward 'gone'" in text
+    assert "scored by the two rewards" not in text
+
+
+def test_corrected_p_values_stand_with_several_combinations(build):
+    """Each block of several has its corrected p-values; one block alone has none."""
+    assert "corrected for" not in printed(build())
+    assert printed(build(simulators=("mujoco", "pybullet"))).count("corrected for 2 combinations") == 2
+
+
+def test_no_finished_pair_is_said(build):
+    """A combination without a finished pair shows n/a and why, and no empty tables."""
+    text = printed(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    assert "no seed is done under both baseline and arp" in squeezed(text)
+    assert "success rate" not in text
+    assert "ruler" not in text
+
+
+def test_failed_cell_is_listed_with_its_reason(build):
+    """A failed cell has a line with its title and its reason."""
+    text = printed(build(ended={("arp", 1): ("failed", "SimulationDiverged: qpos is not finite")}))
+    assert "failed: mujoco · sac · arp · seed 1: SimulationDiverged: qpos is not finite" in squeezed(text)
+    assert "6 cells: 5 done, 1 failed" in text
+
+
+def test_pending_and_skipped_cells_are_counted(build):
+    """Cells that did not run are counted by reason."""
+    ended = {("arp", 1): ("pending", ""), ("arp", 2): ("pending", ""), ("arp", 0): ("skipped", "sac cannot")}
+    text = printed(build(ended=ended))
+    assert "2 pending: not run yet" in text
+    assert "1 skipped: sac cannot" in text
+
+
+def test_markup_in_a_reason_is_text(build):
+    """What looks like rich markup is printed as it is."""
+    assert "[bold]no[/bold] [m]" in printed(build(ended={("arp", 1): ("failed", "[bold]no[/bold] [m]")}))
+
+
+def test_returns_under_every_reward_are_shown(build):
+    """Below the combinations, with what rows and columns are."""
+    text = squeezed(printed(build()))
+    assert "evaluation return, scored by baseline arp" in text
+    assert "events, paid on top" in text
+    assert squeezed(EXPLANATION) in text
+
+
+@pytest.mark.parametrize("manner", ["deterministically", "stochastically"])
+def test_manner_of_evaluation_is_shown(build, manner):
+    """Whether policies drew their actions."""
+    assert f"policies evaluated {manner}" in printed(build(deterministic=manner == "deterministically"))
+
+
+def test_wide_returns_are_not_cut(build):
+    """Many trainings stand below one another."""
+    proposed = dict.fromkeys(["arp", "relative", "adaptive", "sparse"], (9, 30))
+    text = printed(build(proposed=proposed))
+    assert "…" not in text
+    assert text.count("evaluation return, scored by") == 2

@@ -1,0 +1,104 @@
+"""Learning curves: what policies did in evaluations while they were trained."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.experiment.experiment import run_plan
+from harness.experiment.plan import check_experiment, expand
+from harness.record.store import Store
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+from harness.results import Results
+from harness.results.combination import Group
+from harness.results.learning import Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
+
+GROUP = Group(Choice("ideal"), "fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30)
+
+
+def _run(seed: int, shares: dict[int, float | None]) -> LearningRun:
+    return LearningRun(seed, tuple(Moment(steps, {"success_rate": share}) for steps, share in shares.items()))
+
+
+def _points(*runs: LearningRun) -> list[tuple[int, float | None]]:
+    return [(point.steps, point.value.mean) for point in learning_points(runs, "success_rate", GROUP)]
+
+
+def test_points_are_means_over_seeds():
+    """At each evaluation, the final one included."""
+    runs = _run(0, {30: 0.0, 60: 0.5, 100: 1.0}), _run(1, {30: 0.5, 60: 0.5, 100: 0.5})
+    assert _points(*runs) == [(30, 0.25), (60, 0.5), (100, 0.75)]
+
+
+def test_points_have_intervals_over_seeds():
+    """From the lowest to the highest seed at most; none of one seed."""
+    runs = [_run(seed, {100: 0.25 * seed}) for seed in range(5)]
+    (point,) = learning_points(runs, "success_rate", GROUP)
+    assert 0.0 <= point.value.low < 0.5 < point.value.high <= 1.0
+    (alone,) = learning_points(runs[:1], "success_rate", GROUP)
+    assert (alone.value.low, alone.value.note) == (None, "one seed: no interval")
+
+
+def test_evaluations_that_were_due_together_are_one_point():
+    """Seeds that were evaluated a little later than others meet at the mean of their steps."""
+    assert _points(_run(0, {30: 0.0, 100: 1.0}), _run(1, {36: 1.0, 100: 1.0})) == [(33, 0.5), (100, 1.0)]
+
+
+def test_the_end_is_a_point_of_its_own():
+    """Also where it comes soon after an evaluation."""
+    assert _points(_run(0, {99: 0.0, 100: 1.0})) == [(99, 0.0), (100, 1.0)]
+
+
+def test_seeds_without_a_value_are_told():
+    """A metric need not be defined everywhere."""
+    (point,) = learning_points([_run(0, {100: None}), _run(1, {100: 1.0})], "success_rate", GROUP)
+    assert point.value.mean == 1.0
+    assert "1 of 2 seeds have no value here" in point.value.note
+
+
+def test_no_value_at_all_is_no_number():
+    """None, with the reason."""
+    (point,) = learning_points([_run(0, {100: None})], "success_rate", GROUP)
+    assert (point.value.mean, point.value.note) == (None, "1 of 1 seeds have no value here")
+
+
+def test_band_has_the_points_with_an_interval():
+    """Where one seed alone has a value there is none."""
+    runs = [_run(seed, {30: None if seed else 0.5, 60: None, 100: 0.25 * seed}) for seed in range(5)]
+    points = learning_points(runs, "success_rate", GROUP)
+    curve = LearningCurve("arp", tuple(runs), {"success_rate": points})
+    assert curve.band("success_rate") == [(100, points[2].value.low, points[2].value.high)]
+
+
+def _learning(registry: Registry, folder: Path, **given: int) -> Learning | None:
+    """Of two seeds of a toy, paid by baseline and arp."""
+    keys = {"sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12}
+    plan = expand(check_experiment({**keys, "evaluation_episodes": 3, **given}), registry)
+    run_plan(plan, Store.create(folder, plan), registry, 1, executor="here")
+    results = Results(folder, registry)
+    return learning_of(results, results.combinations[0])
+
+
+def test_learning_is_read_from_the_cells(toys: Registry, tmp_path: Path):
+    """Both rewards at each evaluation, every metric, and the floor of random actions."""
+    learning = _learning(toys, tmp_path / "out", evaluate_every=5)
+    for curve in (learning.baseline, learning.proposed):
+        points = curve.points["final_distance"]
+        assert [(point.steps, point.value.seeds) for point in points] == [(5, 2), (10, 2), (12, 2)]
+    assert set(learning.random) == set(learning.baseline.points)
+
+
+def test_learning_keeps_the_runs(toys: Registry, tmp_path: Path):
+    """JSON has the values of each seed behind the means."""
+    data = _learning(toys, tmp_path / "out", evaluate_every=5).to_json()
+    runs = data["runs"]["proposed"]
+    assert [run["seed"] for run in runs] == [0, 1]
+    last = [run["evaluations"][2]["final_distance"] for run in runs]
+    point = data["metrics"]["final_distance"]["proposed"][2]
+    assert (point["steps"], point["mean"]) == (12, pytest.approx(sum(last) / 2))
+
+
+@pytest.mark.parametrize("given", [{}, {"evaluate_every": 12}], ids=["not asked for", "none before the end"])
+def test_no_evaluation_before_the_end_is_no_curve(toys: Registry, tmp_path: Path, given: dict[str, int]):
+    """One point is no curve."""
+    assert _learning(toys, tmp_path / "out", **given) is None

@@ -1,0 +1,70 @@
+"""Inverse kinematics: what is found is right, and most of what can be reached is found."""
+
+import numpy as np
+
+import harness
+from harness.robot.inverse_kinematics import reach_position
+
+ROBOT = harness.load_robot("fd100")
+COUNT = 200
+
+
+def reachable_points() -> np.ndarray:
+    """End effectors of random poses within 60 degrees of home."""
+    noise = np.random.default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
+    return ROBOT.end_effector(np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper))
+
+
+def from_home(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What is found from the home pose."""
+    return reach_position(ROBOT, points, np.tile(ROBOT.home, (len(points), 1)))
+
+
+def test_found_poses_are_there():
+    """Where it says so, the end effector is within the tolerance of the point; where not, it is not."""
+    points = np.concatenate([reachable_points(), [[5.0, 0.0, 0.0]]])
+    qpos, reached = from_home(points)
+    error = np.linalg.norm(ROBOT.end_effector(qpos) - points, axis=1)
+    np.testing.assert_array_equal(reached, error <= 1e-3)
+
+
+def test_most_of_what_can_be_reached_is_found():
+    """Of 200 points that the arm can reach, at least 95 % are found from home."""
+    assert from_home(reachable_points())[1].mean() >= 0.95
+
+
+def test_found_poses_are_within_the_ranges():
+    """No joint is beyond an end of its range, found or not."""
+    qpos, _ = from_home(np.concatenate([reachable_points(), [[5.0, 0.0, 0.0], [0.0, 0.0, -3.0]]]))
+    assert (qpos >= ROBOT.lower).all()
+    assert (qpos <= ROBOT.upper).all()
+
+
+def test_point_beyond_the_reach_is_not_reached():
+    """A point 5 m away is told as not reached."""
+    assert not from_home(np.array([[5.0, 0.0, 0.0]]))[1].any()
+
+
+def test_tighter_tolerance_is_kept():
+    """With a tolerance of a micrometre what is found is that close."""
+    points = reachable_points()
+    start = np.tile(ROBOT.home, (COUNT, 1))
+    qpos, reached = reach_position(ROBOT, points, start, tolerance=1e-6, iterations=200)
+    assert reached.mean() >= 0.9
+    assert np.linalg.norm(ROBOT.end_effector(qpos) - points, axis=1)[reached].max() <= 1e-6
+
+
+def test_start_is_left_alone():
+    """The poses that the search begins at are not changed."""
+    start = np.tile(ROBOT.home, (COUNT, 1))
+    reach_position(ROBOT, reachable_points(), start)
+    np.testing.assert_array_equal(start, np.tile(ROBOT.home, (COUNT, 1)))
+
+
+def test_a_far_target_does_not_throw_the_arm():
+    """From its home the unity-arm finds the published target, whose error points far beyond what the Jacobian knows."""
+    robot = harness.load_robot("unity-arm")
+    qpos, reached = reach_position(robot, np.array([[0.45, -0.45, 0.2]]), robot.home[None])
+    assert reached.all()
+    assert (qpos >= robot.lower).all()
+    assert (qpos <= robot.upper).all()

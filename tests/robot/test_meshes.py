@@ -1,0 +1,154 @@
+"""Finding mesh files, and reading STL and OBJ."""
+
+import os
+import re
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.robot.meshes import is_readable, locate_mesh, read_mesh
+
+CORNERS = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1], [1, 0, 0]]], dtype=np.float32)
+"""Of two triangles with an edge in common."""
+POINTS = np.unique(CORNERS.reshape(-1, 3), axis=0)
+
+
+def binary_stl(corners: np.ndarray, header: bytes = b"") -> bytes:
+    """An STL file of triangles, (count, 3, 3)."""
+    triangles = b"".join(struct.pack("<12fH", 0, 0, 0, *triangle.ravel(), 0) for triangle in corners)
+    return header.ljust(80) + struct.pack("<I", len(corners)) + triangles
+
+
+def text_stl(corners: np.ndarray) -> bytes:
+    """The same as text."""
+    facets = "".join(
+        "facet normal 0 0 0\n outer loop\n"
+        + "".join("  vertex {} {:e} {}\n".format(*corner) for corner in triangle)
+        + " endloop\nendfacet\n"
+        for triangle in corners
+    )
+    return f"solid part\n{facets}endsolid part\n".encode()
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("a.stl", binary_stl(CORNERS)),
+        ("a.STL", binary_stl(CORNERS, b"solid, says the header of many a binary file")),
+        ("a.stl", binary_stl(CORNERS) + b"a few bytes more"),
+        ("a.stl", text_stl(CORNERS)),
+        ("a.stl", text_stl(CORNERS).replace(b"\n", b"\r\n")),
+    ],
+)
+def test_stl_is_its_triangles(tmp_path: Path, name: str, data: bytes):
+    """Binary or text, whatever the first word is: each point once, each triangle with its corners in order."""
+    (tmp_path / name).write_bytes(data)
+    mesh = read_mesh(tmp_path / name)
+    np.testing.assert_array_equal(mesh.vertices, POINTS)
+    np.testing.assert_array_equal(mesh.vertices[mesh.faces], CORNERS)
+
+
+def test_triangle_without_area_is_left_out(tmp_path: Path):
+    """Exporters write triangles whose corners are the same point; engines refuse them."""
+    corners = np.concatenate([CORNERS, [[[0, 0, 0], [0, 0, 0], [0, 1, 0]]]])
+    (tmp_path / "a.stl").write_bytes(binary_stl(corners))
+    np.testing.assert_array_equal(read_mesh(tmp_path / "a.stl").faces.shape, (2, 3))
+
+
+@pytest.mark.parametrize(
+    "faces",
+    ["f 1 2 3 4", "f 1/1 2/2 3/3 4/4", "f 1//7 2//7 3//7 4//7", "f -4 -3 -2 -1", "f 1/1/1 2/2/2 3/3/3\nf 1 3 4"],
+)
+def test_obj_is_its_points_and_polygons(tmp_path: Path, faces: str):
+    """Objects are taken as one, textures and normals are left, a polygon becomes a fan of triangles."""
+    points = "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0 1.0\nvn 0 0 1\nvt 0 0\no two\n  v 1 1 0\nv 0 1 0\n"
+    (tmp_path / "a.obj").write_text(f"{points}usemtl m\n{faces}\nl 1 2\n")
+    mesh = read_mesh(tmp_path / "a.obj")
+    np.testing.assert_array_equal(mesh.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3]])
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "message"),
+    [
+        ("a.dae", b"<COLLADA/>", "is no STL or OBJ file. Convert it"),
+        ("a.obj", b"", "it holds no points, or some"),
+        ("a.stl", b"", "it holds no points, or some"),
+        ("a.stl", binary_stl(CORNERS)[:-1], "it holds no points, or some"),
+        ("a.stl", binary_stl(CORNERS * np.nan), "it holds no points, or some"),
+        ("a.stl", text_stl(CORNERS).replace(b"vertex", b"corner", 1), "its last triangle is not complete"),
+        ("a.obj", b"v 1 2\n", "cannot be read as a mesh"),
+        ("a.obj", b"v 1 2 x\n", "cannot be read as a mesh"),
+        ("a.obj", b"v 1 2 3\nf 1 a 1\n", "cannot be read as a mesh"),
+        ("a.obj", b"v 1 2 3\nv 1 2 4\nf 1 2 3\n", "triangles with corners that it does not have"),
+        ("a.obj", b"v 1 2 3\nv 1 2 4\nf 1 2 -3\n", "triangles with corners that it does not have"),
+    ],
+)
+def test_bad_mesh_is_refused_in_one_line(tmp_path: Path, name: str, data: bytes, message: str):
+    """The line names the file, what is wrong, and what to do."""
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(UsageError, match=re.escape(message)) as caught:
+        read_mesh(tmp_path / name)
+    assert str(caught.value).startswith(f"'{tmp_path / name}' ")
+    assert "\n" not in str(caught.value)
+
+
+def test_mesh_that_changed_is_read_again(tmp_path: Path):
+    """A file is read once, until it changes; nobody can change what was read."""
+    path = tmp_path / "a.obj"
+    path.write_text("v 1 2 3\n")
+    first = read_mesh(path)
+    assert read_mesh(path) is first
+    with pytest.raises(ValueError, match="read-only"):
+        first.vertices[0] = 0.0
+    path.write_text("v 4 5 6\n")
+    os.utime(path, ns=(1, 1))
+    np.testing.assert_array_equal(read_mesh(path).vertices, [[4, 5, 6]])
+
+
+def test_readable_formats():
+    """Suffixes count in small and capital letters."""
+    assert [is_readable(Path(name)) for name in ("a.stl", "a.OBJ", "a.dae", "a")] == [True, True, False, False]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../meshes/a.stl", "package://arm_description/meshes/a.stl", "package://checked_out_elsewhere/meshes/a.stl",
+     "model://arm_description/meshes/a.stl"],
+)  # fmt: skip
+def test_mesh_is_found_from_the_folder_of_the_urdf(tmp_path: Path, name: str):
+    """Relative names start there; packages are looked for around it, also where the checkout has another name."""
+    package = tmp_path / "arm_description"
+    (package / "urdf").mkdir(parents=True)
+    (package / "meshes").mkdir()
+    mesh = package / "meshes" / "a.stl"
+    mesh.touch()
+    assert locate_mesh(name, package / "urdf").samefile(mesh)
+    assert locate_mesh(f"file://{mesh}", Path("/")) == mesh
+    assert locate_mesh(str(mesh), Path("/")) == mesh
+
+
+def test_nearest_mesh_is_taken(tmp_path: Path):
+    """A package inside the folder comes before one around it."""
+    for folder in (tmp_path, tmp_path / "urdf"):
+        (folder / "pack").mkdir(parents=True)
+        (folder / "pack" / "a.stl").touch()
+    assert locate_mesh("package://pack/a.stl", tmp_path / "urdf") == tmp_path / "urdf" / "pack" / "a.stl"
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a.stl", "has the mesh 'a.stl', and there is no file '{}/a.stl'. Put it there, or take its <visual>"),
+        ("", "has the mesh '', and there is no file '{}'"),
+        ("package://p/a.stl", "there is no file '{}/p/a.stl', nor one in the folders around it. Put it"),
+        ("http://host/a.stl", "has the mesh 'http://host/a.stl': allowed are paths, package://, model:// and file://"),
+    ],
+)
+def test_missing_mesh_is_refused(tmp_path: Path, name: str, message: str):
+    """The line names the mesh and where it was looked for first."""
+    with pytest.raises(UsageError, match=re.escape(message.format(tmp_path))):
+        locate_mesh(name, tmp_path)

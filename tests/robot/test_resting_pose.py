@@ -1,0 +1,85 @@
+"""The resting pose of an arm that names none."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import Chain, build_chain, end_effector_position, link_frames
+from harness.robot.resting_pose import choose_home
+from harness.robot.shapes import Shape
+from harness.robot.urdf import Joint
+
+
+def joint(axis: tuple[float, float, float], z: float, lower: float = -2.0, upper: float = 2.0) -> Joint:
+    """A joint that turns, `z` above the one before."""
+    return Joint("j", "revolute", "a", "b", (0.0, 0.0, z), (0.0, 0.0, 0.0), axis, lower, upper, 1.0)
+
+
+def upright(*, elbow: float = 2.0) -> Chain:
+    """An arm of three joints that at zero stands straight up: singular."""
+    tip = Joint("t", "fixed", "a", "b", (0.0, 0.0, 0.4), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, 0.0, None)
+    joints = [joint((0.0, 0.0, 1.0), 0.3), joint((0.0, 1.0, 0.0), 0.1), joint((0.0, 1.0, 0.0), 0.4, -elbow, elbow)]
+    return build_chain([*joints, tip])
+
+
+def home_of(
+    chain: Chain, lower: list[float], upper: list[float], shapes: Sequence[Sequence[Shape]] = ((), (), ())
+) -> np.ndarray:
+    """The pose chosen at 1 rad/s."""
+    return choose_home(chain, np.array(lower), np.array(upper), np.ones(3), 0.9, shapes)
+
+
+def test_middle_is_taken_where_it_is_good():
+    """An arm that is bent in the middle of its ranges rests there."""
+    np.testing.assert_allclose(home_of(upright(), [-2, 0, 0.4], [2, 1, 2]), [0.0, 0.5, 1.2])
+
+
+def test_straight_arm_is_bent_forward():
+    """At zero it is stretched out; of the simplest bent poses the one with the tip in front is taken."""
+    home = home_of(upright(), [-2, -2, -2], [2, 2, 2])
+    assert home[0] == 0.0
+    assert np.count_nonzero(home) == 1
+    assert end_effector_position(upright(), home)[0] > 0.1
+
+
+def test_no_joint_bends_by_more_than_45_degrees():
+    """Half way to the end of a wide range would be far from what is usual."""
+    assert np.abs(home_of(upright(), [-6, -6, -6], [6, 6, 6])).max() == pytest.approx(np.pi / 4)
+
+
+def test_home_is_clear_of_the_ground():
+    """A pose that is simpler and puts a link into the ground is passed over."""
+    low, high = [-2, 1.5, -1.5], [2, 2.5, 1.5]  # in the middle the tip is below the ground
+    home = home_of(upright(), low, high)
+    assert end_effector_position(upright(), home)[2] >= 0.09
+    shapes = [[], [], [Shape("box", (0.02, 0.02, 1.2), np.eye(4))]]
+    rod, other = build_solids(shapes), home_of(upright(), low, high, shapes)
+    assert rod.lowest(link_frames(upright(), other[None]))[0] >= 0.09
+    assert rod.lowest(link_frames(upright(), home[None]))[0] < 0.09
+
+
+def test_turret_may_be_close_to_the_ground():
+    """A link that never gets higher need not be a tenth of the arm above it, only not in it."""
+    home = home_of(upright(), [-2, -2, -2], [2, 2, 2])
+    turret = [[Shape("box", (0.2, 0.2, 0.59), np.eye(4))], [], []]  # 5 mm above
+    np.testing.assert_array_equal(home_of(upright(), [-2, -2, -2], [2, 2, 2], turret), home)
+
+
+def test_arm_in_the_ground_is_refused():
+    """An arm whose links stand in the ground in any pose is told so in one line."""
+    plate = [[Shape("box", (1.0, 1.0, 2.0), np.eye(4))], [], []]
+    with pytest.raises(
+        UsageError, match=r"No simple pose keeps the moving links 0\.09 m above the ground z = 0\. Name one"
+    ) as caught:
+        home_of(upright(), [-2, -2, -2], [2, 2, 2], plate)
+    assert "\n" not in str(caught.value)
+
+
+def test_arm_in_a_plane_has_a_home():
+    """Three parallel axes never move the tip sideways: no pose is agile, and one is taken all the same."""
+    tip = Joint("t", "fixed", "a", "b", (0.0, 0.0, 0.4), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, 0.0, None)
+    chain = build_chain([joint((0.0, 1.0, 0.0), 0.3) for _ in range(3)] + [tip])
+    assert np.isfinite(home_of(chain, [-2, -2, -2], [2, 2, 2])).all()

@@ -1,0 +1,227 @@
+"""Reading a robot's folder."""
+
+from dataclasses import FrozenInstanceError
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.robot.robot import read_robot
+
+URDF = """
+<robot name="arm">
+  <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="slider"/> <link name="tip"/>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/> <child link="upper"/> <origin xyz="0 0 5"/> <axis xyz="0 0 1"/>
+    <limit lower="-1" upper="2" velocity="1.5707963267948966" effort="1"/>
+  </joint>
+  <joint name="elbow" type="continuous">
+    <parent link="upper"/> <child link="lower"/> <origin xyz="0.5 0 0"/> <axis xyz="0 0 1"/>
+  </joint>
+  <joint name="slide" type="prismatic">
+    <parent link="lower"/> <child link="slider"/> <axis xyz="0 0 1"/>
+    <limit lower="-0.2" upper="0.1" velocity="0.5" effort="1"/>
+  </joint>
+  <joint name="mount" type="fixed"> <parent link="slider"/> <child link="tip"/> <origin xyz="0.25 0 0"/> </joint>
+</robot>
+"""
+TOML = """
+name = "arm"
+urdf = "arm.urdf"
+end_effector = "tip"
+home_deg = [0, 90]
+home_m = [0.05]
+max_speed_deg_s = [90, 180.0]
+max_speed_m_s = [0.25]
+max_acceleration_deg_s2 = [360, 720]
+max_acceleration_m_s2 = [2]
+"""
+
+
+def _write(folder: Path, toml: str = TOML, urdf: str = URDF) -> Path:
+    (folder / "robot.toml").write_text(toml, encoding="utf-8")
+    (folder / "arm.urdf").write_text(urdf, encoding="utf-8")
+    return folder
+
+
+def test_robot_is_what_the_folder_says(tmp_path: Path):
+    """Names and folder are those of the files; degrees are turned into radians, metres are left."""
+    robot = read_robot(_write(tmp_path))
+    assert (robot.name, robot.end_effector_link) == ("arm", "tip")
+    assert (robot.joint_names, robot.folder, robot.dof) == (("shoulder", "elbow", "slide"), tmp_path, 3)
+    np.testing.assert_allclose(robot.home, [0.0, np.pi / 2, 0.05])
+    np.testing.assert_allclose(robot.max_speed, [np.pi / 2, np.pi, 0.25])
+    np.testing.assert_allclose(robot.max_acceleration, [2 * np.pi, 4 * np.pi, 2.0])
+    assert set(robot.origins.values()) == {"robot.toml"}
+
+
+def test_continuous_joint_ranges_over_one_turn(tmp_path: Path):
+    """Every limit is finite: a joint without limits has -pi to pi."""
+    robot = read_robot(_write(tmp_path))
+    assert robot.lower.tolist() == [-1.0, -np.pi, -0.2]
+    assert robot.upper.tolist() == [2.0, np.pi, 0.1]
+
+
+def test_robot_cannot_be_changed(tmp_path: Path):
+    """Neither a field nor an entry of an array can be written to."""
+    for robot in (
+        read_robot(_write(tmp_path)),
+        read_robot(_write(tmp_path, toml="max_speed_deg_s = [90, 180]") / "arm.urdf"),
+    ):
+        for array in (robot.lower, robot.upper, robot.max_speed, robot.max_acceleration, robot.home):
+            assert (array.dtype, array.shape) == (np.float64, (3,))
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 0.0
+        with pytest.raises(FrozenInstanceError):
+            robot.name = "other"  # type: ignore[misc]
+
+
+def test_end_effector_and_jacobian_by_hand(tmp_path: Path):
+    """With the elbow at a right angle the tip is at (0.5, 0.25, 5.05); the shoulder moves it along (-0.25, 0.5, 0)."""
+    robot = read_robot(_write(tmp_path))
+    np.testing.assert_allclose(robot.end_effector(robot.home), [0.5, 0.25, 5.05], atol=1e-15)
+    jacobian = robot.jacobian(robot.home)
+    np.testing.assert_allclose(jacobian, [[-0.25, -0.25, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-15)
+
+
+def test_reach_is_the_chain_stretched_out(tmp_path: Path):
+    """The reach is 0.5 m + 0.25 m and the 0.2 m of the slide, whatever the height the arm stands at."""
+    robot = read_robot(_write(tmp_path))
+    assert robot.reach == pytest.approx(0.95)
+    poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
+    assert np.linalg.norm(robot.end_effector(poses) - [0.0, 0.0, 5.0], axis=1).max() < robot.reach
+
+
+def test_wrong_shape_is_refused(tmp_path: Path):
+    """Joint positions of another robot are answered with both shapes."""
+    robot = read_robot(_write(tmp_path))
+    for compute in (robot.end_effector, robot.jacobian):
+        with pytest.raises(UsageError, match=r"qpos has shape \(7, 2\), allowed is \(\.\.\., 3\)"):
+            compute(np.zeros((7, 2)))
+
+
+def test_urdf_alone_is_a_robot(tmp_path: Path):
+    """Its name is the file's, its end the chain's, its speeds the URDF's where it has any."""
+    urdf = URDF.replace('<axis xyz="0 0 1"/>\n  </joint>', '<axis xyz="0 0 1"/> <limit velocity="9"/>\n  </joint>')
+    (_write(tmp_path, urdf=urdf) / "robot.toml").unlink()
+    robot = read_robot(tmp_path / "arm.urdf")
+    assert (robot.name, robot.end_effector_link) == ("arm", "tip")
+    np.testing.assert_allclose(robot.max_speed, [np.pi / 2, np.pi, 0.5])  # 9 rad/s is more than the rule takes
+    np.testing.assert_allclose(robot.max_acceleration, 8 * robot.max_speed)
+    assert ((robot.lower < robot.home) & (robot.home < robot.upper)).all()
+    assert "robot.toml" not in robot.origins.values()
+
+
+def test_file_beside_a_urdf_says_what_it_knows(tmp_path: Path):
+    """A robot.toml may name some values only, those of one kind of joint included; the rest follows the rules."""
+    _write(tmp_path, toml='end_effector = "slider"\nhome_deg = [10, 20]\nmax_speed_deg_s = [30, 40]\n')
+    robot = read_robot(tmp_path / "arm.urdf")
+    assert robot.end_effector_link == "slider"
+    np.testing.assert_allclose(np.degrees(robot.home[:2]), [10, 20])
+    assert -0.2 < robot.home[2] < 0.1
+    np.testing.assert_allclose(robot.max_speed, [*np.radians([30, 40]), 0.5])
+    assert robot.origins["end_effector"] == "robot.toml"
+    assert robot.origins["home"].startswith("robot.toml, else ")
+
+
+def test_file_of_another_urdf_is_not_taken(tmp_path: Path):
+    """A robot.toml that names another URDF says nothing of this one."""
+    (_write(tmp_path) / "other.urdf").write_text(URDF.replace('type="continuous"', 'type="fixed"'), encoding="utf-8")
+    with pytest.raises(
+        UsageError, match=r"other\.urdf: 2 joints move between the root link and 'tip'; allowed: 3 to 8"
+    ):
+        read_robot(tmp_path / "other.urdf")
+
+
+def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
+    """A missing mesh is answered with the URDF, the link, the name and the place."""
+    mesh = '<collision><geometry><mesh filename="tip.stl"/></geometry></collision>'
+    _write(tmp_path, urdf=URDF.replace('<link name="tip"/>', f'<link name="tip">{mesh}</link>'))
+    with pytest.raises(UsageError) as caught:
+        read_robot(tmp_path)
+    message = f"{tmp_path}/arm.urdf: Link 'tip' has the mesh 'tip.stl', and there is no file '{tmp_path}/tip.stl'"
+    assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('name = "arm"', "name = arm", "robot.toml: not well-formed TOML"),
+        ('urdf = "arm.urdf"', "", "robot.toml: missing urdf. Name the URDF's file, or give its path instead"),
+        (
+            'name = "arm"',
+            'colour = "red"\nname = "arm"',
+            "robot.toml: unknown colour. The keys are name, urdf, end_eff",
+        ),
+        ('name = "arm"', "name = 5", "robot.toml: name is 5. Give a text"),
+        ('"tip"', '""', "robot.toml: end_effector is ''. Give a text"),
+        ('"tip"', '"hand"', "arm.urdf: No link 'hand' in the URDF."),
+        ("arm.urdf", "leg.urdf", r"leg.urdf: cannot be read \(No such file or directory\)"),
+        ("[0, 90]", "90", "robot.toml: home_deg is 90. Give a list of 2 finite numbers, one per turning"),
+        ("[0, 90]", '[0, "90"]', r"robot.toml: home_deg is \[0, '90'\]. Give a list of 2 finite numbers"),
+        ("[0, 90]", "[0, true]", "Give a list of 2 finite numbers"),
+        ("[0, 90]", "[0, nan]", "Give a list of 2 finite numbers"),
+        ("[0, 90]", "[0, 90, 0]", "robot.toml: home_deg has 3 values for 2 turning joints. Give one per joint."),
+        ("[90, 180.0]", "[90]", "robot.toml: max_speed_deg_s has 1 values for 2 turning joints."),
+        ("[360, 720]", "[]", "robot.toml: max_acceleration_deg_s2 has 0 values for 2 turning joints."),
+        ("[0, 90]", "[120, 90]", "robot.toml: home_deg of 'shoulder' is 120; allowed: -57.2958 to 114.592."),
+        ("[0, 90]", "[0, -181]", "robot.toml: home_deg of 'elbow' is -181; allowed: -180 to 180."),
+        ("[90, 180.0]", "[90, 0]", "robot.toml: max_speed_deg_s of 'elbow' is 0. Give a positive value."),
+        ("[360, 720]", "[-1, 720]", "robot.toml: max_acceleration_deg_s2 of 'shoulder' is -1. Give a positive value."),
+        ("[0.25]", "[0.6]", "robot.toml: max_speed_m_s of 'slide' is 0.6; the URDF allows 0.5."),
+        ("[0.05]", "[0.2]", "robot.toml: home_m of 'slide' is 0.2; allowed: -0.2 to 0.1."),
+        ("[0.05]", "[0.05, 0]", "robot.toml: home_m has 2 values for 1 sliding joints."),
+        ("[2]", "[0]", "robot.toml: max_acceleration_m_s2 of 'slide' is 0. Give a positive value."),
+        ('"tip"', '"lower"', "arm.urdf: 2 joints move between the root link and 'lower'; allowed: 3 to 8."),
+        (
+            "max_speed_deg_s = [90, 180.0]",
+            "",
+            "arm.urdf: joint 'elbow' has no velocity limit. Give it one, or max_speed_d",
+        ),
+        ("[90, 180.0]", "[91, 180]", "robot.toml: max_speed_deg_s of 'shoulder' is 91; the URDF allows 90."),
+    ],
+)
+def test_bad_settings_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str):
+    """Each fault of robot.toml is a UsageError of one line that starts with the file."""
+    toml = TOML.replace(old, new)
+    assert toml != TOML
+    with pytest.raises(UsageError, match=message) as caught:
+        read_robot(_write(tmp_path, toml=toml))
+    assert str(caught.value).startswith(str(tmp_path))
+    assert "\n" not in str(caught.value)
+
+
+def test_fault_of_the_urdf_names_the_file(tmp_path: Path):
+    """What the URDF's reader refuses is passed on with the file in front."""
+    with pytest.raises(UsageError, match=r"arm\.urdf: Joint 'shoulder' has the limits 3 to 2\."):
+        read_robot(_write(tmp_path, urdf=URDF.replace('lower="-1"', 'lower="3"')))
+
+
+def test_more_joints_than_eight_are_refused(tmp_path: Path):
+    """A chain of nine is answered with the number."""
+    joint = (
+        '<link name="{0}"/><joint name="{0}" type="prismatic"><parent link="{1}"/><child link="{0}"/>'
+        '<limit lower="0" upper="1" velocity="1" effort="1"/></joint>'
+    )
+    links = ["base", *"abcdefghi"]
+    joints = "".join(joint.format(child, parent) for parent, child in pairwise(links))
+    (tmp_path / "long.urdf").write_text(f'<robot name="long"><link name="base"/>{joints}</robot>', encoding="utf-8")
+    with pytest.raises(UsageError, match=r"long\.urdf: 9 joints move between the root link and 'i'; allowed: 3 to 8\."):
+        read_robot(tmp_path / "long.urdf")
+
+
+def test_folder_without_robot_is_refused(tmp_path: Path):
+    """A folder that holds no robot.toml is no robot, nor is a URDF that is not there."""
+    with pytest.raises(UsageError, match=r"robot\.toml: cannot be read \(No such file or directory\)"):
+        read_robot(tmp_path)
+    with pytest.raises(UsageError, match=r"leg\.urdf: cannot be read \(No such file or directory\)"):
+        read_robot(tmp_path / "leg.urdf")
+
+
+def test_file_in_another_encoding_is_refused(tmp_path: Path):
+    """Bytes that are no UTF-8 are answered with the file's name."""
+    (_write(tmp_path) / "robot.toml").write_bytes(b'name = "\xff"')
+    with pytest.raises(UsageError, match=r"robot\.toml: is not UTF-8 text"):
+        read_robot(tmp_path)

@@ -1,0 +1,417 @@
+"""Two groups of recorded files compared: every figure against loops in plain Python, and the edges."""
+
+import csv
+import json
+import random
+from collections.abc import Callable, Sequence
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness.score.compare
+from harness.errors import UsageError
+from harness.eta.statistics import draw_shares
+from harness.hookspecs import PROJECT
+from harness.record.manifest import Manifest
+from harness.record.trace import COLUMN, SCALARS, TraceWriter
+from harness.registry.choice import Choice
+from harness.registry.registry import load_registry
+from harness.score.compare import Comparison, compare_recordings
+from harness.score.recording import match_recordings, open_recording
+
+Pay = Callable[[float, float, float], float]
+Run = list[tuple[float, ...]]
+"""Rows of (reward, begin distance, best distance before the step, distance, 1 in a start row)."""
+
+HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
+BASELINE, K2 = "baseline", "arp:k1=1,k2=1.5"
+
+
+def arp(k2: float, k1: float = 1.0) -> Pay:
+    """What ARP pays for beginDistance, best distance before the step, and distance; the baseline where both are 1."""
+    return lambda begin, before, distance: -k1 * (distance - before) if distance > before else k2 * (begin - distance)
+
+
+def write_run(path: Path, pay: Pay, seed: int, rows: int, program: str = "K2") -> None:
+    """Episodes of an arm that learns to come closer, in the words of either program, 7 digits a number."""
+    rng, lines, step = random.Random(seed), [HEADER], 0
+    begin = before = distance = 1.0
+    for number in range(rows):
+        if step == 0:
+            begin = before = distance = 1.0 + 0.5 * rng.random()
+            reward = 0.0
+        else:
+            distance = abs(distance + (rng.random() - 0.3 - number / rows) * 0.2)
+            reward = pay(begin, before, distance)
+        after, best = min(before, distance), before
+        numbers: tuple[float | None, ...] = (begin, after, distance, distance - best, reward)
+        if program == "base line":
+            numbers = (begin, best, distance, None if step else 0.0, reward)
+        texts = ["" if number is None else f"{number:.7g}".upper() for number in numbers]
+        lines.append(",".join([str(step) if program == "K2" else "", *texts]))
+        before, step = after, 0 if rng.random() < 0.1 else step + 1
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("\n".join(lines) + "\n")
+
+
+@pytest.fixture
+def groups(tmp_path: Path) -> Path:
+    """A folder with five base-line runs in `base` and four K2 runs in `k2`, 60 to 90 rows each."""
+    for seed in range(5):
+        write_run(tmp_path / "base" / f"{seed}.csv", arp(1.0), seed, 70 + 5 * seed, "base line")
+    for seed in range(4):
+        write_run(tmp_path / "k2" / f"{seed}.csv", arp(1.5), 100 + seed, 90 - 10 * seed)
+    return tmp_path
+
+
+def compare(baseline: Path | str, proposed: Path | str, **given: Any) -> Comparison:
+    """Compare all CSV files of two folders, or what two patterns match."""
+    patterns = [f"{where}/*.csv" if Path(where).is_dir() else str(where) for where in (baseline, proposed)]
+    return compare_recordings(*map(match_recordings, patterns), load_registry(), **given)
+
+
+def write_rewards(folder: Path, *runs: Sequence[float]) -> Path:
+    """Files with nothing but rewards."""
+    folder.mkdir()
+    for number, run in enumerate(runs):
+        (folder / f"{number}.csv").write_text("\n".join(["reward", *map(str, run)]) + "\n")
+    return folder
+
+
+# Plain Python, from the files' text to the figures
+
+
+def read_run(path: Path) -> Run:
+    """One file's rows."""
+    rows, names = [], ("beginDistance", "prevBest", "distance", "reward")
+    for row in csv.DictReader(path.read_text().splitlines()):
+        begin, best, distance, reward = (float(row[name]) for name in names)
+        if row["t"]:
+            start, before = row["t"] == "0", distance - float(row["delta_distance"])
+        else:
+            start, before = row["delta_distance"] != "", best
+        rows.append((reward, begin, before, distance, float(start)))
+    return rows
+
+
+def score_run(run: Run, pay: Pay) -> list[float]:
+    """What another reward pays for a run."""
+    return [0.0 if start else pay(begin, before, distance) for _, begin, before, distance, start in run]
+
+
+def mean_curve(runs: list[list[float]], shares: Sequence[float], accumulated: bool) -> list[float]:
+    """The weighted mean over runs at each step, up to the end of the shortest."""
+    curve, sums = [], [0.0] * len(runs)
+    for step in range(min(map(len, runs))):
+        for number, run in enumerate(runs):
+            sums[number] = run[step] + (sums[number] if accumulated else 0.0)
+        curve.append(sum(share * value for share, value in zip(shares, sums, strict=True)))
+    return curve
+
+
+def marks(curve: list[float]) -> tuple[int | None, int | None]:
+    """First negative step and cross-over."""
+    first = next((step for step, value in enumerate(curve) if value < 0), None)
+    if first is None:
+        return None, None
+    return first, next((step for step in range(first, len(curve)) if curve[step] >= 0), None)
+
+
+def indices(runs: list[list[float]], accumulated: bool, shares: Sequence[float] | None = None) -> tuple[float, float]:
+    """I_N and I_P, not rounded."""
+    curve = mean_curve(runs, shares if shares is not None else [1 / len(runs)] * len(runs), accumulated)
+    if accumulated:
+        return sum(value for value in curve if value < 0), sum(value for value in curve if value > 0)
+    first, crossover = marks(curve)
+    end = 0 if first is None else len(curve) if crossover is None else crossover + 1
+    return sum(curve[:end]), sum(curve[end:])
+
+
+@pytest.mark.parametrize("kind", ["accumulated", "per-step"])
+def test_every_figure_equals_plain_python(groups: Path, kind: str):
+    """Indices, etas, rulers, behaviours and their intervals, from files of both programs and of different length."""
+    data = compare(groups / "base", groups / "k2", kind=kind).to_json()
+    accumulated = kind == "accumulated"
+    base, k2 = ([read_run(path) for path in sorted((groups / name).glob("*.csv"))] for name in ("base", "k2"))
+    paid = {
+        "BB": [[row[0] for row in run] for run in base],
+        "KK": [[row[0] for row in run] for run in k2],
+        "KB": [score_run(run, arp(1.5)) for run in base],
+        "BK": [score_run(run, arp(1.0)) for run in k2],
+    }
+    for name, pair in (("baseline", "BB"), ("proposed", "KK")):
+        curve = mean_curve(paid[pair], [1 / len(paid[pair])] * len(paid[pair]), accumulated)
+        first, crossover = marks(curve)
+        negative, positive = indices(paid[pair], accumulated)
+        assert data[name] == {
+            "first_negative": first,
+            "crossover": crossover,
+            "steps": len(curve),
+            "I_N": pytest.approx(negative, abs=0.0501),
+            "I_P": pytest.approx(positive, abs=0.0501),
+        }
+    draws = {"B": draw_shares(5, 0).tolist(), "K": draw_shares(4, 1).tolist()}  # not paired: draws of their own
+    sums = {pair: indices(runs, accumulated) for pair, runs in paid.items()}
+    drawn = {pair: [indices(runs, accumulated, shares) for shares in draws[pair[1]]] for pair, runs in paid.items()}
+    for position, letter in enumerate("np"):
+        for shown, above, below in (
+            (data[f"eta_{letter}"], "KK", "BB"),
+            (data[f"ruler_{letter}"], "KK", "BK"),
+            (data[f"behaviour_{letter}"], "BK", "BB"),
+            (data["other_path"][f"ruler_{letter}"], "KB", "BB"),
+            (data["other_path"][f"behaviour_{letter}"], "KK", "KB"),
+        ):
+            assert shown["value"] == pytest.approx(sums[above][position] / sums[below][position], rel=1e-9)
+            if shown["low"] is None:
+                assert any(two[position] == 0 for two in drawn[below])
+                continue
+            ratios = sorted(one[position] / two[position] for one, two in zip(drawn[above], drawn[below], strict=True))
+            assert shown["low"] == pytest.approx(ratios[50] - 0.025 * (ratios[50] - ratios[49]), rel=1e-6)
+            assert shown["high"] == pytest.approx(ratios[1949] + 0.025 * (ratios[1950] - ratios[1949]), rel=1e-6)
+    assert data["rewards"] == {"baseline": BASELINE, "proposed": K2}
+    assert data["runs"] == {"baseline": 5, "proposed": 4}
+    assert data["rows_left_out"] == {"baseline": 5 + 10 + 15 + 20, "proposed": 30 + 20 + 10}
+    assert (data["curve"], data["with_events"]) == (kind, False)
+    assert "eta_N" in data["verdict"]
+    json.dumps(data, allow_nan=False)
+
+
+def test_ruler_times_behaviour_is_eta_on_both_paths(groups: Path):
+    """Nothing of an eta is lost between its parts."""
+    data = compare(groups / "base", groups / "k2").to_json()
+    for letter in "np":
+        for part in (data, data["other_path"]):
+            product = part[f"ruler_{letter}"]["value"] * part[f"behaviour_{letter}"]["value"]
+            assert product == pytest.approx(data[f"eta_{letter}"]["value"], rel=1e-12)
+
+
+def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path: Path):
+    """All of both etas is ruler, 3; all of the behaviour is 1."""
+    for seed in range(5):
+        write_run(tmp_path / "base" / f"{seed}.csv", arp(1.0), seed, 80)
+        write_run(tmp_path / "times3" / f"{seed}.csv", arp(3.0, 3.0), seed, 80)
+    data = compare(tmp_path / "base", tmp_path / "times3").to_json()
+    assert data["rewards"]["proposed"] == "arp:k1=3,k2=3"
+    for letter in "np":
+        assert data[f"eta_{letter}"]["value"] == pytest.approx(3.0, rel=1e-5)
+        assert data[f"ruler_{letter}"]["value"] == pytest.approx(3.0, rel=1e-5)
+        assert data[f"behaviour_{letter}"]["value"] == pytest.approx(1.0, rel=1e-5)
+
+
+def test_a_group_against_itself_is_one(groups: Path):
+    """Value and both ends of the interval: the same files are paired."""
+    data = compare(groups / "base", groups / "base").to_json()
+    for name in ("eta_n", "eta_p"):
+        assert [data[name][end] for end in ("value", "low", "high")] == [1.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize("held", [5, 35, 300])
+def test_pieces_of_any_size_give_the_same(groups: Path, monkeypatch: pytest.MonkeyPatch, held: int):
+    """How many rows are held at once changes nothing but the last digit."""
+    whole = compare(groups / "base", groups / "k2").to_json()
+    monkeypatch.setattr(harness.score.compare, "HELD", held)
+    pieces = compare(groups / "base", groups / "k2").to_json()
+    assert pieces["baseline"] == whole["baseline"]
+    assert pieces["rows_left_out"] == whole["rows_left_out"]
+    for name in ("eta_n", "ruler_n", "behaviour_n", "eta_p", "ruler_p", "behaviour_p"):
+        assert pieces[name]["value"] == pytest.approx(whole[name]["value"], rel=1e-12)
+
+
+# Edges
+
+
+def test_a_curve_that_is_never_negative_has_no_eta_n(tmp_path: Path):
+    """The reason stands in the note, and eta_P is there."""
+    data = compare(write_rewards(tmp_path / "b", [1, 2, 3]), write_rewards(tmp_path / "k", [-1, 5, 5])).to_json()
+    assert data["baseline"] == {"first_negative": None, "crossover": None, "steps": 3, "I_N": 0.0, "I_P": 10.0}
+    assert data["eta_n"]["value"] is None
+    assert data["eta_n"]["note"] == "I_N of the baseline is 0: its mean accumulated reward is never negative"
+    assert data["eta_p"]["value"] == pytest.approx((4 + 9) / (1 + 3 + 6))
+
+
+def test_a_curve_that_never_crosses_has_no_crossover(tmp_path: Path):
+    """It is negative to the end: there is no eta_P."""
+    data = compare(write_rewards(tmp_path / "b", [0, -1, -1]), write_rewards(tmp_path / "k", [0, -1, 2])).to_json()
+    assert data["baseline"] == {"first_negative": 1, "crossover": None, "steps": 3, "I_N": -3.0, "I_P": 0.0}
+    assert (data["proposed"]["first_negative"], data["proposed"]["crossover"]) == (1, 2)
+    assert data["eta_p"]["value"] is None
+    assert "never positive" in data["eta_p"]["note"]
+
+
+def test_zeros_have_neither_eta(tmp_path: Path):
+    """Two notes, and JSON without a number that is not finite."""
+    zeros = write_rewards(tmp_path / "b", [0, 0], [0, 0])
+    data = compare(zeros, zeros).to_json()
+    assert data["baseline"] == {"first_negative": None, "crossover": None, "steps": 2, "I_N": 0.0, "I_P": 0.0}
+    assert data["eta_n"]["value"] is data["eta_p"]["value"] is None
+    json.dumps(data, allow_nan=False)
+
+
+def test_one_run_has_etas_and_no_interval(tmp_path: Path):
+    """One row is a run, too."""
+    data = compare(write_rewards(tmp_path / "b", [-2]), write_rewards(tmp_path / "k", [-1])).to_json()
+    assert data["eta_n"]["value"] == 0.5
+    assert data["eta_n"]["low"] is data["eta_n"]["high"] is None
+    assert "one seed: no interval" in data["eta_n"]["note"]
+
+
+def test_runs_are_cut_to_the_shortest_of_their_group(tmp_path: Path):
+    """The mean is over all runs at every step; how many rows were left out is said."""
+    data = compare(write_rewards(tmp_path / "b", [-1, -1, 7, 7], [-3, 1]), write_rewards(tmp_path / "k", [1])).to_json()
+    assert data["baseline"]["steps"] == 2
+    assert data["baseline"]["I_N"] == -4.0
+    assert data["rows_left_out"] == {"baseline": 2, "proposed": 0}
+
+
+def test_a_fault_behind_the_shortest_run_is_told(tmp_path: Path):
+    """A file with a fault is not half right."""
+    folder = write_rewards(tmp_path / "b", [-1, -1], [-1, -1, -1, "oops"])
+    with pytest.raises(UsageError, match=r"1\.csv, line 5, column 'reward': 'oops' is no finite number"):
+        compare(folder, folder)
+
+
+# Which rewards
+
+
+def test_without_distances_the_etas_are_not_split(tmp_path: Path, groups: Path):
+    """One bare file is enough; the etas stay, and the parts say which file it is."""
+    bare = write_rewards(tmp_path / "bare", [0, -1, 3])
+    data = compare(bare, groups / "k2").to_json()
+    assert data["eta_n"]["value"] is not None
+    for name in ("ruler_n", "behaviour_n", "ruler_p", "behaviour_p"):
+        assert data[name] == {
+            "value": None,
+            "low": None,
+            "high": None,
+            "note": f"{bare}/0.csv has no distances to score again",
+        }
+    assert data["rewards"] == {"baseline": None, "proposed": K2}
+
+
+def test_runs_of_one_group_under_two_rewards_are_not_split(groups: Path):
+    """The reason names the first file that the others' reward did not pay."""
+    write_run(groups / "base" / "9.csv", arp(1.5), 9, 80)
+    data = compare(groups / "base", groups / "k2").to_json()
+    assert data["rewards"]["baseline"] is None
+    assert data["ruler_n"]["note"].startswith(f"no one reward pays all runs of a group: {groups}/base/9.csv, line ")
+
+
+def test_a_given_reward_is_used_and_checked(groups: Path):
+    """A name that paid the runs is taken as it stands; any other is refused with the row that shows it."""
+    given = compare(groups / "base", groups / "k2", proposed_reward="arp", baseline_reward="arp:k2=1")
+    assert given.rewards == {"baseline": "arp:k2=1", "proposed": "arp"}
+    told = compare(groups / "base", groups / "k2").to_json()
+    assert given.to_json() | {"rewards": 0} == told | {"rewards": 0}
+    with pytest.raises(UsageError, match=r"The runs were not paid by arp:k2=2: .*/k2/0\.csv, line \d+: recorded"):
+        compare(groups / "base", groups / "k2", proposed_reward="arp:k2=2")
+    with pytest.raises(UsageError, match="No reward 'arpp'"):
+        compare(groups / "base", groups / "k2", proposed_reward="arpp")
+
+
+# Traces
+
+
+def write_trace(
+    folder: Path, pay: Pay, seed: int, reward: str, make_cell: Callable[..., Any], target: float = 0.0
+) -> None:
+    """The trace of `write_run`, with its manifest, and `target` paid on top in every third step."""
+    write_run(folder / "as.csv", pay, seed, 60)
+    run = read_run(folder / "as.csv")
+    (folder / "as.csv").unlink()
+    rows, step = np.zeros((len(run), len(SCALARS) + 2)), 0
+    for row, (_, begin, before, distance, start) in zip(rows, run, strict=True):
+        step = 0 if start else step + 1
+        values = {
+            "step": step,
+            "begin_distance": begin,
+            "previous_best": before,
+            "distance": distance,
+            "delta_distance": distance - before,
+            "reward": 0.0 if start else pay(begin, before, distance),
+            "reward_target": target if step % 3 == 1 else 0.0,
+        }
+        for name, value in values.items():
+            row[COLUMN[name]] = value
+    with TraceWriter(folder / "trace.parquet", 1, 1) as writer:
+        writer.append(rows)
+    name, _, k2 = reward.partition(":k2=")
+    Manifest(make_cell(reward=Choice(name, (("k2", k2),) if k2 else (), reward), seed=seed), "done").write(folder)
+
+
+def test_traces_and_csv_files_mix(tmp_path: Path, groups: Path, make_cell):
+    """A group may hold both: the trace declares what the files of its group show."""
+    write_trace(groups / "traces", arp(1.5), 3, "arp", make_cell)
+    recordings = match_recordings([f"{groups}/traces/*.parquet", f"{groups}/k2/*.csv"])
+    base = match_recordings(f"{groups}/base/*.csv")
+    data = compare_recordings(base, recordings, load_registry()).to_json()
+    assert data["runs"] == {"baseline": 5, "proposed": 5}
+    assert data["ruler_n"]["value"] is not None
+
+
+def test_event_terms_are_added_on_demand(tmp_path: Path, make_cell):
+    """Under either ruler the events are paid as they were; files without them are refused by name."""
+    for seed in range(2):
+        write_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline", make_cell, target=10.0)
+        write_trace(tmp_path / f"k{seed}", arp(1.5), seed, "arp", make_cell, target=10.0)
+    patterns = f"{tmp_path}/b*/trace.parquet", f"{tmp_path}/k*/trace.parquet"
+    data = compare(*patterns, with_events=True).to_json()
+    paid = []
+    for seed in range(2):
+        chunk = next(open_recording(tmp_path / f"b{seed}" / "trace.parquet").chunks())
+        paid.append((chunk.reward + np.where(chunk.step % 3 == 1, 10.0, 0.0)).tolist())
+    negative, positive = indices(paid, accumulated=True)
+    assert data["baseline"]["I_P"] == pytest.approx(positive, abs=0.0501)
+    assert data["baseline"]["I_N"] == pytest.approx(negative, abs=0.0501)
+    assert data["with_events"]
+    assert data["ruler_p"]["value"] is not None
+    assert compare(*patterns).to_json()["baseline"]["I_P"] < positive
+    (tmp_path / "bare.csv").write_text("reward\n1\n")
+    with pytest.raises(UsageError, match=r"bare\.csv has no event terms: leave out --with-events"):
+        compare(patterns[0], tmp_path / "bare.csv", with_events=True)
+
+
+def test_runs_of_known_seeds_are_paired(tmp_path: Path, make_cell):
+    """Whatever the folders are called, equal seeds meet: a change that is the same in all pairs has no spread."""
+    for seed in range(5):
+        write_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline", make_cell)
+        write_trace(tmp_path / f"k{9 - seed}", arp(2.0, 2.0), seed, "arp:k2=2", make_cell)
+    patterns = f"{tmp_path}/b*/trace.parquet", f"{tmp_path}/k*/trace.parquet"
+    eta = compare(*patterns).to_json()["eta_n"]
+    assert [eta["value"], eta["low"], eta["high"]] == pytest.approx([2.0, 2.0, 2.0], rel=1e-12)
+    (tmp_path / "b0" / "manifest.json").unlink()  # one seed is not known: nothing is paired
+    eta = compare(*patterns).to_json()["eta_n"]
+    assert eta["low"] < 1.9
+    assert eta["high"] > 2.1
+
+
+def test_a_reward_that_is_not_finite_on_the_others_runs_is_told(tmp_path: Path, write_plugin):
+    """The etas stay; the parts say why they are missing."""
+    source = """
+import harness
+from dataclasses import dataclass
+@dataclass(frozen=True)
+class Inverse:
+    def initial_carry(self, begin_distance):
+        return ()
+    def __call__(self, carry, sample):
+        return carry, 1.0 / sample.distance - 2.0
+@harness.hookimpl
+def register_rewards(register):
+    register("inverse", __name__ + ":Inverse", summary="infinite at the target")
+"""
+    for name, rows in (
+        ("b", ("0,1,1,1,0,0", "1,1,1,2,1,-1", "2,1,0,0,-1,1")),
+        ("k", ("0,1,1,1,0,0", "1,1,1,4,3,-1.75")),
+    ):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "run.csv").write_text("\n".join([HEADER, *rows]) + "\n")
+    registry = load_registry([*entry_points(group=PROJECT), write_plugin(source, "inverse-reward")])
+    groups = (match_recordings(f"{tmp_path}/{name}/*.csv") for name in "bk")
+    data = compare_recordings(*groups, registry).to_json()
+    assert data["rewards"] == {"baseline": BASELINE, "proposed": "inverse"}
+    assert data["eta_n"]["value"] == 1.75
+    assert data["ruler_n"]["value"] is None
+    assert data["ruler_n"]["note"] == "one group's reward is not finite on the other group's runs"

@@ -1,0 +1,327 @@
+"""Recorded files of anybody: what each row says, and what is said about a file that cannot be read."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from harness.errors import SchemaError, UsageError
+from harness.record.manifest import Manifest
+from harness.record.trace import COLUMN, SCALARS, TraceWriter
+from harness.registry.choice import Choice
+from harness.score.recording import Chunk, Recording, match_recordings, open_recording
+
+Write = Callable[..., Path]
+
+HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward,target x,endEff x ,endEff z "
+BASE = (
+    ",1.11,1.11,1.11,0,0,1,2,3",
+    ",1.11,1.11,0.5,,0.61,1,2,3",
+    ",1.11,0.5,0.5,,0.61,1,2,3",
+    ",1.11,0.5,0.7500001,,-0.2500001,1,2,3",
+    ",0.9,0.9,0.8,,0.1,1,2,3",  # the target was touched and drawn again
+    ",1.11,1.11,1.11,0,0,1,2,3",
+    ",1.11,1.11,1.11,,0,1,2,3",  # stood still: no episode's start
+)
+K2 = (
+    "0,1.11,1.11,1.11,0,0,1,2,3",
+    "1,1.11,0.5,0.5,-0.61,0.915,1,2,3",
+    "2,1.11,0.5,0.5,0,0.915,1,2,3",
+    "3,1.11,0.5,0.75,0.25,-0.25,1,2,3",
+    "4,0.9,0.8,0.8,-0.1,0.15,1,2,3",
+    "0,1.11,1.11,1.11,0,0,1,2,3",
+    "1,1.11,1.11,1.11,0,0,1,2,3",
+)
+BEFORE = [1.11, 1.11, 0.5, 0.5, 0.9, 1.11, 1.11]
+DELTA = [0.0, -0.61, 0.0, 0.25, -0.1, 0.0, 0.0]
+START = [True, False, False, False, False, True, False]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Write lines to a file."""
+
+    def write_lines(*lines: str, name: str = "run.csv", end: str = "\r\n") -> Path:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("".join(line + end for line in lines), newline="")
+        return path
+
+    return write_lines
+
+
+def only_chunk(path: Path) -> Chunk:
+    """All rows of a short file."""
+    (chunk,) = open_recording(path).chunks()
+    return chunk
+
+
+@pytest.mark.parametrize("rows", [BASE, K2], ids=["base line", "K2"])
+def test_both_programs_files_say_the_same(write: Write, rows: tuple[str, ...]):
+    """The same steps, written by either program, have the same starts, best distances before the step and Dd."""
+    chunk = only_chunk(write(HEADER, *rows))
+    np.testing.assert_array_equal(chunk.start, START)
+    np.testing.assert_allclose(chunk.previous_best, BEFORE, atol=1e-12)
+    np.testing.assert_allclose(chunk.delta_distance, DELTA, atol=2e-7)
+    np.testing.assert_array_equal(chunk.step, [0, 1, 2, 3, 4, 0, 1])
+    np.testing.assert_array_equal(chunk.begin_distance, [1.11, 1.11, 1.11, 1.11, 0.9, 1.11, 1.11])
+    np.testing.assert_allclose(chunk.distance, [1.11, 0.5, 0.5, 0.75, 0.8, 1.11, 1.11], atol=2e-7)
+    assert (chunk.line, chunk.event) == (2, None)
+
+
+def test_files_of_both_programs_joined_are_read(write: Write):
+    """What is filled in decides row by row, so that no file has to be of one program."""
+    chunk = only_chunk(write(HEADER, *BASE, *K2, *BASE))
+    np.testing.assert_array_equal(chunk.start, 3 * START)
+    np.testing.assert_allclose(chunk.previous_best, 3 * BEFORE, atol=1e-12)
+    np.testing.assert_array_equal(chunk.step, 3 * [0, 1, 2, 3, 4, 0, 1])
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 6, 7, 100])
+def test_chunks_of_any_size_hold_the_same_rows(write: Write, rows: int):
+    """Chunks are as long as asked for, the last one apart, and together say what one chunk says."""
+    path = write(HEADER, *BASE, *K2)
+    whole, chunks = only_chunk(path), list(open_recording(path).chunks(rows))
+    assert {len(chunk.reward) for chunk in chunks[:-1]} <= {rows}
+    assert [chunk.line for chunk in chunks] == list(range(2, 16, rows))
+    for name in ("reward", "start", "begin_distance", "previous_best", "distance", "delta_distance", "step"):
+        parts = [getattr(chunk, name) for chunk in chunks]
+        np.testing.assert_array_equal(np.concatenate(parts), getattr(whole, name))
+
+
+def test_numbers_are_read_as_c_sharp_prints_them(write: Write):
+    """Exponents, signs and blanks around a number; every digit counts."""
+    values = ["1.192093E-07", "-1.384625E-05", "+2", " 3 ", "4e2", "-0", ".5", "0.1234567890123456"]
+    chunk = only_chunk(write("a,reward", *(f",{value}" for value in values)))
+    np.testing.assert_array_equal(chunk.reward, [float(value) for value in values])
+
+
+@pytest.mark.parametrize("header", ["Reward", " reward ", "REWARD", '"reward"', "\ufeffreward"])
+def test_column_names_are_trimmed_and_in_any_case(write: Write, header: str):
+    """A file with nothing but rewards is a recording; what it does not have is None."""
+    chunk = only_chunk(write(header, "1.5", "", "-2", end="\n"))
+    np.testing.assert_array_equal(chunk.reward, [1.5, -2.0])
+    assert set(chunk[2:]) == {None}
+
+
+def test_a_last_line_without_its_end_is_read(write: Write):
+    """So are the lines of Windows and of Unix."""
+    path = write("reward", "1", end="\n")
+    path.write_text(path.read_text() + "2")
+    np.testing.assert_array_equal(only_chunk(path).reward, [1.0, 2.0])
+
+
+def test_distances_that_do_not_suffice_are_not_read(write: Write):
+    """Without a best distance nothing can be scored again: such columns may hold anything."""
+    recording = open_recording(write("t,distance,beginDistance,reward", "noon,far,,1"))
+    assert recording.columns == ("reward",)
+    assert not recording.has_distances
+    assert next(recording.chunks()).distance is None
+
+
+def test_either_column_gives_the_best_distance(write: Write):
+    """Of delta_distance and prevBest one is enough; without t the starts are told by their rows."""
+    best = only_chunk(write("beginDistance,prevBest,distance,reward", "1,1,1,0", "1,1,0.5,0.5", "1,0.5,0.75,-0.25"))
+    delta = only_chunk(
+        write("beginDistance,delta_distance,distance,reward", "1,0,1,0", "1,-0.5,0.5,0.5", "1,0.25,0.75,1")
+    )
+    for chunk in (best, delta):
+        np.testing.assert_array_equal(chunk.previous_best, [1.0, 1.0, 0.5])
+        np.testing.assert_array_equal(chunk.delta_distance, [0.0, -0.5, 0.25])
+        np.testing.assert_array_equal(chunk.start, [True, False, False])
+
+
+def test_steps_go_on_across_chunks(write: Write):
+    """Where the file does not count, steps are counted from the last start row, also in the chunks after it."""
+    rows = [",1,1,1,0,0", *[",1,1,2,,-1"] * 5]
+    path = write("t,beginDistance,prevBest,distance,delta_distance,reward", *rows[1:3], *rows)
+    steps = [chunk.step for chunk in open_recording(path).chunks(3)]
+    np.testing.assert_array_equal(np.concatenate(steps), [1, 2, 0, 1, 2, 3, 4, 5])
+
+
+# Traces
+
+
+def _rows(env: int = 0) -> np.ndarray:
+    """Three rows of a trace with one joint: start, closer, farther, with event terms."""
+    rows = np.zeros((3, len(SCALARS) + 2))
+    columns = {
+        "env": [env] * 3,
+        "step": [0, 1, 2],
+        "begin_distance": [1.0, 1.0, 1.0],
+        "previous_best": [1.0, 1.0, 0.6],
+        "distance": [1.0, 0.6, 0.7],
+        "delta_distance": [0.0, -0.4, 0.7 - 0.6],
+        "reward": [0.0, 0.4, -(0.7 - 0.6)],
+        "reward_ground": [0.0, 0.0, -1.0],
+        "reward_target": [0.0, 1.0, 0.0],
+        "reward_step": [0.0, -0.25, -0.25],
+    }
+    for name, values in columns.items():
+        rows[:, COLUMN[name]] = values
+    return rows
+
+
+@pytest.fixture
+def trace(tmp_path: Path, make_cell) -> Path:
+    """A trace with its manifest."""
+    path = tmp_path / "trace.parquet"
+    with TraceWriter(path, 1, 1) as writer:
+        writer.append(_rows())
+    reward = Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")
+    Manifest(make_cell(reward=reward, seed=7), "done").write(tmp_path)
+    return path
+
+
+def test_a_trace_is_read_as_it_is(trace: Path):
+    """Its best distance is the one before the step, exactly; its event terms are summed."""
+    chunk = only_chunk(trace)
+    np.testing.assert_array_equal(chunk.previous_best, [1.0, 1.0, 0.6])
+    np.testing.assert_array_equal(chunk.delta_distance, [0.0, -0.4, 0.7 - 0.6])
+    np.testing.assert_array_equal(chunk.event, [0.0, 0.75, -1.25])
+    np.testing.assert_array_equal(chunk.start, [True, False, False])
+    np.testing.assert_array_equal(chunk.env, [0, 0, 0])
+    assert chunk.line == 1
+
+
+def test_a_trace_declares_its_reward(trace: Path):
+    """The manifest beside it says what paid it, and its seed; without a manifest nothing is said."""
+    recording = open_recording(trace)
+    assert (recording.declared_reward, recording.seed) == ("arp:k2=2", 7)
+    (trace.parent / "manifest.json").unlink()
+    recording = open_recording(trace)
+    assert (recording.declared_reward, recording.seed) == (None, None)
+
+
+def test_a_trace_as_csv_is_read_as_the_trace(trace: Path, write: Write):
+    """A trace's own column names mean in a CSV file what they mean in a trace."""
+    names = [name for name in SCALARS if name.startswith(("env", "step", "begin", "prev", "dist", "delta", "reward"))]
+    lines = [",".join(str(row[COLUMN[name]]) for name in names) for row in _rows()]
+    from_csv, from_trace = only_chunk(write(",".join(names), *lines)), only_chunk(trace)
+    for name in Chunk._fields[1:-1]:  # a CSV file does not say where the target was touched
+        np.testing.assert_array_equal(getattr(from_csv, name), getattr(from_trace, name))
+
+
+def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path: Path):
+    """Other Parquet files, damaged ones and those of a later version are told in one line."""
+    path = tmp_path / "other.parquet"
+    pq.write_table(pa.table({"reward": [1.0]}), path)
+    with pytest.raises(SchemaError, match=r"other\.parquet is a trace of format 0, this version reads 1 to 2"):
+        open_recording(path)
+    path.write_bytes(path.read_bytes()[:20])
+    with pytest.raises(SchemaError, match=r"other\.parquet is no readable trace"):
+        open_recording(path)
+
+
+def test_a_trace_without_rows_is_refused(tmp_path: Path):
+    """A run that ended before its first step compares with nothing."""
+    path = tmp_path / "trace.parquet"
+    TraceWriter(path, 1, 1).close()
+    with pytest.raises(UsageError, match=r"trace\.parquet has no rows"):
+        list(open_recording(path).chunks())
+
+
+# Files that cannot be read
+
+FULL = "t,beginDistance,prevBest,distance,delta_distance,reward"
+ROW = "0,1,1,1,0,0"
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        (["a,reward", "1,2", "1,NaN"], "line 3, column 'reward': 'NaN' is no finite number"),
+        (["a,reward", "1,2", "1,-inf"], "line 3, column 'reward': '-inf' is no finite number"),
+        (["a,reward", "1,1e400"], "line 2, column 'reward': '1e400' is no finite number"),
+        (["a, Reward ", "1,2", "1,none"], "line 3, column 'Reward': 'none' is no finite number"),
+        (["a,reward", "1,2", "1,"], "line 3, column 'reward': the cell is empty"),
+        (["a,reward", "1,2", "", "1, "], "line 4, column 'reward': the cell is empty"),
+        (
+            ["a,reward", '1,"1,234.5"'],
+            "line 2, column 'reward': '1,234.5' is no finite number: write decimal points",
+        ),
+        (["a,reward", "1,1 234"], "line 2, column 'reward': '1 234' is no finite number: write decimal points"),
+        (
+            ["a,reward", "1,2", "1,1,234.5"],
+            "line 3, column 3: cells in the line: 3, in the header: 2; a comma inside",
+        ),
+        (["a,reward", "1,2", "1"], "line 3, column 'reward': cells in the line: 1, in the header: 2"),
+        (["a;reward", "1;2"], "line 1: no column 'reward': the columns are separated by semicolons"),
+        (["a\treward", "1\t2"], "line 1: no column 'reward': the columns are separated by tabs"),
+        (["a,b", "1,2"], "line 1: no column 'reward'; there is: a, b"),
+        (["reward,b,Reward"], "line 1: two columns are called 'reward'"),
+        ([], " is empty"),
+        ([""], "line 1: no column 'reward'; there is: nothing"),
+        (["a,reward"], " has no rows"),
+        ([FULL, ROW, "1,1,1,,0,1"], "line 3, column 'distance': the cell is empty"),
+        ([FULL, ROW, ",1,,1,,1"], "line 3, column 'prevBest': the cell is empty"),
+        ([FULL, ROW, ",1,1,nan,,1"], "line 3, column 'distance': 'nan' is no finite number"),
+        ([FULL, ROW, "later,1,1,1,,1"], "line 3, column 't': 'later' is no finite number"),
+        ([FULL, ROW, "inf,1,1,1,,1"], "line 3, column 't': 'inf' is no finite number"),
+        (
+            ["beginDistance,delta_distance,distance,reward", "1,,1,1"],
+            "line 2, column 'delta_distance': the cell is empty",
+        ),
+        (["reward", *["1"] * 400_000, "x"], "line 400002, column 'reward': 'x' is no finite number"),
+        (["a,reward", *["1,2"] * 400_000, "1,nan"], "line 400002, column 'reward': 'nan' is no finite number"),
+    ],
+)
+def test_a_fault_is_told_in_one_line(write: Write, lines: list[str], told: str):
+    """File, line and column of the first fault, wherever in the file it is."""
+    path = write(*lines)
+    with pytest.raises(UsageError) as raised:
+        list(open_recording(path).chunks())
+    assert str(path) in str(raised.value)
+    assert told in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_file_in_another_encoding_is_refused(tmp_path: Path):
+    """A spreadsheet's UTF-16 is told as such, not as a missing column."""
+    path = tmp_path / "run.csv"
+    path.write_text("reward\n1\n", encoding="utf-16")
+    with pytest.raises(UsageError, match="line 1: no CSV file in UTF-8, and no trace"):
+        open_recording(path)
+
+
+def test_a_file_that_is_not_there_is_told(tmp_path: Path):
+    """By its name and the system's reason."""
+    with pytest.raises(UsageError, match=r"gone\.csv cannot be read: No such file"):
+        open_recording(tmp_path / "gone.csv")
+
+
+# Patterns
+
+
+def _names(recordings: list[Recording]) -> list[str]:
+    return [recording.path.name for recording in recordings]
+
+
+def test_patterns_match_files_sorted_each_once(write: Write, tmp_path: Path):
+    """``**`` stands for any folders, folders are left out, and a file that two patterns match is one run."""
+    for name in ("b.csv", "deep/er/a.csv", "deep/c.csv", "notes.txt"):
+        write("reward", "1", name=name)
+    (tmp_path / "folder.csv").mkdir()
+    assert _names(match_recordings(f"{tmp_path}/**/*.csv")) == ["b.csv", "c.csv", "a.csv"]
+    assert _names(match_recordings([f"{tmp_path}/*.csv", f"{tmp_path}/b*", f"{tmp_path}/deep/*.csv"])) == [
+        "b.csv",
+        "c.csv",
+    ]
+
+
+def test_a_name_that_looks_like_a_pattern_is_a_name(write: Write):
+    """``run[1].csv`` is the file of that name where there is one."""
+    path = write("reward", "1", name="run[1].csv")
+    assert _names(match_recordings(str(path))) == ["run[1].csv"]
+
+
+def test_a_pattern_without_a_file_is_told(write: Write, tmp_path: Path):
+    """Each of several patterns has to match a file; folders alone are named as the reason."""
+    write("reward", "1")
+    with pytest.raises(UsageError, match=r"No file matches '.*/\*\.tsv'\. Quote"):
+        match_recordings([f"{tmp_path}/*.csv", f"{tmp_path}/*.tsv"])
+    with pytest.raises(UsageError, match="it matches folders only"):
+        match_recordings(str(tmp_path))

@@ -1,0 +1,78 @@
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from harness.errors import UsageError
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness.score.recording import open_recording
+from harness.score.rescore import rescore
+
+HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
+ROWS = [
+    "0,1.0,1.0,1.0,0,0",
+    "1,1.0,0.8,0.8,-0.2,0.3",
+    "2,1.0,0.8,0.9,0.1,-0.1",
+    "0,2.0,2.0,2.0,0,0",
+    "1,2.0,1.5,1.5,-0.5,0.75",
+]
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    """A file of two short episodes, paid by arp with k2 = 1.5."""
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join([HEADER, *ROWS]) + "\n")
+    return open_recording(path)
+
+
+def rewards(*names):
+    """Built rewards by label."""
+    registry = load_registry()
+    return {name: choose(registry, "rewards", name).build(registry, "rewards") for name in names}
+
+
+def test_each_reward_gets_a_column(recorded, tmp_path):
+    """The scores hold what each reward would have paid, start rows nothing."""
+    rescore(recorded, rewards("baseline", "arp"), tmp_path / "s.parquet")
+    table = pq.read_table(tmp_path / "s.parquet")
+    np.testing.assert_allclose(table["baseline"].to_numpy(), [0, 0.2, -0.1, 0, 0.5], rtol=1e-12)
+    np.testing.assert_allclose(table["arp"].to_numpy(), [0, 0.3, -0.1, 0, 0.75], rtol=1e-12)
+
+
+def test_the_recording_is_not_touched(recorded, tmp_path):
+    """The recorded file is the same, byte for byte."""
+    before = recorded.path.read_bytes()
+    rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
+    assert recorded.path.read_bytes() == before
+
+
+def test_columns_of_other_rewards_are_kept(recorded, tmp_path):
+    """Scoring once more adds a column."""
+    rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
+    rescore(recorded, rewards("arp:k2=2"), tmp_path / "s.parquet")
+    assert set(pq.read_table(tmp_path / "s.parquet").column_names) == {"arp", "arp:k2=2"}
+
+
+def test_scores_of_another_recording_are_not_overwritten(recorded, tmp_path):
+    """A file with another number of rows is refused."""
+    rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
+    other = tmp_path / "other.csv"
+    other.write_text("\n".join([HEADER, *ROWS[:3]]) + "\n")
+    with pytest.raises(UsageError, match="belongs to another one"):
+        rescore(open_recording(other), rewards("arp"), tmp_path / "s.parquet")
+
+
+def test_a_recording_without_distances_is_refused(tmp_path):
+    """From a reward column alone no other reward can be computed."""
+    path = tmp_path / "run.csv"
+    path.write_text("reward\n1\n2\n")
+    with pytest.raises(UsageError, match="records no distances"):
+        rescore(open_recording(path), rewards("arp"), tmp_path / "s.parquet")
+
+
+def test_a_place_that_cannot_be_written_is_told(recorded, tmp_path):
+    """A folder that is a file ends with one line."""
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="cannot be written"):
+        rescore(recorded, rewards("arp"), tmp_path / "file" / "s.parquet")

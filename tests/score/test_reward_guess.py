@@ -1,0 +1,192 @@
+"""Which reward paid a recording: told from its rows, to the digits that they have."""
+
+import random
+from collections.abc import Callable
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.hookspecs import PROJECT
+from harness.record.cell import Cell
+from harness.record.manifest import Manifest
+from harness.record.trace import COLUMN, SCALARS, TraceWriter
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry, load_registry
+from harness.score.recording import Recording, open_recording
+from harness.score.reward_guess import guess_reward, misfit
+
+Pay = Callable[[float, float, float], float]
+
+HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
+
+
+@pytest.fixture
+def registry() -> Registry:
+    """The built-in plugins."""
+    return load_registry()
+
+
+def arp(k1: float, k2: float) -> Pay:
+    """What ARP pays for beginDistance, best distance before the step, and distance."""
+    return lambda begin, before, distance: -k1 * (distance - before) if distance > before else k2 * (begin - distance)
+
+
+def write_run(
+    path: Path, pay: Pay, seed: int = 0, rows: int = 400, program: str = "K2", reach: float = 0.5
+) -> Recording:
+    """Episodes of an arm that moves at random, in the words of either program, 7 digits a number."""
+    rng, lines, step = random.Random(seed), [HEADER], 0
+    begin = before = 1.110047
+    for _ in range(400):
+        if step == 0:
+            before, distance, reward = begin, begin, 0.0
+        else:
+            distance = begin * (1.0 - reach) + begin * reach * 1.4 * rng.random() if rng.random() < 0.4 else distance
+            reward = pay(begin, before, distance)
+        after = min(before, distance)
+        numbers = (begin, after, distance, distance - before, reward)
+        if program == "base line":
+            numbers = (begin, before, distance, reward if step == 0 else None, reward)
+        texts = ["" if number is None else f"{number:.7g}".upper() for number in numbers]
+        lines.append(",".join([str(step) if program == "K2" else "", *texts]))
+        before = after
+        step = 0 if rng.random() < 0.05 else step + 1
+    path.write_text("\n".join(lines) + "\n")
+    return open_recording(path)
+
+
+@pytest.mark.parametrize("program", ["base line", "K2"])
+@pytest.mark.parametrize(
+    ("pay", "choice"),
+    [
+        (arp(1.0, 1.0), "baseline"),
+        (arp(1.0, 1.5), "arp:k1=1,k2=1.5"),
+        (arp(1.0, 2.0), "arp:k1=1,k2=2"),
+        (arp(0.25, 1.11), "arp:k1=0.25,k2=1.11"),
+        (arp(30.0, 12.5), "arp:k1=30,k2=12.5"),
+        (lambda begin, before, distance: -distance, "dense"),
+    ],
+    ids=["baseline", "K2 = 1.5", "K2 = 2", "both gains", "large gains", "dense"],
+)
+@pytest.mark.parametrize("reach", [0.9, 0.05])
+def test_the_reward_is_told_from_its_rows(
+    tmp_path: Path, registry: Registry, program: str, pay: Pay, choice: str, reach: float
+):
+    """In either program's files, whatever the gains, and also if the arm hardly came closer."""
+    recording = write_run(tmp_path / "run.csv", pay, program=program, reach=reach)
+    assert guess_reward(recording, registry) == (choice, "")
+
+
+def test_digits_that_printing_cut_are_no_other_reward(tmp_path: Path, registry: Registry):
+    """A gain that differs in the fourth digit is another reward; one in the ninth is the same."""
+    recording = write_run(tmp_path / "run.csv", arp(1.0, 1.5))
+    assert misfit(recording, "arp:k2=1.500000001", registry) == ""
+    assert "arp:k2=1.501 pays" in misfit(recording, "arp:k2=1.501", registry)
+
+
+def test_a_sign_that_printing_cut_is_forgiven_once_in_a_while(tmp_path: Path, registry: Registry):
+    """Two distances that print alike may have differed: the row is paid as one step away, the run is still told."""
+    path = tmp_path / "run.csv"
+    write_run(path, arp(1.0, 1.0), program="base line")
+    odd = ",1.110047,0.5,0.5,,-1.192093E-07\n"
+    text = path.read_text()
+    path.write_text(text + odd)
+    assert guess_reward(open_recording(path), registry).choice == "baseline"
+    path.write_text(text + 10 * odd)
+    assert guess_reward(open_recording(path), registry).choice is None
+
+
+def test_a_reward_that_nobody_registered_is_not_told(tmp_path: Path, registry: Registry):
+    """There is no nearest reward: none fits, or one does; the reason names the file."""
+    recording = write_run(tmp_path / "run.csv", lambda begin, before, distance: begin**2 - distance**2)
+    choice, reason = guess_reward(recording, registry)
+    assert choice is None
+    assert reason == f"no registered reward pays what {recording.path} recorded"
+
+
+def test_a_run_that_was_paid_nothing_tells_nothing(tmp_path: Path, registry: Registry):
+    """Zeros are what several rewards may pay."""
+    choice, reason = guess_reward(write_run(tmp_path / "run.csv", lambda *_: 0.0), registry)
+    assert choice is None
+    assert "pays nothing in its first 400 rows" in reason
+
+
+def test_a_file_without_distances_tells_nothing(tmp_path: Path, registry: Registry):
+    """Neither a guess nor a check is possible, and the reason says why."""
+    path = tmp_path / "run.csv"
+    path.write_text("reward\n1\n")
+    recording = open_recording(path)
+    assert guess_reward(recording, registry) == (None, f"{path} has no distances to score again")
+    assert misfit(recording, "baseline", registry) == f"{path} has no distances to score again"
+
+
+def test_a_misfit_names_file_line_and_both_values(tmp_path: Path, registry: Registry):
+    """What was recorded beside what the reward pays, in the first row where they differ."""
+    path = tmp_path / "run.csv"
+    path.write_text(f"{HEADER}\n0,1,1,1,0,0\n1,1,0.5,0.5,-0.5,0.75\n")
+    told = misfit(open_recording(path), "baseline", registry)
+    assert told == f"{path}, line 3: recorded 0.75, baseline pays 0.5"
+
+
+def test_a_reward_that_nobody_registered_cannot_be_checked(tmp_path: Path, registry: Registry):
+    """A wrong name is the user's error, not a misfit."""
+    with pytest.raises(UsageError, match="No reward 'arpp'"):
+        misfit(write_run(tmp_path / "run.csv", arp(1.0, 1.0)), "arpp", registry)
+
+
+# Traces
+
+
+def _trace(folder: Path, reward: Choice, pays: float, make_cell: Callable[..., Cell]) -> Recording:
+    """Two envs that trained together, row by row in turns; each comes 0.1 m closer per step."""
+    rows = np.zeros((8, len(SCALARS) + 2))
+    for number, row in enumerate(rows):
+        step, env = divmod(number, 2)
+        begin, distance = 1.0 + env, 1.0 + env - 0.1 * step
+        before = begin - 0.1 * max(0, step - 1)
+        row[[COLUMN["env"], COLUMN["step"], COLUMN["begin_distance"]]] = env, step, begin
+        row[[COLUMN["previous_best"], COLUMN["distance"]]] = before, distance
+        row[[COLUMN["delta_distance"], COLUMN["reward"]]] = distance - before, pays * (begin - distance)
+    with TraceWriter(folder / "trace.parquet", 1, 1) as writer:
+        writer.append(rows)
+    Manifest(make_cell(reward=reward), "done").write(folder)
+    return open_recording(folder / "trace.parquet")
+
+
+def test_a_trace_was_paid_by_what_it_declares(tmp_path: Path, registry: Registry, make_cell):
+    """Also where several envs trained together, whose rows take turns."""
+    recording = _trace(tmp_path, Choice("arp", (), "arp:k2=3"), 3.0, make_cell)
+    assert guess_reward(recording, registry).choice == "arp:k2=3"
+
+
+def test_a_declared_reward_that_does_not_pay_the_rows_is_told(tmp_path: Path, registry: Registry, make_cell):
+    """A plugin that has changed since cannot score the run again."""
+    choice, reason = guess_reward(_trace(tmp_path, Choice("arp", (), "arp:k2=3"), 2.5, make_cell), registry)
+    assert choice is None
+    assert reason.endswith("recorded; not even arp:k2=3, which its manifest declares")
+
+
+def test_a_trace_that_declares_a_reward_of_zeros_is_told(tmp_path: Path, registry: Registry, make_cell):
+    """What is declared needs no guess."""
+    recording = _trace(tmp_path, Choice("sparse", (), "sparse"), 0.0, make_cell)
+    assert guess_reward(recording, registry).choice == "sparse"
+
+
+def test_a_strangers_reward_that_raises_is_not_the_one(tmp_path: Path, write_plugin):
+    """Whatever a plugin's reward does, the others are tried."""
+    source = """
+import harness
+class Broken:
+    def __init__(self):
+        raise RuntimeError("broken")
+@harness.hookimpl
+def register_rewards(register):
+    register("aa-broken", __name__ + ":Broken", summary="raises")
+"""
+    registry = load_registry([*entry_points(group=PROJECT), write_plugin(source, "broken-reward")])
+    assert "aa-broken" in registry.names("rewards")
+    recording = write_run(tmp_path / "run.csv", lambda begin, before, distance: -distance)
+    assert guess_reward(recording, registry).choice == "dense"

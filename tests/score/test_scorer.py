@@ -1,0 +1,397 @@
+"""Scoring recorded runs again: exactly what was paid, whatever the pieces, for every reward there is."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import harness
+import harness.score.scorer as module
+from harness.env import ReachVectorEnv
+from harness.reach import ReachTask
+from harness.record.trace import FORMAT, FORMAT_KEY, Trace, TraceWriter, read_trace
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness.reward import Reward, Sample
+from harness.robot.inverse_kinematics import reach_position
+from harness.score.recording import open_recording
+from harness.score.rescore import RecordingScorer
+from harness.score.scorer import TOUCHED, Scorer, score_trace, targets_touched
+from harness.testing import IdealSimulator
+from harness_plugins.tasks.unity import Arp2021
+
+REGISTRY = load_registry()
+ROBOT = harness.load_robot("fd100")
+ARM = harness.load_robot("unity-arm")
+REWARDS = REGISTRY.names("rewards")
+CHOICES = [*REWARDS, "arp:k1=0.3,k2=2.7", "scaled:reward=aarp,factor=0.1", "shifted:reward=(arp:k2=2),offset=-0.3"]
+ENVS = 3
+
+
+@dataclass
+class Rows:
+    """Consecutive rows of one run."""
+
+    start: np.ndarray
+    begin_distance: np.ndarray
+    previous_best: np.ndarray
+    distance: np.ndarray
+    touched: np.ndarray | None = None
+
+    def __getitem__(self, part: slice) -> "Rows":
+        columns = (getattr(self, field.name) for field in fields(self))
+        return Rows(*(None if column is None else column[part] for column in columns))
+
+
+def reward_of(text: str) -> Reward:
+    """A registered reward, its parameters at their defaults unless they are said."""
+    return choose(REGISTRY, "rewards", text).build(REGISTRY, "rewards")
+
+
+@cache
+def record(text: str, simulator: str = "ideal") -> Trace:
+    """The trace of a batch that partly wanders, partly makes for its targets, paid by a reward."""
+    return record_under(reward_of(text), simulator)
+
+
+def record_under(reward: Reward, simulator: str = "ideal", steps: int = 80) -> Trace:
+    """The same for a reward that need not be registered."""
+    engine = (
+        IdealSimulator()
+        if simulator == "ideal"
+        else choose(REGISTRY, "simulators", simulator).build(REGISTRY, "simulators")
+    )
+    env = ReachVectorEnv(engine, ROBOT, ReachTask(horizon=15, epsilon=0.15), reward, num_envs=ENVS)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "trace.parquet"
+        with TraceWriter(path, 6, 6) as recorder:
+            env.recorder = recorder
+            drive(env, steps)
+        env.close()
+        return read_trace(path)
+
+
+def drive(env: ReachVectorEnv, steps: int) -> None:
+    """At random, and in all envs but the first now and then towards the target."""
+    rng = np.random.default_rng(0)
+    observations, _ = env.reset(seed=1)
+    for step in range(steps):
+        actions = rng.uniform(-1.0, 1.0, (ENVS, 6))
+        if step % 5:
+            offset = observations[1:, 24:27].astype(float)
+            qpos = env.simulation.read().qpos[1:]
+            actions[1:] = 6.0 * (offset[:, None] @ ROBOT.jacobian(qpos))[:, 0]
+        observations, *_ = env.step(np.clip(actions, -1.0, 1.0).astype(np.float32))
+
+
+def rows_of(trace: Trace, env: int = 0) -> Rows:
+    """One env's rows, in order."""
+    rows = trace["env"] == env
+    columns = ("begin_distance", "previous_best", "distance")
+    return Rows(trace["step"][rows] == 0, *(trace[name][rows] for name in columns))
+
+
+def in_pieces(reward: Reward, rows: Rows, cuts: list[int]) -> np.ndarray:
+    """The rows scored a piece at a time."""
+    scorer, ends = Scorer(reward), sorted(min(cut, len(rows.start)) for cut in cuts)
+    parts = zip([0, *ends], [*ends, len(rows.start)], strict=True)
+    return np.concatenate([scorer.score(rows[slice(*part)]) for part in parts])
+
+
+# Rewards that show what they are shown
+
+
+@dataclass(frozen=True)
+class Shows:
+    """Pays one column of its sample."""
+
+    column: str
+
+    def initial_carry(self, begin_distance: Any) -> Any:
+        """Remembers nothing."""
+        return ()
+
+    def __call__(self, carry: Any, sample: Sample) -> tuple[Any, Any]:
+        """Of a step."""
+        return carry, np.asarray(getattr(sample, self.column), float)
+
+
+@dataclass(frozen=True)
+class Remembers:
+    """Pays a mixture of its previous payment, the steps in a row that came nearer, and what it began with."""
+
+    def initial_carry(self, begin_distance: Any) -> Any:
+        """An array, and a tuple of two."""
+        return np.zeros_like(begin_distance), (np.zeros_like(begin_distance), np.exp(begin_distance))
+
+    def __call__(self, carry: Any, sample: Sample) -> tuple[Any, Any]:
+        """Of a step."""
+        paid, (row, began) = carry
+        row = np.where(sample.delta_distance < 0.0, row + 1.0, 0.0)
+        value = 0.5 * paid + row * began + sample.distance
+        return (value, (row, began)), value
+
+
+SCORED: dict[str, Callable[[], Reward]] = {
+    **{text: lambda text=text: reward_of(text) for text in CHOICES},
+    "one that remembers": Remembers,
+}
+
+
+@pytest.fixture(params=SCORED, name="reward")
+def _reward(request: pytest.FixtureRequest) -> Iterator[Reward]:
+    return SCORED[request.param]()
+
+
+# Exactly what was paid
+
+
+@pytest.mark.parametrize("simulator", ["ideal", "mujoco"])
+@pytest.mark.parametrize("text", CHOICES)
+def test_every_reward_is_scored_as_it_was_paid(text: str, simulator: str):
+    """Bit for bit the recorded column, in a batch of envs, over many episodes."""
+    trace = record(text, simulator)
+    assert trace["reached"].any()
+    assert trace["truncated"].any()
+    assert text == "sparse" or np.unique(trace["reward"]).size > len(trace) // 2
+    np.testing.assert_array_equal(score_trace(reward_of(text), trace), trace["reward"])
+
+
+@cache
+def record_tour(text: str) -> Trace:
+    """The trace of arms whose episodes go on to the next target, some of them at the very place of the last one."""
+    return record_tour_under(reward_of(text))
+
+
+def record_tour_under(reward: Reward) -> Trace:
+    """Decisions of three steps that jump back and forth between a few poses, in the target and outside."""
+    env = ReachVectorEnv(IdealSimulator(), ARM, Arp2021(horizon=50, decision_period=3), reward, num_envs=ENVS)
+    goals, reached = reach_position(
+        ARM, env.task.draw_targets(ARM, np.random.default_rng(0), 1).position, ARM.home[None]
+    )
+    assert reached.all()
+    poses = np.array([ARM.home, goals[0], goals[0] + 0.01, 0.9 * ARM.home, 0.5 * (ARM.home + goals[0])]) / ARM.upper
+    rng = np.random.default_rng(3)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "trace.parquet"
+        with TraceWriter(path, 5, 5) as recorder:
+            env.recorder = recorder
+            env.reset(seed=1)
+            for _ in range(80):
+                env.step(poses[rng.integers(0, len(poses), ENVS)].astype(np.float32))
+        return read_trace(path)
+
+
+@pytest.mark.parametrize("text", CHOICES)
+def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(text: str):
+    """Bit for bit, though distances and memory restart inside the episode, also at the same begin distance."""
+    trace = record_tour(text)
+    touched = np.flatnonzero(targets_touched(*(trace[name] for name in TOUCHED)))
+    after = touched[touched + ENVS < len(trace)] + ENVS
+    assert len(after) > 30
+    assert (trace["begin_distance"][after] == trace["begin_distance"][after - ENVS]).any()
+    np.testing.assert_array_equal(score_trace(reward_of(text), trace), trace["reward"])
+
+
+def test_memory_restarts_with_the_next_target():
+    """As in the environment, bit for bit, for a carry of several parts."""
+    trace = record_tour_under(Remembers())
+    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+
+
+@pytest.mark.parametrize("column", Sample._fields)
+def test_scorer_shows_what_the_environment_shows_of_the_next_targets(column: str):
+    """Every column of the sample is the environment's, bit for bit."""
+    trace = record_tour_under(Shows(column))
+    np.testing.assert_array_equal(score_trace(Shows(column), trace), trace["reward"])
+
+
+@pytest.mark.parametrize("text", CHOICES)
+def test_recording_of_next_targets_is_scored_as_it_was_paid(text: str, tmp_path: Path):
+    """A recording is read a chunk at a time, and scored bit for bit as the trace that it is."""
+    trace, path = record_tour(text), tmp_path / "trace.parquet"
+    columns = {name: trace[name] for name in ("env", "step", "begin_distance", "previous_best", "distance", "reward")}
+    table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
+    pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
+    scorer = RecordingScorer(reward_of(text))
+    scored = [scorer.score(chunk) for chunk in open_recording(path).chunks(37)]
+    np.testing.assert_array_equal(np.concatenate(scored), trace["reward"])
+
+
+@pytest.mark.parametrize("text", CHOICES)
+def test_every_reward_scores_the_runs_of_another(text: str):
+    """Runs that another reward paid get what this one would have paid for the same motion."""
+    other = record("baseline")
+    mine = record(text)
+    np.testing.assert_array_equal(other["distance"], mine["distance"])  # actions do not depend on the reward here
+    np.testing.assert_array_equal(score_trace(reward_of(text), other), mine["reward"])
+
+
+def test_reward_that_remembers_is_scored_as_it_was_paid():
+    """A carry of several parts starts anew with each episode of each env, as in the environment."""
+    trace = record_under(Remembers())
+    np.testing.assert_array_equal(score_trace(Remembers(), trace), trace["reward"])
+
+
+@pytest.mark.parametrize("column", Sample._fields)
+def test_scorer_shows_a_reward_what_the_environment_shows(column: str):
+    """Every column of the sample is the environment's, bit for bit."""
+    trace = record_under(Shows(column))
+    np.testing.assert_array_equal(score_trace(Shows(column), trace), trace["reward"])
+
+
+def test_start_rows_are_paid_nothing():
+    """Whatever a reward pays for a distance."""
+    trace = record("dense")
+    scored = score_trace(reward_of("shifted:offset=5"), trace)
+    np.testing.assert_array_equal(scored == 0.0, trace["step"] == 0)
+
+
+def test_trace_is_left_alone():
+    """Scoring changes no column."""
+    trace = record("arp")
+    before = {name: column.copy() for name, column in trace.columns.items()}
+    score_trace(reward_of("aarp"), trace)
+    for name, column in before.items():
+        np.testing.assert_array_equal(trace[name], column)
+
+
+def test_envs_do_not_depend_on_one_another():
+    """The rows of one env get the same alone as among the others."""
+    trace = record("aarp")
+    for env in range(ENVS):
+        alone = Scorer(reward_of("aarp")).score(rows_of(trace, env))
+        np.testing.assert_array_equal(alone, trace["reward"][trace["env"] == env])
+
+
+def test_order_of_the_rows_is_kept():
+    """Rows of several envs come back where they were, also when an env's rows stand together."""
+    trace = record("aarp")
+    order = np.argsort(trace["env"], kind="stable")
+    sorted_trace = Trace({name: column[order] for name, column in trace.columns.items()})
+    np.testing.assert_array_equal(score_trace(reward_of("aarp"), sorted_trace), trace["reward"][order])
+
+
+def test_trace_without_rows():
+    """It has no rewards."""
+    trace = record("baseline")
+    empty = Trace({name: column[:0] for name, column in trace.columns.items()})
+    assert score_trace(reward_of("aarp"), empty).shape == (0,)
+
+
+# A piece at a time
+
+
+@given(st.sampled_from(list(SCORED)), st.lists(st.integers(0, 90), max_size=10))
+def test_pieces_do_not_show(name: str, cuts: list[int]):
+    """However the rows are handed over, empty pieces included, every reward pays the same, bit for bit."""
+    reward, rows = SCORED[name](), rows_of(record("baseline"), 1)
+    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).score(rows))
+
+
+@given(st.sampled_from(Sample._fields), st.lists(st.integers(0, 90), max_size=10))
+def test_pieces_do_not_show_in_the_sample(column: str, cuts: list[int]):
+    """Every column of the sample goes on across pieces."""
+    reward, rows = Shows(column), rows_of(record("baseline"), 2)
+    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).score(rows))
+
+
+def test_row_by_row(reward: Reward):
+    """The smallest pieces of all."""
+    rows = rows_of(record("baseline"), 1)
+    every = list(range(len(rows.start)))
+    np.testing.assert_array_equal(in_pieces(reward, rows, every), Scorer(reward).score(rows))
+
+
+def test_blocks_do_not_show(reward: Reward, monkeypatch: pytest.MonkeyPatch):
+    """Long pieces are scored a block at a time: how long a block is changes nothing."""
+    rows = rows_of(record("baseline"), 1)
+    whole = Scorer(reward).score(rows)
+    monkeypatch.setattr(module, "BLOCK", 7)
+    np.testing.assert_array_equal(Scorer(reward).score(rows), whole)
+
+
+def test_empty_piece_is_scored_as_nothing():
+    """At any moment, the first included."""
+    rows = rows_of(record("baseline"))
+    scorer = Scorer(reward_of("relative"))
+    assert scorer.score(rows[:0]).shape == (0,)
+    np.testing.assert_array_equal(scorer.score(rows), Scorer(reward_of("relative")).score(rows))
+
+
+@given(st.sampled_from(list(SCORED)), st.lists(st.integers(0, 200), max_size=10))
+def test_pieces_do_not_show_where_targets_are_touched(name: str, cuts: list[int]):
+    """Also where a piece ends with a touched target."""
+    reward, trace = SCORED[name](), record_tour("baseline")
+    rows = rows_of(trace, 1)
+    rows.touched = targets_touched(*(trace[flag][trace["env"] == 1] for flag in TOUCHED))
+    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).score(rows))
+
+
+# A target that is drawn again inside an episode
+
+
+def redrawn() -> Rows:
+    """A target is touched at the third row: in the fourth both distances belong to the next one."""
+    return Rows(
+        start=np.array([True, False, False, False, False]),
+        begin_distance=np.array([1.0, 1.0, 1.0, 2.0, 2.0]),
+        previous_best=np.array([1.0, 1.0, 0.5, 2.0, 1.75]),
+        distance=np.array([1.0, 0.5, 0.125, 1.75, 1.875]),
+    )
+
+
+def test_distance_before_a_redrawn_target_is_its_begin_distance():
+    """The distance of the row before was to another target."""
+    shown = Scorer(Shows("previous_distance")).score(redrawn())
+    np.testing.assert_array_equal(shown, [0.0, 1.0, 0.5, 2.0, 1.75])
+
+
+def test_memory_restarts_where_the_begin_distance_changes():
+    """A recording that does not say where a target was touched shows it so."""
+    scored = Scorer(Remembers()).score(redrawn())
+    fresh = Scorer(Remembers()).score(redrawn()[3:])
+    np.testing.assert_array_equal(scored[3:], fresh)
+
+
+def test_steps_are_counted_on_across_a_redrawn_target():
+    """The episode goes on."""
+    np.testing.assert_array_equal(Scorer(Shows("step")).score(redrawn()), [0.0, 1.0, 2.0, 3.0, 4.0])
+
+
+def test_redrawn_target_is_paid_from_its_own_begin_distance():
+    """The baseline pays what is gained on the target of the row."""
+    np.testing.assert_array_equal(Scorer(reward_of("baseline")).score(redrawn()), [0.0, 0.5, 0.875, 0.25, -0.125])
+
+
+@pytest.mark.parametrize("cut", range(1, 5))
+def test_redrawn_target_at_a_cut(cut: int):
+    """Pieces that meet at a redrawn target, or anywhere else, do not show."""
+    reward = Shows("previous_distance")
+    np.testing.assert_array_equal(in_pieces(reward, redrawn(), [cut]), Scorer(reward).score(redrawn()))
+
+
+def test_rows_that_begin_inside_an_episode():
+    """A run whose first start row is missing begins where its first row says."""
+    np.testing.assert_array_equal(Scorer(Shows("previous_distance")).score(redrawn()[2:]), [1.0, 2.0, 1.75])
+    np.testing.assert_array_equal(
+        Scorer(Remembers()).score(redrawn()[2:3]),
+        Remembers()(Remembers().initial_carry(np.array([1.0])), sample_at(redrawn(), 2))[1],
+    )
+
+
+def sample_at(rows: Rows, row: int) -> Sample:
+    """What a reward sees at a row that nothing is known before of."""
+    begin, best, distance = (
+        getattr(rows, name)[row : row + 1] for name in ("begin_distance", "previous_best", "distance")
+    )
+    return Sample(begin, best, begin, distance, distance - best, np.ones(1))
