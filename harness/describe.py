@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from harness.env.arm_observation import ArmObservation
+from harness.hookspecs import NOUNS
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
 from harness.registry.parameters import parameters_of, values_of
@@ -30,7 +31,7 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
         return f"command {given}: {command.summary} (plugin '{command.plugin}' of {command.distribution})"
     choice = choose(registry, kind, given)
     spec, thing = registry.get(kind, choice.name), choice.build(registry, kind)
-    parts = [f"{kind[:-1]} {choice.label}: {spec.summary} (plugin '{spec.plugin}' of {spec.distribution})"]
+    parts = [f"{NOUNS[kind]} {choice.label}: {spec.summary} (plugin '{spec.plugin}' of {spec.distribution})"]
     parts.append(inspect.cleandoc(type(thing).__doc__ or ""))
     if kind == "tasks":
         parts.append(describe_task(thing, load_robot(robot or thing.robot, registry)))

@@ -39,3 +39,13 @@ class ContractViolation(HarnessError):
 
 class SchemaError(HarnessError):
     """A results file is damaged, or written by a newer version than this one."""
+
+
+def one_line(error: BaseException) -> str:
+    """The type and the message of an exception on one line, ``ValueError: no such thing``."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}".removesuffix(": ")
+
+
+def sentence(noun: str) -> str:
+    """`noun` with a capital, to begin a message with; a path in it keeps its own capitals."""
+    return noun[:1].upper() + noun[1:]

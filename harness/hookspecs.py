@@ -65,4 +65,15 @@ class Hooks:
         """Targets: a function that becomes ``harness NAME``; its typed parameters are what typer makes options of."""
 
 
-KINDS = tuple(name.removeprefix("register_") for name in vars(Hooks) if name.startswith("register_"))
+NOUNS = {
+    "simulators": "simulator",
+    "algorithms": "algorithm",
+    "rewards": "reward",
+    "metrics": "metric",
+    "robots": "robot",
+    "tasks": "task",
+    "executors": "executor",
+    "commands": "command",
+}
+"""Every kind of thing that varies, and what to call one of it; each has a hook, ``register_simulators`` and so on."""
+KINDS = tuple(NOUNS)

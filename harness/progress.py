@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from harness.policy import Policy
 
-State: TypeAlias = Mapping[str, NDArray[Any]]
+TrainingState: TypeAlias = Mapping[str, NDArray[Any]]
 """Everything that a training needs to go on, by name; numbers are arrays of shape ()."""
 
 
@@ -34,18 +34,18 @@ class Progress:
     def scalars(self, steps: int, values: Mapping[str, float]) -> None:
         """Numbers to watch, such as ``Losses/Policy Loss``, as they are after `steps`."""
 
-    def checkpoint(self, steps: int, make: Callable[[], State]) -> None:
+    def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
         """`make` would give all that is needed to go on after `steps`; it is called only when a checkpoint is due.
 
         Call it where the next thing done to the env is to reset all of it: of episodes under way nothing is kept. A
         training that is `restored` begins with that reset.
         """
 
-    def restored(self) -> State | None:
+    def restored(self) -> TrainingState | None:
         """What the last checkpoint holds, if this training goes on from one; ask once, before the first step."""
         return None
 
 
-def as_state(values: Mapping[str, Any]) -> State:
+def as_state(values: Mapping[str, Any]) -> TrainingState:
     """Numbers and arrays as a state."""
     return {name: np.asarray(value) for name, value in values.items()}

@@ -26,3 +26,21 @@ def test_contract_violation_names_its_check():
     """The name of the check that failed can be read off the error and off its text."""
     violation = errors.ContractViolation("is_finite", "the distance is nan")
     assert (violation.check, str(violation)) == ("is_finite", "is_finite: the distance is nan")
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (ValueError("two\n  lines"), "ValueError: two lines"),
+        (KeyError("name"), "KeyError: 'name'"),
+        (RuntimeError(), "RuntimeError"),
+    ],
+)
+def test_an_exception_fits_on_one_line(error: Exception, line: str):
+    """Type and message, line breaks and all other white space as one blank."""
+    assert errors.one_line(error) == line
+
+
+def test_a_sentence_keeps_the_capitals_of_a_path():
+    """Only the first letter changes."""
+    assert errors.sentence("experiment file 'A/b.toml'") == "Experiment file 'A/b.toml'"

@@ -9,7 +9,7 @@ from harness.hookspecs import KINDS, Hooks, Register
 
 def test_kinds_are_the_hooks():
     """There is one hook per kind of thing that varies."""
-    assert KINDS == ("simulators", "algorithms", "rewards", "metrics", "robots", "tasks", "executors", "commands")
+    assert [f"register_{kind}" for kind in KINDS] == [name for name in vars(Hooks) if name.startswith("register_")]
 
 
 @pytest.mark.parametrize("kind", KINDS)

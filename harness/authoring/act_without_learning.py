@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Policy
-from harness.progress import Progress, State, as_state
+from harness.progress import Progress, TrainingState, as_state
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -27,7 +27,7 @@ def act_for(env: "ReachVectorEnv", steps: int, policy: Policy, seed: int, progre
         done = int(state["done"])
     before, decisions = env.environment_steps - done, 0
 
-    def standing() -> State:
+    def standing() -> TrainingState:
         return as_state({"rng": pack_generator(rng), "done": done})
 
     observation, _ = env.reset()

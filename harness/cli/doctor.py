@@ -6,6 +6,7 @@ import sys
 import typer
 
 from harness.cli.commands import hidden_commands
+from harness.hookspecs import NOUNS
 from harness.registry.registry import Registry, load_registry
 
 RENDER = """
@@ -44,7 +45,7 @@ def _plugin_problems(registry: Registry) -> list[str]:
 
 def _missing_libraries(registry: Registry) -> list[str]:
     specs = [spec for claims in registry.specs.values() for spec in claims if spec.missing]
-    return [f"missing {', '.join(spec.missing)} for {spec.kind[:-1]} '{spec.name}': {spec.remedy}" for spec in specs]
+    return [f"missing {', '.join(spec.missing)} for {NOUNS[spec.kind]} '{spec.name}': {spec.remedy}" for spec in specs]
 
 
 def _rendering(registry: Registry) -> list[str]:

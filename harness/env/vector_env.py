@@ -12,8 +12,7 @@ from harness.env.episodes import Episodes
 from harness.env.random_streams import Seed, Streams
 from harness.errors import UsageError
 from harness.motion import Discrete, Move
-from harness.progress import State as Kept
-from harness.progress import as_state
+from harness.progress import TrainingState, as_state
 from harness.record.trace import TraceWriter
 from harness.reward import Reward, replace_where
 from harness.robot import Robot
@@ -132,12 +131,12 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         observations = self._observation.observe(self.episodes)
         return observations, outcome.paid, outcome.terminated, outcome.truncated, infos
 
-    def state(self) -> Kept:
+    def state(self) -> TrainingState:
         """What goes on from episode to episode, by name: the random streams and the counters."""
         numbers = {"environment_steps": self.environment_steps, "episode": self.episodes.episode.copy()}
         return as_state({**numbers, "started": self._started.copy(), "streams": self._streams.pack()})
 
-    def restore(self, state: Kept) -> None:
+    def restore(self, state: TrainingState) -> None:
         """Go on where an env of the same kind stood; the next thing to do is to reset all envs."""
         self.environment_steps = int(state["environment_steps"])
         self.episodes.episode[...] = state["episode"]

@@ -8,7 +8,7 @@ from harness.experiment.cell_evaluations import CellEvaluations
 from harness.experiment.checkpoint import Checkpoint
 from harness.experiment.event_log import EventLog
 from harness.experiment.trace_parts import TraceParts
-from harness.progress import Progress, State
+from harness.progress import Progress, TrainingState
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -58,7 +58,7 @@ class CellProgress(Progress):
         """See `harness.progress.Progress`."""
         self._events.write(steps, values)
 
-    def checkpoint(self, steps: int, make: Callable[[], State]) -> None:
+    def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
         """See `harness.progress.Progress`."""
         attempt = self._attempt
         if not attempt.every or steps - self._last < attempt.every:
@@ -68,7 +68,7 @@ class CellProgress(Progress):
         Checkpoint(steps, attempt.origin, make(), self._env.state(), digests, seconds).write(attempt.folder)
         self._last = steps
 
-    def restored(self) -> State | None:
+    def restored(self) -> TrainingState | None:
         """See `harness.progress.Progress`."""
         checkpoint = self._attempt.checkpoint
         return checkpoint.algorithm if checkpoint else None

@@ -20,11 +20,11 @@ import safetensors.numpy
 
 from harness.errors import SchemaError
 from harness.experiment.trace_parts import require_parts
-from harness.progress import State
+from harness.progress import TrainingState
 from harness.record.folder import CHECKPOINT, TRACE
 
 FORMAT = 1
-ABOUT = "harness.experiment.checkpoint"
+ABOUT = "harness.checkpoint"
 ALGORITHM, ENV = "algorithm/", "env/"
 
 
@@ -43,8 +43,8 @@ class Checkpoint:
 
     steps: int
     origin: Mapping[str, Any]
-    algorithm: State
-    env: State
+    algorithm: TrainingState
+    env: TrainingState
     parts: tuple[str, ...] = ()
     seconds: float = 0.0
 
@@ -99,7 +99,7 @@ def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:
         raise SchemaError(f"it cannot be read: {error!r}") from error
 
 
-def _under(arrays: Mapping[str, Any], prefix: str) -> State:
+def _under(arrays: Mapping[str, Any], prefix: str) -> TrainingState:
     return {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
 
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import itertools
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -12,12 +11,13 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.algorithm import Algorithm, why_not
-from harness.errors import UsageError
+from harness.errors import UsageError, sentence
 from harness.experiment.task_form import task_for
 from harness.record.cell import Cell
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
+from harness.registry.toml_file import read_toml
 from harness.robot import Robot
 from harness.robot.load import load_robot
 
@@ -94,13 +94,7 @@ def read_experiment(path: Path, overrides: Mapping[str, Any]) -> Experiment:
     Raises:
         UsageError: The file cannot be read, or holds what no experiment has.
     """
-    try:
-        data = tomllib.loads(path.read_text())
-    except FileNotFoundError:
-        raise UsageError(f"No experiment file '{path}'") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"Experiment file '{path}' cannot be read: {error}") from None
-    return check_experiment({**data, **overrides}, f"experiment file '{path}'")
+    return check_experiment(read_toml(path, "experiment file", overrides), f"experiment file '{path}'")
 
 
 def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Experiment:
@@ -111,8 +105,7 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
     """
     for key in ("sim", "algo"):
         if not data.get(key):
-            subject = noun[:1].upper() + noun[1:]  # a path in it keeps its capitals
-            raise UsageError(f"{subject} names no {key}: give --{key} NAME, or the key '{key}' in a file")
+            raise UsageError(f"{sentence(noun)} names no {key}: give --{key} NAME, or the key '{key}' in a file")
     listed = {key: _split_names(value) if key in LISTS else value for key, value in data.items()}
     experiment: Experiment = build(Experiment, listed, noun)
     return experiment

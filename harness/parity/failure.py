@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import NamedTuple, TypeVar
 
-from harness.errors import HarnessError
+from harness.errors import HarnessError, one_line
 
 Result = TypeVar("Result")
 
@@ -19,10 +19,8 @@ def attempt(work: Callable[[], Result]) -> Result | Failure:
     try:
         return work()
     except Exception as error:
-        text = " ".join(str(error).split())
-        return Failure(
-            text if isinstance(error, HarnessError) and text else f"{type(error).__name__}: {text}".removesuffix(": ")
-        )
+        told = " ".join(str(error).split()) if isinstance(error, HarnessError) else ""
+        return Failure(told or one_line(error))
 
 
 def part(outcomes: Mapping[str, Result | Failure]) -> tuple[dict[str, Result], dict[str, Failure]]:

@@ -39,7 +39,7 @@ from harness.errors import SchemaError, SimulationDiverged
 
 FORMAT = 2
 """Format 1 has no `held` and no `terminated`: both events ended an episode."""
-FORMAT_KEY = b"harness.record.trace"
+FORMAT_KEY = b"harness.trace"
 
 INTEGERS = ("env", "episode", "step")
 NUMBERS = (

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.errors import UsageError
+from harness.errors import UsageError, sentence
+from harness.hookspecs import NOUNS
 from harness.registry.parameters import build, parameters_of, resolved
 from harness.registry.registry import Registry, load_registry
 
@@ -43,7 +44,7 @@ class Choice:
 
     def build(self, registry: Registry, kind: str) -> Any:
         """The chosen thing: the registered target, with these parameters."""
-        return build(registry.get(kind, self.name).load(), dict(self.params), f"{kind[:-1]} '{self.name}'")
+        return build(registry.get(kind, self.name).load(), dict(self.params), f"{NOUNS[kind]} '{self.name}'")
 
 
 def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Choice:
@@ -53,7 +54,7 @@ def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Cho
         UsageError: Unknown name, malformed text, unknown parameter, wrong type or value out of range.
     """
     name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
-    noun = f"{kind[:-1]} '{name}'"
+    noun = f"{NOUNS[kind]} '{name}'"
     target = registry.get(kind, name).load()
     if isinstance(given, str):
         params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
@@ -78,8 +79,8 @@ def build_named(kind: str, text: str, within: str) -> tuple[str, Any]:
     while inner:
         name, params = parse(inner)
         if name == within:
-            raise UsageError(f"{kind[:-1].capitalize()} '{within}' is given '{text}': it cannot stand inside itself")
-        inner = params.get(kind[:-1], "")
+            raise UsageError(f"{sentence(NOUNS[kind])} '{within}' is given '{text}': it cannot stand inside itself")
+        inner = params.get(NOUNS[kind], "")
     registry = load_registry()
     choice = choose(registry, kind, text)
     return choice.label, choice.build(registry, kind)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pydantic
 
-from harness.errors import PluginError, UsageError
+from harness.errors import PluginError, UsageError, sentence
 from harness.registry.registry import did_you_mean
 
 
@@ -37,16 +37,16 @@ def build(target: Any, given: Mapping[str, Any], noun: str) -> Any:
     for key in given:
         if key not in names:
             there = f"There is: {', '.join(names) or 'none'}.{did_you_mean(key, names)}"
-            raise UsageError(f"{_sentence(noun)} has no parameter '{key}'. {there}")
+            raise UsageError(f"{sentence(noun)} has no parameter '{key}'. {there}")
     hints = typing.get_type_hints(target)
     values = {key: _split_tuple(hints[key], value) for key, value in given.items()}
     try:
         built = adapter.validate_python(values)
     except pydantic.ValidationError as error:
-        raise UsageError(f"{_sentence(noun)}: {_first_problem(error)}") from None
+        raise UsageError(f"{sentence(noun)}: {_first_problem(error)}") from None
     for key, value in values_of(built).items():
         if not _is_finite(value):
-            raise UsageError(f"{_sentence(noun)}: {key}={value!r}: Input should be a finite number")
+            raise UsageError(f"{sentence(noun)}: {key}={value!r}: Input should be a finite number")
     return built
 
 
@@ -86,18 +86,13 @@ def parameters_of(target: Any) -> list[Parameter]:
 
 def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
     if not dataclasses.is_dataclass(target):
-        raise PluginError(f"{_sentence(noun)}: its target {target!r} is no dataclass")
+        raise PluginError(f"{sentence(noun)}: its target {target!r} is no dataclass")
     try:
         typing.get_type_hints(target)
         return pydantic.TypeAdapter(target)
     except (pydantic.errors.PydanticUserError, NameError) as error:
         reason = str(error).splitlines()[0]
-        raise PluginError(f"{_sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
-
-
-def _sentence(noun: str) -> str:
-    """The noun at the start of a sentence; a path in it keeps its capitals."""
-    return noun[:1].upper() + noun[1:]
+        raise PluginError(f"{sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
 
 
 def _is_finite(value: Any) -> bool:

@@ -13,8 +13,8 @@ from typing import Any
 
 import pluggy
 
-from harness.errors import PluginError, UsageError
-from harness.hookspecs import KINDS, PROJECT, Hooks
+from harness.errors import PluginError, UsageError, one_line, sentence
+from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
 
 API_VERSION = 1
 """Version of the interfaces. A plugin may state the one it was written for as ``harness_api = 1``."""
@@ -59,15 +59,15 @@ class Spec:
         """
         if self.missing:
             raise UsageError(
-                f"{self.kind[:-1].capitalize()} '{self.name}' needs {', '.join(self.missing)}: {self.remedy}"
+                f"{sentence(NOUNS[self.kind])} '{self.name}' needs {', '.join(self.missing)}: {self.remedy}"
             )
         module, attribute = self.target.split(":")
         try:
             return getattr(importlib.import_module(module), attribute)
         except (Exception, SystemExit) as error:
             raise PluginError(
-                f"Plugin '{self.plugin}' ({self.distribution}): {self.target} of {self.kind[:-1]} '{self.name}' "
-                f"cannot be imported: {_one_line(error)}"
+                f"Plugin '{self.plugin}' ({self.distribution}): {self.target} of {NOUNS[self.kind]} '{self.name}' "
+                f"cannot be imported: {one_line(error)}"
             ) from error
 
 
@@ -105,7 +105,7 @@ class Registry:
         """
         specs = self.specs.get((kind, name))
         if specs is None:
-            raise UsageError(unknown_name(kind[:-1], name, self.names(kind)))
+            raise UsageError(unknown_name(NOUNS[kind], name, self.names(kind)))
         if len(specs) > 1:
             raise PluginError(conflict(specs))
         return specs[0]
@@ -132,7 +132,7 @@ def conflict(specs: list[Spec]) -> str:
     owners = " and ".join(f"'{spec.plugin}' ({spec.distribution})" for spec in specs)
     first = specs[0]
     return (
-        f"{first.kind[:-1].capitalize()} '{first.name}' is claimed by the plugins {owners}: "
+        f"{sentence(NOUNS[first.kind])} '{first.name}' is claimed by the plugins {owners}: "
         "uninstall one, or name those to load in HARNESS_PLUGINS"
     )
 
@@ -166,7 +166,7 @@ def _load_plugin(point: EntryPoint, manager: pluggy.PluginManager, registry: Reg
     try:
         module = point.load()
     except (Exception, SystemExit) as error:  # whatever a stranger's module does at import, the others go on
-        registry.plugins.append(_plugin(point, "broken", _one_line(error)))
+        registry.plugins.append(_plugin(point, "broken", one_line(error)))
         return
     reason = _incompatibility(module, manager)
     if reason:
@@ -175,11 +175,11 @@ def _load_plugin(point: EntryPoint, manager: pluggy.PluginManager, registry: Reg
     try:
         specs = _collect_specs(point, module, manager)
     except (Exception, SystemExit) as error:  # the same for its hooks
-        registry.plugins.append(_plugin(point, "broken", _one_line(error)))
+        registry.plugins.append(_plugin(point, "broken", one_line(error)))
         return
     for spec in specs:
         registry.specs.setdefault((spec.kind, spec.name), []).append(spec)
-    registered = tuple(f"{spec.kind[:-1]} {spec.name}" for spec in specs)
+    registered = tuple(f"{NOUNS[spec.kind]} {spec.name}" for spec in specs)
     registry.plugins.append(_plugin(point, "ok", registered=registered))
 
 
@@ -195,7 +195,7 @@ def _incompatibility(module: ModuleType, manager: pluggy.PluginManager) -> str:
     except pluggy.PluginValidationError as error:
         if manager.is_registered(module):  # newer pluggy takes it out by itself
             manager.unregister(module)
-        return _one_line(error)
+        return one_line(error)
     callers = manager.get_hookcallers(module) or []
     unknown = sorted(caller.name for caller in callers if not caller.has_spec())
     if unknown:
@@ -240,7 +240,3 @@ def _is_installed(module: str) -> bool:
         return importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):
         return False
-
-
-def _one_line(error: BaseException) -> str:
-    return f"{type(error).__name__}: {' '.join(str(error).split())}".removesuffix(": ")

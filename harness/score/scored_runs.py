@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import HarnessError
+from harness.errors import HarnessError, one_line
 from harness.record.trace import Trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
@@ -38,8 +38,7 @@ def score_runs(choice: Choice, registry: Registry, own: Trace | None, runs: Sequ
     except HarnessError as error:  # a reward that is not installed any more: the rest can still be said
         return ScoredRuns([], str(error))
     except Exception as error:  # one that is, and cannot any more: a plugin may raise anything
-        text = " ".join(str(error).split())
-        return ScoredRuns([], f"a reward could not score the runs: {type(error).__name__}: {text}")
+        return ScoredRuns([], f"a reward could not score the runs: {one_line(error)}")
 
 
 def _score(choice: Choice, registry: Registry, own: Trace | None, runs: Sequence[Trace]) -> list[Float]:

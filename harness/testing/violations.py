@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
-from harness.errors import ContractViolation
+from harness.errors import ContractViolation, one_line
 from harness.registry.parameters import build, values_of
 
 
@@ -29,7 +29,7 @@ def violations(checks: Iterable[Callable[..., None]], *subject: Any) -> Iterator
         except AssertionError as error:
             yield _violation(check, str(error), error)
         except Exception as error:  # a plugin may raise anything
-            yield _violation(check, f"raised {type(error).__name__}: {' '.join(str(error).split())}", error)
+            yield _violation(check, f"raised {one_line(error)}", error)
 
 
 def raise_first(checks: Iterable[Callable[..., None]], *subject: Any) -> None:

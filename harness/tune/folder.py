@@ -11,7 +11,6 @@
 
 import fcntl
 import os
-import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,6 +19,7 @@ from typing import Any
 import tomli_w
 
 from harness.errors import UsageError
+from harness.registry.toml_file import read_toml
 from harness.tune.tuning import Setup
 
 TUNING, TUNED, LOCK = "tuning.toml", "tuned.toml", ".lock"
@@ -58,18 +58,11 @@ def _require_same(folder: Path, setup: Setup) -> None:
         if folder.is_dir() and {path.name for path in folder.iterdir()} - {LOCK, f".{TUNING}.partial"}:
             raise UsageError(f"--out '{folder}' holds something else than a tuning: name a new or empty folder")
         return
-    there = _read(folder / TUNING)
+    there = read_toml(folder / TUNING, "tuning file")
     for key, value in setup.keys.items():
         if there.get(key) != value:
             now, then = _short(value), _short(there.get(key))
             raise UsageError(f"--out '{folder}' holds another search: {key} was {then}, now {now}: name another folder")
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text())
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"'{path}' cannot be read: {error}") from None
 
 
 def _short(value: Any) -> str:

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import pydantic
 
-from harness.errors import HarnessError, UsageError
+from harness.errors import HarnessError, UsageError, sentence
 from harness.registry.parameters import parameters_of
 from harness.registry.registry import did_you_mean
 
@@ -97,13 +97,12 @@ def parse_space(search: Mapping[str, Any], target: Any, noun: str) -> tuple[Dime
     """
     names = [parameter.name for parameter in parameters_of(target)]
     there = f"There is: {', '.join(names) or 'none'}."
-    subject = noun[:1].upper() + noun[1:]
     search = search or {name: text for name, text in DEFAULTS.items() if name in names}
     if not search:
-        raise UsageError(f"{subject} has neither {' nor '.join(DEFAULTS)}: say what to search. {there}")
+        raise UsageError(f"{sentence(noun)} has neither {' nor '.join(DEFAULTS)}: say what to search. {there}")
     for name in search:
         if name not in names:
-            raise UsageError(f"{subject} has no parameter '{name}'. {there}{did_you_mean(name, names)}")
+            raise UsageError(f"{sentence(noun)} has no parameter '{name}'. {there}{did_you_mean(name, names)}")
     return tuple(_Field(target, name).dimension(given) for name, given in search.items())
 
 

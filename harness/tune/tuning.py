@@ -12,11 +12,12 @@ import tomli_w
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
-from harness.errors import UsageError
+from harness.errors import UsageError, sentence
 from harness.experiment.plan import Count, Given, Names, Plan, Seed, check_experiment, expand
 from harness.registry.choice import Choice
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
+from harness.registry.toml_file import read_toml
 from harness.tune.space import Dimension, parse_space
 
 FIRST_SEED = 1_000_000
@@ -107,13 +108,7 @@ def read_tuning(path: Path, overrides: Mapping[str, Any]) -> Tuning:
     Raises:
         UsageError: The file cannot be read, or holds what no search has.
     """
-    try:
-        data = tomllib.loads(path.read_text())
-    except FileNotFoundError:
-        raise UsageError(f"No tuning file '{path}'") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"Tuning file '{path}' cannot be read: {error}") from None
-    return check_tuning({**data, **overrides}, f"tuning file '{path}'")
+    return check_tuning(read_toml(path, "tuning file", overrides), f"tuning file '{path}'")
 
 
 def check_tuning(data: Mapping[str, Any], noun: str = NOUN) -> Tuning:
@@ -124,7 +119,7 @@ def check_tuning(data: Mapping[str, Any], noun: str = NOUN) -> Tuning:
     """
     for key in ("sim", "algo"):
         if not data.get(key):
-            raise UsageError(f"{noun[:1].upper()}{noun[1:]} names no {key}: give --{key} NAME, or the key '{key}'")
+            raise UsageError(f"{sentence(noun)} names no {key}: give --{key} NAME, or the key '{key}'")
     listed = {key: [value] if _is_single(key, value) else value for key, value in data.items()}
     tuning: Tuning = build(Tuning, listed, noun)
     return tuning

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.env.make import build_env
+from harness.errors import one_line
 from harness.policy import Policy, load_policy
 from harness.record.cell import Cell
 from harness.record.folder import POLICY
@@ -71,7 +72,7 @@ def validate(order: Order, registry: Registry) -> None:
         partial.rename(order.path)
     except (Exception, SystemExit) as error:
         traceback.print_exc()
-        order.failure.write_text(f"{type(error).__name__}: {' '.join(str(error).split())}")
+        order.failure.write_text(one_line(error))
 
 
 def record_validation(cell: Cell, registry: Registry, policy: Policy, episodes: int, path: Path) -> None:

@@ -21,7 +21,7 @@ from harness.algorithm import ActionSpace
 from harness.arrays import Float32, Mask
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Gaussian
-from harness.progress import Progress, State, as_state
+from harness.progress import Progress, TrainingState, as_state
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -266,7 +266,7 @@ class Learner:
         box = tuple(self._low.tolist()), tuple(self._high.tolist())
         return Gaussian(_copied(self._policy), self._settings.activation, *box, algorithm="spg")
 
-    def state(self, done: int) -> State:
+    def state(self, done: int) -> TrainingState:
         """All that `restore` needs to go on."""
         arrays = {"done": done, "rng": pack_generator(self._rng)}
         for name, net, optimizer in self._parts():
@@ -275,7 +275,7 @@ class Learner:
                 arrays.update({f"{name}.adam.{index}.{key}": moment.numpy().copy() for key, moment in moments.items()})
         return as_state(arrays)
 
-    def restore(self, state: State) -> int:
+    def restore(self, state: TrainingState) -> int:
         """Be where `state` was written; returns the steps that were done."""
         import torch
 
@@ -339,7 +339,7 @@ def _copied(net: Net) -> dict[str, Float32]:
     return {name: weight.detach().numpy().copy() for name, weight in net.items()}
 
 
-def _moments(state: State, prefix: str) -> dict[int, dict[str, "Tensor"]]:
+def _moments(state: TrainingState, prefix: str) -> dict[int, dict[str, "Tensor"]]:
     """What Adam remembers of each parameter, from arrays named ``PREFIX INDEX . KEY``."""
     import torch
 

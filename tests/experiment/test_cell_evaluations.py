@@ -133,9 +133,7 @@ def test_time_of_evaluations_is_no_time_of_training(
     import harness.experiment.cell_evaluations as module
 
     evaluate = module.evaluate
-    monkeypatch.setattr(
-        module, "evaluate", lambda *given: (time.sleep(0.5), evaluate(*given))
-    )
+    monkeypatch.setattr(module, "evaluate", lambda *given: (time.sleep(0.5), evaluate(*given)))
     manifest = run_cell(make_cell(**NARRATE, evaluate_every=6), tmp_path / "cell", lambda steps: None)
     assert manifest.seconds > 1.5
     assert manifest.training_seconds < manifest.seconds - 1.4

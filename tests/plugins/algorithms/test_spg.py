@@ -13,7 +13,7 @@ import harness
 from harness.errors import UsageError
 from harness.experiment.evaluate import EVALUATION_SEED
 from harness.policy import Gaussian, Policy, Uniform
-from harness.progress import Progress, State
+from harness.progress import Progress, TrainingState
 from harness.registry.parameters import build
 from harness.testing.trainings import ENV_SEED, WatchedEnv, observations, train
 from harness_plugins.algorithms import spg
@@ -228,9 +228,9 @@ def test_every_setting_trains_and_matters(settings: dict[str, Any]):
 class Watching(Progress):
     """Keeps what it is told, and checkpoints."""
 
-    def __init__(self, state: State | None = None) -> None:
+    def __init__(self, state: TrainingState | None = None) -> None:
         self.told: list[tuple[int, dict[str, float]]] = []
-        self.states: list[tuple[int, State]] = []
+        self.states: list[tuple[int, TrainingState]] = []
         self.policies: list[Policy] = []
         self._state = state
 
@@ -243,7 +243,7 @@ class Watching(Progress):
     def checkpoint(self, steps: int, make: Any) -> None:
         self.states.append((steps, make()))
 
-    def restored(self) -> State | None:
+    def restored(self) -> TrainingState | None:
         return self._state
 
 
