@@ -180,7 +180,7 @@ def write_format_1(path: Path) -> None:
     lists = {"qpos": pa.array([[0.1] * 3] * 5, pa.list_(pa.float64(), 3))}
     lists["action"] = pa.array([[0.2] * 2] * 5, pa.list_(pa.float64(), 2))
     table = pa.table({**counts, **numbers, **{name: pa.array(flag) for name, flag in flags.items()}, **lists})
-    pq.write_table(table.replace_schema_metadata({b"harness.record.trace": b"1"}), path)
+    pq.write_table(table.replace_schema_metadata({b"harness.trace": b"1"}), path)
 
 
 def test_format_1_is_read(path: Path):
@@ -223,7 +223,7 @@ def test_missing_column_of_format_1_is_refused(path: Path):
 @pytest.mark.parametrize("version", [str(FORMAT + 1), "0", "new"])
 def test_other_format_is_refused(path: Path, version: str):
     """A trace of a newer format, or of none that ever was, is a SchemaError that names the file."""
-    write_table(path, {b"harness.record.trace": version.encode()})
+    write_table(path, {b"harness.trace": version.encode()})
     with pytest.raises(SchemaError, match=r"trace\.parquet"):
         read_trace(path)
 
@@ -269,7 +269,7 @@ def test_missing_file_is_refused(path: Path):
 
 def test_missing_column_is_refused(path: Path):
     """A trace that lacks a column that is asked for is a SchemaError that names the file."""
-    table = pa.table({"reward": [1.0]}).replace_schema_metadata({b"harness.record.trace": str(FORMAT).encode()})
+    table = pa.table({"reward": [1.0]}).replace_schema_metadata({b"harness.trace": str(FORMAT).encode()})
     pq.write_table(table, path)
     with pytest.raises(SchemaError, match=r"trace\.parquet"):
         read_trace(path, ["reward", "distance"])
