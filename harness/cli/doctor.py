@@ -22,12 +22,13 @@ BACKENDS = {"egl": "libegl1", "osmesa": "libosmesa6"}
 
 def doctor() -> None:
     """Check versions, plugins, missing libraries, CPU and headless rendering."""
-    from harness.experiment.provenance import describe_machine, installed_versions, source_commit
+    from harness.experiment.provenance import describe_machine, source_commit, versions_behind
 
     machine, registry = describe_machine(), load_registry()
+    specs = [spec for claims in registry.specs.values() for spec in claims]
     typer.echo(f"python {sys.version.split()[0]} on {machine['system']}")
     typer.echo(f"cpu {machine['cpu']}, {machine['cores']} cores")
-    typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in installed_versions().items()))
+    typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in versions_behind(specs).items()))
     commit = source_commit()
     if commit:
         typer.echo(f"commit {commit}")
