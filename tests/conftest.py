@@ -31,11 +31,15 @@ def toy_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the package `toy_arm` and its metadata, as an installer leaves them."""
     folder = tmp_path_factory.mktemp("site-packages")
     shutil.copy(Path(__file__).parent / "toy_arm.py", folder)
-    metadata = folder / "toy_arm-1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: toy-arm\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("[harness]\ntoys = toy_arm\n")
+    _write_metadata(folder, "toy-arm", "toys", "toy_arm")
     return folder
+
+
+def _write_metadata(folder: Path, distribution: str, entry: str, module: str) -> None:
+    metadata = folder / f"{distribution.replace('-', '_')}-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(f"[harness]\n{entry} = {module}\n")
 
 
 @pytest.fixture
@@ -59,6 +63,33 @@ def write_plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..
         return EntryPoint(entry or name, module, "harness")
 
     return write
+
+
+@pytest.fixture
+def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """Install a package for this process: a module with hooks, others beside it; gives the name of the module."""
+
+    def install_package(name: str, hooks: str, **others: str) -> str:
+        folder = tmp_path_factory.mktemp("site-packages")
+        module = f"{name}_{folder.name}".replace("-", "_")  # another test's module of the same name is still imported
+        (folder / f"{module}.py").write_text(hooks)
+        for other, source in others.items():
+            (folder / f"{module}_{other}.py").write_text(source)
+        _write_metadata(folder, name, name, module)
+        monkeypatch.syspath_prepend(folder)
+        return module
+
+    return install_package
+
+
+@pytest.fixture
+def distant(install: Callable[..., str]) -> None:
+    """A package whose simulator `distant` takes a library that is not installed, and names the extra that brings it."""
+    install(
+        "far-away",
+        "import harness\n@harness.hookimpl\ndef register_simulators(register):\n"
+        "    register('distant', 'a:B', summary='not here', requires=['no_such_engine'], extra='engine')\n",
+    )
 
 
 @pytest.fixture

@@ -234,16 +234,15 @@ def test_record_says_what_was_done(train: Train, here: list[Order]):
     assert "numpy" in record.environment["versions"]
 
 
-def test_default_is_every_simulator_that_can_be_used(train: Train, monkeypatch: pytest.MonkeyPatch):
+def test_default_is_every_simulator_that_can_be_used(train: Train, distant: None):
     """The experiment's, parameters and all, and the registered ones; one whose library is missing is said."""
     results = train(sim=["stuck:note=x"], seeds=1)
-    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "pybullet")
     plan = plan_transfers(results, None, load_registry())
     labels = {job.simulator.label for job in plan.jobs}
     assert {"stuck", "ideal", "mujoco", "kinematic"} <= labels
-    assert not {"stuck:note=x", "pybullet"} & labels
-    (line,) = (line for line in plan.left_out if line.startswith("pybullet"))
-    assert "pip install 'fd100-harness[pybullet]'" in line
+    assert not {"stuck:note=x", "distant"} & labels
+    (line,) = (line for line in plan.left_out if line.startswith("distant"))
+    assert "pip install 'far-away[engine]'" in line
 
 
 def test_seed_that_was_not_evaluated_is_said(train: Train, here: list[Order]):
