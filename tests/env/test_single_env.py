@@ -80,6 +80,15 @@ def test_same_seed_same_episode(env: ReachEnv):
     np.testing.assert_array_equal(env.reset(seed=9)[0], env.reset(seed=9)[0])
 
 
+def test_options_reach_the_vector_env(env: ReachEnv):
+    """The options of a reset are those of the vector env: unknown ones are ignored, a mask counts."""
+    start, _ = env.reset(seed=9, options={"x": 1})
+    np.testing.assert_array_equal(start, env.reset(seed=9)[0])
+    np.testing.assert_array_equal(env.reset(options={"reset_mask": [False]})[0], start)
+    with pytest.raises(UsageError, match="reset_mask"):
+        env.reset(options={"reset_mask": [True, False]})
+
+
 def test_nothing_is_rendered_without_a_mode(env: ReachEnv):
     """Without a render mode there is no frame."""
     env.reset(seed=0)
