@@ -151,7 +151,7 @@ def _lacks_display() -> bool:
 def _open_drawing(model: mujoco.MjModel) -> Any:
     """What MuJoCo draws with, in the current context."""
     if _failures:
-        raise RuntimeError(_failures[0])
+        raise mujoco.FatalError(_failures[0])
     try:
         drawing = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_150)
     except mujoco.FatalError as error:

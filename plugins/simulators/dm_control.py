@@ -34,7 +34,7 @@ class DmControl:
         return DmControlSimulation(self, robot, num_envs, control_period)
 
 
-class JointRamp(control.Task):  # type: ignore[misc] (dm_control ships no types)
+class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no types
     """An action is where each joint is to be at the end of the period; the joints go there at constant speed.
 
     Episodes have no end and no reward of their own: these are the harness's.
