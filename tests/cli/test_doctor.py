@@ -10,7 +10,14 @@ def without_rendering(monkeypatch):
 def test_versions_machine_and_rendering_are_told(harness, without_rendering):
     """The doctor says what is installed, on what machine, and how each way of rendering goes."""
     out = harness("doctor").out
-    for text in ("python 3", "cpu ", "numpy ", "plugins ", "MUJOCO_GL=egl: egl tried", "without MUJOCO_GL: nothing tried"):
+    for text in (
+        "python 3",
+        "cpu ",
+        "numpy ",
+        "plugins ",
+        "MUJOCO_GL=egl: egl tried",
+        "without MUJOCO_GL: nothing tried",
+    ):
         assert text in out
 
 
