@@ -2,6 +2,8 @@
 
 import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -24,6 +26,41 @@ from harness.results import Results
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
 settings.load_profile("no deadline")
+
+
+DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL", "PYOPENGL_PLATFORM")
+"""Environment variables that say what MuJoCo renders with."""
+
+
+def _run_without_display(
+    code: str, *, library: str | None = None, warnings: str = "default"
+) -> "subprocess.CompletedProcess[str]":
+    env = {name: value for name, value in os.environ.items() if name not in DISPLAYS}
+    env |= {} if library is None else {"MUJOCO_GL": library}
+    command = [sys.executable, "-W", warnings, "-c", code]
+    return subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="session")
+def run_without_display() -> Callable[..., "subprocess.CompletedProcess[str]"]:
+    """Run code in a process of its own that has no display, with a `library` as MUJOCO_GL or none."""
+    return _run_without_display
+
+
+@pytest.fixture(scope="session")
+def _egl_fault() -> str:
+    """Why this machine has no EGL, or nothing; found by trying, without the code that is tested."""
+    code = "from mujoco.egl import GLContext\nGLContext(8, 8).make_current()"
+    done = _run_without_display(code, library="egl")
+    return "" if done.returncode == 0 else (done.stderr.splitlines() or ["it fails without a word"])[-1]
+
+
+@pytest.fixture
+def egl(_egl_fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Frames are drawn by EGL, which needs no display."""
+    if _egl_fault:
+        pytest.skip(f"EGL does not render here, install libegl1: {_egl_fault}")
+    monkeypatch.setenv("MUJOCO_GL", "egl")
 
 
 @pytest.fixture(scope="session")

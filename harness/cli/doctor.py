@@ -17,8 +17,8 @@ env.reset(seed=0)
 frame = env.render()[0]
 assert numpy.ptp(frame) > 0, "the frame is empty"
 """
-BACKENDS = {"egl": "libegl1", "osmesa": "libosmesa6"}
-"""What MUJOCO_GL may be without a display, and the system package that it takes."""
+BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
+"""What MUJOCO_GL may be on Linux without a display, unset included, and the system package that it takes."""
 
 
 def doctor(context: typer.Context) -> None:
@@ -52,21 +52,25 @@ def _missing_libraries(registry: Registry) -> list[str]:
 
 
 def _rendering(registry: Registry) -> list[str]:
-    """One line for each way of rendering without a display; each is tried in a process of its own."""
+    """One line for each way of rendering; each is tried in a process of its own."""
     spec = registry.specs.get(("simulators", "mujoco"))
     if spec is None or spec[0].missing:
         return ["rendering not tried: it takes the simulator mujoco"]
+    if sys.platform != "linux":  # the other ways are Linux's alone, and there is nothing to install
+        return [f"rendering {_try_rendering('') or 'fails here'}"]
     return [
-        f"rendering MUJOCO_GL={backend}: {_try_rendering(backend) or f'fails here: install {package} to have it'}"
+        f"rendering {f'MUJOCO_GL={backend}' if backend else 'without MUJOCO_GL'}: "
+        f"{_try_rendering(backend) or f'fails here: install {package} to have it'}"
         for backend, package in BACKENDS.items()
     ]
 
 
 def _try_rendering(backend: str) -> str:
-    """``works``, or nothing: each backend that is not there fails in its own words, none of which says what to do."""
+    """``works``, or nothing: a library that is not there fails in its own words, which do not say what to do."""
     import os
 
     command = [sys.executable, "-c", RENDER]
+    # MuJoCo takes an empty MUJOCO_GL for one that is not set.
     tried = subprocess.run(
         command, env={**os.environ, "MUJOCO_GL": backend}, capture_output=True, text=True, check=False
     )

@@ -37,7 +37,7 @@ class ReachEnv(gymnasium.Env[Float32, Action]):
     ) -> tuple[Float32, dict[str, Any]]:
         """Start an episode; see `ReachVectorEnv.reset`."""
         super().reset(seed=seed)
-        observations, infos = self.vector_env.reset(seed=seed)
+        observations, infos = self.vector_env.reset(seed=seed, options=options)
         return observations[0], _first(infos)
 
     def step(self, action: Action) -> tuple[Float32, float, bool, bool, dict[str, Any]]:

@@ -101,11 +101,14 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
 
         Args:
             seed: Of all envs' random streams, or one per env; None goes on with the streams.
-            options: See above.
+            options: See above; others are ignored, as in Gymnasium's own envs.
+
+        Raises:
+            UsageError: The mask is none of these envs.
         """
+        mask = _reset_mask(options or {}, self.num_envs)
         if seed is not None:
             self._streams = Streams(self.task, self.robot, self.num_envs, seed)
-        mask = np.ones(self.num_envs, bool) if not options else np.asarray(options["reset_mask"], bool)
         self._start_episodes(mask)
         episodes = self.episodes
         infos = {
@@ -323,3 +326,11 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._started[:] = False
         self._starting = False
         self.episodes.step_price[:] = self._step_reward  # of every step to come
+
+
+def _reset_mask(options: dict[str, Any], num_envs: int) -> Mask:
+    """Which envs `reset` is for, (num_envs,)."""
+    mask = np.asarray(options.get("reset_mask", np.ones(num_envs, bool)))
+    if mask.shape != (num_envs,) or mask.dtype != bool:
+        raise UsageError(f"The option reset_mask is {mask.dtype} of shape {mask.shape}: give bool of ({num_envs},)")
+    return mask

@@ -1,9 +1,5 @@
 """dm_control: every arm an environment of dm_control's own, with a task that drives its joints."""
 
-import importlib
-import os
-import warnings
-from types import ModuleType
 from typing import Annotated, Any
 
 import numpy as np
@@ -15,38 +11,12 @@ from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
 from harness.authoring.substeps import Substeps
-from harness.errors import SimulationDiverged, UsageError
+from harness.errors import SimulationDiverged
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.mujoco_model import TOUCH, build_model
+from harness_plugins.mujoco_model import TOUCH, Renderer, build_model, import_engine
 
-
-def _import_engine() -> ModuleType:
-    """`dm_control.mujoco`, which chooses what renders while it is imported.
-
-    A choice that cannot work on this machine must not keep the arms from moving: then nothing renders.
-    """
-    try:
-        with warnings.catch_warnings():
-            # Without a screen GLFW only warns, and dm_control would take it; an error makes it try EGL and OSMesa.
-            warnings.filterwarnings("error", category=UserWarning, module="glfw")
-            return importlib.import_module("dm_control.mujoco")
-    except (AttributeError, ImportError, RuntimeError):  # as the GL libraries please; another cause comes up again
-        return _import_engine_without_renderer()
-
-
-def _import_engine_without_renderer() -> ModuleType:
-    chosen = os.environ.get("MUJOCO_GL")
-    os.environ["MUJOCO_GL"] = "off"
-    try:
-        return importlib.import_module("dm_control.mujoco")
-    finally:
-        del os.environ["MUJOCO_GL"]
-        if chosen is not None:
-            os.environ["MUJOCO_GL"] = chosen
-
-
-engine = _import_engine()
+engine = import_engine("dm_control.mujoco")
 
 
 @dataclass(frozen=True)
@@ -64,7 +34,7 @@ class DmControl:
         return DmControlSimulation(self, robot, num_envs, control_period)
 
 
-class JointRamp(control.Task):
+class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no types
     """An action is where each joint is to be at the end of the period; the joints go there at constant speed.
 
     Episodes have no end and no reward of their own: these are the harness's.
@@ -123,9 +93,9 @@ class DmControlSimulation:
     def __init__(self, settings: DmControl, robot: Robot, num_envs: int, control_period: float) -> None:
         timestep = control_period / settings.substeps
         self._substeps, self._duration = Substeps(settings.substeps, control_period), control_period
-        self._model = engine.wrapper.MjModel(build_model(robot, timestep, settings.bandwidth))
+        model = build_model(robot, timestep, settings.bandwidth)
+        self._model, self._renderer = engine.wrapper.MjModel(model), Renderer(model)
         self.arms = [self._open_arm(robot, control_period, settings.substeps) for _ in range(num_envs)]
-        self._scene: Scene | None = None
         joints = (num_envs, robot.dof)
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
         self.place(np.tile(robot.home, (num_envs, 1)))
@@ -137,7 +107,7 @@ class DmControlSimulation:
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
-        for k in np.flatnonzero(mask):
+        for k in np.flatnonzero(mask).tolist():
             self.arms[k].task.start[:] = qpos[k]
             self._advance(k, self.arms[k].reset)
         return self._state
@@ -177,52 +147,11 @@ class DmControlSimulation:
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """See `harness.simulator.Simulation`."""
-        if self._scene is None or self._scene.size != (width, height):
-            self._close_scene()
-            self._scene = Scene(self._model, width, height)
-        return self._scene.frame(self._state.qpos[env], target)
+        return self._renderer.frame(self._state.qpos[env], target, width, height)
 
     def close(self) -> None:
         """See `harness.simulator.Simulation`."""
-        self._close_scene()
+        self._renderer.close()
         for arm in self.arms:
             arm.physics.free()
         self.arms = []
-
-    def _close_scene(self) -> None:
-        if self._scene is not None:
-            self._scene.close()
-            self._scene = None
-
-
-class Scene:
-    """A world to look at, apart from those that move, for frames of one size.
-
-    Raises:
-        UsageError: This machine cannot render.
-    """
-
-    def __init__(self, model: Any, width: int, height: int) -> None:
-        self.size = (width, height)
-        model = model.copy()
-        model.vis.global_.offwidth, model.vis.global_.offheight = width, height
-        self._physics = engine.Physics.from_model(model)
-        try:
-            self._camera = engine.MovableCamera(self._physics, height, width)
-        except Exception as error:  # the GL backends raise what they like
-            raise UsageError(
-                f"dm_control cannot render here ({error}): "
-                "set MUJOCO_GL=egl or osmesa and install libegl1 or libosmesa6"
-            ) from error
-        self._camera.set_pose([0.4, 0.0, 0.6], 3.0, 130.0, -20.0)
-
-    def frame(self, qpos: Float, target: Float) -> NDArray[np.uint8]:
-        """The arm at `qpos`, (dof,), and a marker at `target`, (3,), [m]; RGB, (height, width, 3)."""
-        with self._physics.reset_context():
-            self._physics.data.qpos[:] = qpos
-            self._physics.data.mocap_pos[0] = target
-        return np.array(self._camera.render(), order="C")  # the camera keeps its buffer
-
-    def close(self) -> None:
-        """Release the renderer."""
-        self._physics.free()

@@ -2,8 +2,6 @@
 
 from typing import Annotated, Any
 
-import mujoco
-import mujoco.rollout
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
@@ -11,10 +9,9 @@ from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
 from harness.authoring.substeps import Substeps
-from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.mujoco_model import build_model
+from harness_plugins.mujoco_model import Renderer, build_model, mujoco
 
 Count = Annotated[int, Field(gt=0)]
 
@@ -53,7 +50,7 @@ class MujocoSimulation:
         self._controls = np.zeros((n, 1, 2 * dof)) if n > 1 else data.ctrl[None, None]
         self._speeds = self._controls.reshape(n, 2, dof)
         self._rollout: Any = None
-        self._renderer: Any = None
+        self._renderer = Renderer(self.model)
         if n == 1:
             self._held, self._touch = data.act[None], seen[:1]
             self._state = State(data.qpos[None], data.qvel[None], seen[None, 1:], np.zeros(1, bool))
@@ -61,8 +58,10 @@ class MujocoSimulation:
             self._open_rollout(min(settings.threads, n))
 
     def _open_rollout(self, threads: int) -> None:
+        from mujoco import rollout  # by now as `harness_plugins.mujoco_model` imported it
+
         model, n, dof = self.model, self._num_envs, self._dof
-        self._rollout = mujoco.rollout.Rollout(nthread=threads)
+        self._rollout = rollout.Rollout(nthread=threads)
         self._thread_data = [mujoco.MjData(model) for _ in range(threads)]
         states = np.zeros((n, mujoco.mj_stateSize(model, FULL)))  # time, qpos, qvel, act
         self._states, self._touch = states, np.zeros(n)
@@ -134,40 +133,11 @@ class MujocoSimulation:
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """See `harness.simulator.Simulation`."""
-        if self._renderer is None or (self._renderer.width, self._renderer.height) != (width, height):
-            self._close_renderer()
-            self._renderer = _open_renderer(self.model, width, height)
-        data = mujoco.MjData(self.model)
-        data.qpos, data.mocap_pos[0] = self._state.qpos[env], target
-        mujoco.mj_forward(self.model, data)
-        self._renderer.update_scene(data, _camera())
-        frame: NDArray[np.uint8] = self._renderer.render()
-        return frame
+        return self._renderer.frame(self._state.qpos[env], target, width, height)
 
     def close(self) -> None:
         """See `harness.simulator.Simulation`."""
-        self._close_renderer()
+        self._renderer.close()
         if self._rollout is not None:
             self._rollout.close()
             self._rollout = None
-
-    def _close_renderer(self) -> None:
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
-
-
-def _open_renderer(model: mujoco.MjModel, width: int, height: int) -> Any:
-    try:
-        return mujoco.Renderer(model, height, width)
-    except Exception as error:  # the three GL backends raise what they like
-        raise UsageError(
-            f"MuJoCo cannot render here ({error}): set MUJOCO_GL=egl or osmesa and install libegl1 or libosmesa6"
-        ) from error
-
-
-def _camera() -> mujoco.MjvCamera:
-    camera = mujoco.MjvCamera()
-    camera.lookat[:] = [0.4, 0.0, 0.6]
-    camera.distance, camera.azimuth, camera.elevation = 3.0, 130.0, -20.0
-    return camera

@@ -76,7 +76,7 @@ class PyBulletSimulation:
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
-        for k in np.flatnonzero(mask):
+        for k in np.flatnonzero(mask).tolist():
             self.arms[k].put(qpos[k])
             self.arms[k].read(self._state, k, placed=True)
         return self._state

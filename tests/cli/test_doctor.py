@@ -2,7 +2,7 @@ def test_versions_machine_and_rendering_are_told(harness, rendering):
     """The doctor says what is installed, on what machine, and how each way of rendering goes."""
     rendering("true")
     out = harness("doctor").out
-    for text in ("python 3", "cpu ", "numpy ", "plugins ", "MUJOCO_GL=egl: works"):
+    for text in ("python 3", "cpu ", "numpy ", "plugins ", "MUJOCO_GL=egl: works", "without MUJOCO_GL: works"):
         assert text in out
 
 
@@ -12,6 +12,16 @@ def test_rendering_that_fails_says_what_to_install(harness, rendering):
     out = harness("doctor").out
     assert "rendering MUJOCO_GL=egl: fails here: install libegl1" in out
     assert "rendering MUJOCO_GL=osmesa: fails here: install libosmesa6" in out
+    assert "rendering without MUJOCO_GL: fails here: install libegl1" in out
+
+
+def test_rendering_has_no_choice_beside_linux(harness, rendering, monkeypatch):
+    """On macOS and Windows there is one way of rendering, and no package to install for it."""
+    rendering("true")
+    monkeypatch.setattr("sys.platform", "darwin")
+    out = harness("doctor").out
+    assert "rendering works" in out
+    assert "MUJOCO_GL" not in out
 
 
 def test_missing_libraries_come_with_their_extra(harness, rendering, distant):

@@ -5,9 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from gymnasium.vector import AutoresetMode
 
 import harness
+from harness.errors import UsageError
 from harness.reach import ReachTask
 from harness.record.trace import TraceWriter, read_trace
 
@@ -120,6 +122,33 @@ def test_disabled_waits_for_the_reset_mask(make: Call, wander: Call, target_of: 
     np.testing.assert_array_equal(again[0], observations[0])
     assert (target_of(again)[1] != target_of(observations)[1]).any()
     assert infos["distance"].shape == (2,)
+
+
+def test_unknown_options_are_ignored(make: Call):
+    """Without ``reset_mask`` all envs are reset, whatever else stands in the options, as in Gymnasium's own envs."""
+    plain, told = make(3), make(3)
+    for env in (plain, told):
+        env.reset(seed=0)
+    np.testing.assert_array_equal(told.reset(seed=5, options={"x": 1})[0], plain.reset(seed=5)[0])
+    np.testing.assert_array_equal(told.episodes.episode, plain.episodes.episode)
+
+
+def test_options_stay_the_callers(make: Call):
+    """A reset takes nothing out of the options."""
+    options = {"reset_mask": np.array([True, False]), "x": 1}
+    make(2).reset(seed=0, options=options)
+    assert list(options) == ["reset_mask", "x"]
+
+
+@pytest.mark.parametrize("mask", [np.ones(3, bool), np.array([1, 0]), True, "all"], ids=str)
+def test_reset_mask_of_other_envs_is_a_usage_error(make: Call, mask: object):
+    """A mask that is not one truth value per env is refused in one line, and nothing is reset or seeded."""
+    env, undisturbed = make(2), make(2)
+    for either in (env, undisturbed):
+        either.reset(seed=0)
+    with pytest.raises(UsageError, match=r"give bool of \(2,\)"):
+        env.reset(seed=1, options={"reset_mask": mask})
+    np.testing.assert_array_equal(env.reset()[0], undisturbed.reset()[0])
 
 
 def test_both_autoreset_modes_tell_the_same_story(make: Call):

@@ -1,9 +1,6 @@
 """One arm as a Gymnasium env: the vector env without its leading axis."""
 
-import os
-import subprocess
-import sys
-from ctypes.util import find_library
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -80,15 +77,24 @@ def test_same_seed_same_episode(env: ReachEnv):
     np.testing.assert_array_equal(env.reset(seed=9)[0], env.reset(seed=9)[0])
 
 
+def test_options_reach_the_vector_env(env: ReachEnv):
+    """The options of a reset are those of the vector env: unknown ones are ignored, a mask counts."""
+    start, _ = env.reset(seed=9, options={"x": 1})
+    np.testing.assert_array_equal(start, env.reset(seed=9)[0])
+    np.testing.assert_array_equal(env.reset(options={"reset_mask": [False]})[0], start)
+    with pytest.raises(UsageError, match="reset_mask"):
+        env.reset(options={"reset_mask": [True, False]})
+
+
 def test_nothing_is_rendered_without_a_mode(env: ReachEnv):
     """Without a render mode there is no frame."""
     env.reset(seed=0)
     assert env.render() is None
 
 
-@pytest.mark.skipif(find_library("EGL") is None, reason="no EGL library on this machine: install libegl1")
-def test_gymnasium_finds_no_fault_with_its_frames():
-    """Gymnasium's checker passes without a warning in the render mode rgb_array, without a screen."""
+@pytest.mark.usefixtures("egl")
+def test_gymnasium_finds_no_fault_with_its_frames(run_without_display: Callable[..., Any]):
+    """Gymnasium's checker passes without a warning in the render mode rgb_array, without a display."""
     code = (
         "import gymnasium, harness\n"
         "from gymnasium.utils.env_checker import check_env\n"
@@ -98,7 +104,6 @@ def test_gymnasium_finds_no_fault_with_its_frames():
         "assert env.render().shape == (480, 640, 3)\n"
         "env.close()\n"
     )
-    # In a process of its own: MuJoCo chooses the library to render with when it is imported.
-    command = [sys.executable, "-W", "error", "-c", code]
-    done = subprocess.run(command, env={**os.environ, "MUJOCO_GL": "egl"}, capture_output=True, text=True, check=False)
+    # In a process of its own, where every warning is an error.
+    done = run_without_display(code, warnings="error")
     assert (done.returncode, done.stderr) == (0, "")

@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
@@ -14,25 +15,20 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.simulator import Simulation
 from harness_plugins.simulators.kinematic import Kinematic
+
+Call = Callable[..., Any]
 
 ROBOT = harness.load_robot("fd100")
 PERIOD = 0.1
-MOVING_LINKS = ("link2", "link3", "link4", "link5", "link6", "tool0")
-"""Those that can get to the ground: the first one turns above it."""
 NEAR = 2e-3
 """Nearer to touching than this the engines may differ [m]."""
 
 
-def open_arms(num_envs: int, robot: Robot = ROBOT) -> Simulation:
-    """Arms at home."""
-    return Kinematic().open(robot, num_envs, PERIOD)
-
-
-def random_poses(count: int) -> np.ndarray:
-    """Poses anywhere in the joint ranges."""
-    return np.random.default_rng(1).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
+@pytest.fixture
+def simulator() -> str:
+    """The one that these tests are about."""
+    return "kinematic"
 
 
 def mujoco_contacts(robot: Robot, poses: np.ndarray, height: float) -> np.ndarray:
@@ -72,7 +68,9 @@ def with_cylinders_as(kind: str) -> str:
 
 
 @pytest.mark.parametrize("kind", ["cylinder", "capsule", "sphere"])
-def test_ground_contact_is_that_of_mujoco(read_changed: Callable[[str], Robot], kind: str):
+def test_ground_contact_is_that_of_mujoco(
+    read_changed: Callable[[str], Robot], kind: str, open_arms: Call, random_poses: Call
+):
     """On 4,000 random poses the arm touches the ground where it does in MuJoCo, but for 2 mm around touching."""
     robot, poses = read_changed(with_cylinders_as(kind)), random_poses(4000)
     contact = open_arms(4000, robot).place(poses).ground_contact
@@ -83,29 +81,9 @@ def test_ground_contact_is_that_of_mujoco(read_changed: Callable[[str], Robot], 
     assert (lowered != raised).sum() < 100  # nearly all poses are compared
 
 
-@pytest.mark.parametrize("link", MOVING_LINKS)
-def test_every_moving_link_touches_the_ground(read_changed: Callable[[str], Robot], link: str):
-    """An arm of which only one link has a shape touches the ground with it."""
-    assert open_arms(500, read_changed(with_shape_of(link))).place(random_poses(500)).ground_contact.any()
-
-
-def test_base_does_not_touch_the_ground(read_changed: Callable[[str], Robot]):
-    """The base, which stands on the ground, is no contact."""
-    robot = read_changed(with_shape_of("base_link"))
-    assert not open_arms(100, robot).place(random_poses(100)).ground_contact.any()
-
-
-def with_shape_of(link: str) -> str:
-    """The FD100's URDF without the shapes of all links but one."""
-    tree = ElementTree.fromstring(ROBOT.urdf)
-    for element in tree.findall("link"):
-        if element.get("name") != link:
-            for shape in element.findall("collision"):
-                element.remove(shape)
-    return ElementTree.tostring(tree, encoding="unicode")
-
-
-def test_urdf_is_parsed_once(read_changed: Callable[[str], Robot], monkeypatch: pytest.MonkeyPatch):
+def test_urdf_is_parsed_once(
+    read_changed: Callable[[str], Robot], monkeypatch: pytest.MonkeyPatch, open_arms: Call, random_poses: Call
+):
     """From a file to an arm that moves, joints to be fixed and links without mass included."""
     finger = '<link name="finger"/><joint name="grip" type="prismatic"><parent link="tool0"/><child link="finger"/>'
     finger += '<limit lower="0" upper="0.1"/></joint>'
@@ -117,7 +95,7 @@ def test_urdf_is_parsed_once(read_changed: Callable[[str], Robot], monkeypatch: 
     assert parsers == [1]
 
 
-def test_joints_are_exactly_where_they_are_driven():
+def test_joints_are_exactly_where_they_are_driven(open_arms: Call, random_poses: Call):
     """After `drive` the joints are at the target, bit for bit, and their speed is the way over the time."""
     simulation, first, second = open_arms(50), random_poses(50), random_poses(100)[50:]
     simulation.drive(first, PERIOD)
@@ -126,7 +104,7 @@ def test_joints_are_exactly_where_they_are_driven():
     np.testing.assert_array_equal(state.qvel, (second - first) / 0.25)
 
 
-def test_arms_are_at_rest_where_they_are_reset():
+def test_arms_are_at_rest_where_they_are_reset(open_arms: Call, random_poses: Call):
     """`reset` ends the motion of the arms in its mask, and of no other."""
     simulation, mask = open_arms(6), np.arange(6) < 2
     poses = random_poses(6)
@@ -136,7 +114,9 @@ def test_arms_are_at_rest_where_they_are_reset():
     np.testing.assert_array_equal(state.qvel, np.where(mask[:, None], 0.0, (poses - ROBOT.home) / PERIOD))
 
 
-def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatch: pytest.MonkeyPatch):
+def test_arms_that_are_placed_where_they_stand_are_not_computed_again(
+    monkeypatch: pytest.MonkeyPatch, open_arms: Call, random_poses: Call
+):
     """A decision that lasts repeats its pose: the state is the same, and the arms are at rest."""
     arms, poses = open_arms(3), random_poses(3)
     arms.drive(poses, PERIOD)
@@ -150,14 +130,14 @@ def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatc
         np.testing.assert_array_equal(mine, other)
 
 
-def test_arms_whose_home_is_zero_start_there():
+def test_arms_whose_home_is_zero_start_there(home: Call):
     """The state before the first pose is none."""
     robot = replace(ROBOT, home=np.zeros(ROBOT.dof))
-    state = open_arms(1, robot).read()
+    state = Kinematic().open(robot, 1, PERIOD).read()
     np.testing.assert_allclose(state.end_effector, robot.end_effector(np.zeros(ROBOT.dof))[None], atol=1e-12)
 
 
-def test_end_effector_is_that_of_the_robot():
+def test_end_effector_is_that_of_the_robot(open_arms: Call, random_poses: Call):
     """Anywhere in the joint ranges, to rounding."""
     poses = random_poses(1000)
     state = open_arms(1000).drive(poses, PERIOD)
@@ -166,14 +146,14 @@ def test_end_effector_is_that_of_the_robot():
 
 def test_arms_start_at_home_and_at_rest():
     """A simulation that was just opened has its arms at home, off the ground."""
-    state = open_arms(3).read()
+    state = Kinematic().open(ROBOT, 3, PERIOD).read()
     np.testing.assert_array_equal(state.qpos, np.tile(ROBOT.home, (3, 1)))
     np.testing.assert_array_equal(state.qvel, 0.0)
     np.testing.assert_allclose(state.end_effector, np.tile(ROBOT.end_effector(ROBOT.home), (3, 1)), atol=1e-14)
     assert not state.ground_contact.any()
 
 
-def test_state_does_not_depend_on_the_batch():
+def test_state_does_not_depend_on_the_batch(open_arms: Call, random_poses: Call):
     """An arm alone tells, bit for bit, what it tells among 500: driven, and reset beside arms that go on."""
     poses = random_poses(500)
     batch = open_arms(500)
@@ -188,28 +168,7 @@ def test_state_does_not_depend_on_the_batch():
             np.testing.assert_array_equal(one[0], many[env])
 
 
-def test_episodes_do_not_depend_on_the_batch():
-    """The first envs of a large batch meet, bit for bit, what they meet in a small one, ends of episodes included."""
-    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (250, 40, 6)).astype(np.float32)
-    small, large = (harness.make_env("kinematic", num_envs=count) for count in (3, 40))
-    small.reset(seed=4)
-    large.reset(seed=4)
-    ended = 0
-    for action in actions:
-        few, many = small.step(action[:3]), large.step(action)
-        ended += int((few[2] | few[3]).sum())
-        for one, other in zip(few[:4], many[:4], strict=True):
-            np.testing.assert_array_equal(one, other[:3])
-    assert ended >= 6
-
-
-def test_rendering_says_which_simulator_shows_the_arm():
+def test_rendering_says_which_simulator_shows_the_arm(open_arms: Call):
     """`render` is a UsageError that names mujoco."""
     with pytest.raises(UsageError, match="take mujoco"):
         open_arms(1).render(0, np.zeros(3), 64, 48)
-
-
-def test_unknown_setting_is_a_usage_error():
-    """The simulator has no settings."""
-    with pytest.raises(UsageError, match="substeps"):
-        harness.make_env("kinematic:substeps=20")

@@ -1,0 +1,168 @@
+"""Frames of an arm, for the simulators on MuJoCo's engine.
+
+MuJoCo's own `Renderer` opens a context of the library that MUJOCO_GL named while MuJoCo was imported, aborts the
+interpreter where that opens none, and frees what belongs to another renderer when it is closed.
+"""
+
+import atexit
+import copy
+import importlib
+import os
+import sys
+import warnings
+import weakref
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.errors import UsageError, one_line
+from harness_plugins.mujoco_model.engine import choices_kept, mujoco
+
+WITHOUT_DISPLAY = ("egl", "osmesa")
+"""What MUJOCO_GL may be on Linux to render without a display."""
+MAX_GEOMS = 10_000
+"""Of a frame, as in MuJoCo's own renderer."""
+
+_failures: list[str] = []
+"""Why MuJoCo could not draw into a context. It may abort the interpreter where it is asked a second time."""
+
+
+class Renderer:
+    """A world to look at, apart from those that move.
+
+    Args:
+        model: Of the arm, with a target, by `build_model`; stays as it is.
+    """
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model = model
+        self._canvas: Canvas | None = None
+
+    def frame(self, qpos: Float, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        """The arm at `qpos`, (dof,), and a marker at `target`, (3,), [m]; RGB, (height, width, 3).
+
+        Raises:
+            UsageError: This machine cannot render; says what to install.
+        """
+        try:
+            if self._canvas is None or self._canvas.size != (width, height):
+                self.close()
+                self._canvas = Canvas(self._model, width, height)
+            return self._canvas.draw(qpos, target)
+        except Exception as error:  # the GL libraries raise what they like
+            raise _refusal(error) from error
+
+    def close(self) -> None:
+        """Release the renderer; a second call does nothing."""
+        if self._canvas is not None:
+            self._canvas.close()
+            self._canvas = None
+
+
+class Canvas:
+    """Where frames of one size are drawn."""
+
+    def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
+        self.size = (width, height)
+        self._model = copy.copy(model)
+        self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
+        self._data = mujoco.MjData(self._model)
+        self._scene = mujoco.MjvScene(self._model, MAX_GEOMS)
+        self._option, self._camera, self._area = mujoco.MjvOption(), _camera(), mujoco.MjrRect(0, 0, width, height)
+        self._context = _open_context(width, height)
+        self._drawing = _open_drawing(self._model)
+        # Called by whatever comes first: `close`, the garbage collector, the end of the interpreter. There it has to
+        # come before the libraries' own ends, which `weakref` does not see to.
+        self._release = weakref.finalize(self, _release, self._context, self._drawing)
+        self._release.atexit = False
+        atexit.register(self._release)
+
+    def draw(self, qpos: Float, target: Float) -> NDArray[np.uint8]:
+        """See `Renderer.frame`."""
+        data, (width, height) = self._data, self.size
+        data.qpos[:], data.mocap_pos[0] = qpos, target
+        mujoco.mj_forward(self._model, data)
+        self._context.make_current()
+        mujoco.mjv_updateScene(
+            self._model, data, self._option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL, self._scene
+        )
+        mujoco.mjr_render(self._area, self._scene, self._drawing)
+        pixels = np.empty((height, width, 3), np.uint8)
+        mujoco.mjr_readPixels(pixels, None, self._area, self._drawing)
+        return np.ascontiguousarray(pixels[::-1])  # OpenGL begins with the lowest row
+
+    def close(self) -> None:
+        """Release the context; a second call does nothing."""
+        atexit.unregister(self._release)
+        self._release()
+
+
+def _release(context: Any, drawing: Any) -> None:
+    with suppress(Exception):  # what cannot be freed any more need not be
+        context.make_current()  # MuJoCo frees in the context that is current, whosever it is
+        drawing.free()
+        context.free()
+
+
+def _open_context(width: int, height: int) -> Any:
+    """A GL context, current in this thread."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # GLFW warns of what it cannot do, and goes on
+        kind = _context_class()
+        context = kind(width, height)
+        context.make_current()
+        if kind.__module__ == "mujoco.glfw" and not importlib.import_module("glfw").get_current_context():
+            raise RuntimeError("GLFW opens no window")
+    return context
+
+
+def _context_class() -> Any:
+    """Of the library that MUJOCO_GL names now; EGL where it names none and there is no display.
+
+    Asked for by each frame's canvas and not while MuJoCo is imported: no environment variable has to be set for that,
+    a training loads no GL library that it does not need, and who imported MuJoCo first does not matter.
+    """
+    chosen = os.environ.get("MUJOCO_GL", "").strip().lower() or ("egl" if _lacks_display() else "")
+    if sys.platform == "linux" and chosen in WITHOUT_DISPLAY:
+        with choices_kept():
+            return importlib.import_module(f"mujoco.{chosen}").GLContext
+    if not hasattr(mujoco, "GLContext"):
+        raise RuntimeError("MuJoCo has loaded no library that renders")
+    return mujoco.GLContext
+
+
+def _refusal(error: Exception) -> UsageError:
+    given = os.environ.get("MUJOCO_GL")
+    choice = f"with MUJOCO_GL={given}" if given else "without MUJOCO_GL"
+    advice = "install libegl1 and set MUJOCO_GL=egl, or libosmesa6 and MUJOCO_GL=osmesa"
+    if sys.platform != "linux":
+        advice = "leave MUJOCO_GL unset"
+    return UsageError(f"MuJoCo cannot render here {choice} ({one_line(error)}): {advice}")
+
+
+def _lacks_display() -> bool:
+    """Whether this is a Linux without a screen; macOS and Windows render by what they have."""
+    return sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _open_drawing(model: mujoco.MjModel) -> Any:
+    """What MuJoCo draws with, in the current context."""
+    if _failures:
+        raise mujoco.FatalError(_failures[0])
+    try:
+        drawing = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_150)
+    except mujoco.FatalError as error:
+        _failures.append(str(error))
+        raise
+    mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, drawing)
+    return drawing
+
+
+def _camera() -> mujoco.MjvCamera:
+    camera = mujoco.MjvCamera()
+    camera.lookat[:] = [0.4, 0.0, 0.6]
+    camera.distance, camera.azimuth, camera.elevation = 3.0, 130.0, -20.0
+    return camera
