@@ -1,6 +1,7 @@
 """From names to environments."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -8,13 +9,57 @@ from gymnasium.vector import AutoresetMode
 
 from harness.env.vector_env import ReachVectorEnv
 from harness.errors import UsageError
+from harness.record.cell import Cell
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
+from harness.reward import Reward
+from harness.robot import Robot
 from harness.robot.load import load_robot
+from harness.simulator import Simulator
 from harness.task import Task
 
 Given: TypeAlias = str | Mapping[str, Any]
 """``"arp:k2=2"`` or ``{"name": "arp", "k2": 2}``."""
+
+
+@dataclass(frozen=True)
+class World:
+    """What episodes take place in: all that an environment is made of, built once, opened as often as needed.
+
+    Attributes:
+        simulator: Whose engine moves the arms.
+        robot: The arm.
+        task: What it has to do.
+        reward: What it is paid for.
+    """
+
+    simulator: Simulator
+    robot: Robot
+    task: Task
+    reward: Reward
+
+    def open(self, num_envs: int, **options: Any) -> ReachVectorEnv:
+        """An environment of so many arms; `options` go to `harness.env.ReachVectorEnv`."""
+        return ReachVectorEnv(self.simulator, self.robot, self.task, self.reward, num_envs, **options)
+
+
+def build_world(cell: Cell, robot: Robot, registry: Registry) -> World:
+    """What a cell's episodes take place in.
+
+    Args:
+        cell: Whose simulator, task and reward.
+        robot: The cell's, loaded.
+        registry: The plugins.
+
+    Raises:
+        UsageError: Something is not installed any more, or does not take its parameters.
+    """
+    return World(
+        cell.simulator.build(registry, "simulators"),
+        robot,
+        cell.task.build(registry, "tasks"),
+        cell.reward.build(registry, "rewards"),
+    )
 
 
 def make_env(
@@ -33,26 +78,12 @@ def make_env(
     if num_envs < 1:
         raise UsageError(f"num_envs={num_envs}: must be at least 1")
     registry = load_registry()
-    return build_env(
-        registry,
-        choose(registry, "simulators", simulator),
-        choose(registry, "tasks", task),
-        choose(registry, "rewards", reward),
-        robot,
-        num_envs=num_envs,
-        autoreset_mode=autoreset_mode,
-    )
 
+    def build(kind: str, given: Given) -> Any:
+        choice: Choice = choose(registry, kind, given)
+        return choice.build(registry, kind)
 
-def build_env(
-    registry: Registry, simulator: Choice, task: Choice, reward: Choice, robot: str | Path | None = None, **options: Any
-) -> ReachVectorEnv:
-    """The vector env of resolved choices; `options` go to `ReachVectorEnv`."""
-    built: Task = task.build(registry, "tasks")
-    return ReachVectorEnv(
-        simulator.build(registry, "simulators"),
-        load_robot(robot or built.robot, registry),
-        built,
-        reward.build(registry, "rewards"),
-        **options,
-    )
+    goal: Task = build("tasks", task)
+    arm = load_robot(robot or goal.robot, registry)
+    world = World(build("simulators", simulator), arm, goal, build("rewards", reward))
+    return world.open(num_envs, autoreset_mode=autoreset_mode)

@@ -5,8 +5,9 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 
+from harness.env.make import World
 from harness.experiment.attempt import Attempt
-from harness.experiment.evaluate import act_of, evaluate, random_actions
+from harness.experiment.evaluate import Act, act_of, evaluate, random_actions
 from harness.experiment.event_log import EventLog
 from harness.metric import Metric
 from harness.policy import Policy
@@ -26,16 +27,17 @@ class CellEvaluations:
         seconds: What the evaluations took during training.
     """
 
-    def __init__(self, cell: Cell, registry: Registry, attempt: Attempt, events: EventLog) -> None:
+    def __init__(self, cell: Cell, world: World, registry: Registry, attempt: Attempt, events: EventLog) -> None:
         """Go on after the last evaluation that the attempt's checkpoint knows of; later ones are made again.
 
         Args:
             cell: Whose policies.
-            registry: The plugins.
+            world: The cell's.
+            registry: The plugins, for the metrics.
             attempt: Where the training begins.
             events: Gets the results.
         """
-        self._cell, self._registry, self._events = cell, registry, events
+        self._cell, self._world, self._registry, self._events = cell, world, registry, events
         self._folder = attempt.folder
         self.seconds = 0.0
         self._due = cell.evaluate_every
@@ -61,14 +63,17 @@ class CellEvaluations:
     def finish(self, policy: Policy) -> None:
         """Evaluate the trained policy, and random actions for the floor."""
         self._evaluate(self._cell.steps, policy, self._folder / EVALUATION)
-        evaluate(self._cell, self._registry, random_actions(policy.floor()), self._folder / RANDOM)
+        self._record(random_actions(policy.floor()), self._folder / RANDOM)
+
+    def _record(self, act: Act, path: Path) -> None:
+        evaluate(self._world, act, self._cell.evaluation_episodes, path)
 
     def _next_after(self, steps: int) -> int:
         every = self._cell.evaluate_every
         return (steps // every + 1) * every
 
     def _evaluate(self, steps: int, policy: Policy, path: Path) -> None:
-        evaluate(self._cell, self._registry, act_of(policy, self._cell), path)
+        self._record(act_of(policy, self._cell), path)
         if not self._events.is_open:
             return
         try:

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float32
-from harness.env.make import build_env
+from harness.env.make import World
 from harness.policy import Policy
 from harness.record.cell import Cell
 from harness.record.trace import TraceWriter
-from harness.registry.registry import Registry
 
 EVALUATION_SEED = 20_211_118
 """Of the starts and targets of every evaluation; not among the small numbers that people seed training with."""
@@ -21,19 +20,17 @@ EVALUATION_SEED = 20_211_118
 Act = Callable[[Float32], NDArray[Any]]
 
 
-def evaluate(cell: Cell, registry: Registry, act: Act, path: Path, seed: int = EVALUATION_SEED) -> None:
-    """Let `act` do the cell's evaluation episodes, one in each env of a batch, and record them.
+def evaluate(world: World, act: Act, episodes: int, path: Path, seed: int = EVALUATION_SEED) -> None:
+    """Let `act` do so many episodes, one in each env of a batch, and record them.
 
     Args:
-        cell: Whose simulator, robot, task and reward.
-        registry: The plugins.
+        world: Where.
         act: Observations (num_envs, observation_size) to actions (num_envs, action_size), or choices (num_envs,).
+        episodes: How many.
         path: The trace to write: one episode of each env.
         seed: Of the starts and targets.
     """
-    env = build_env(
-        registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=cell.evaluation_episodes
-    )
+    env = world.open(episodes)
     try:
         with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1) as recorder:
             env.recorder = recorder

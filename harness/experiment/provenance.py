@@ -14,7 +14,7 @@ from harness.hookspecs import KINDS
 from harness.record.cell import Cell
 from harness.registry.registry import Registry, Spec
 from harness.registry.sources import source_hash
-from harness.robot.load import load_robot
+from harness.robot import Robot
 
 NAME = "fd100-harness"
 CORE = (NAME, "gymnasium", "numpy", "pyarrow")
@@ -23,16 +23,18 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 """Where this package stands; the root of the checkout, if it runs from one."""
 
 
-def describe_environment(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Any]:
+def describe_environment(
+    cell: Cell, robot: Robot, registry: Registry, kinds: Collection[str] = KINDS
+) -> dict[str, Any]:
     """What decides a result beside the cell: versions, machine, commit, command, hashes of the plugins' sources.
 
     Args:
         cell: What made the result.
+        robot: The cell's, loaded.
         registry: The plugins.
         kinds: Those of the cell's choices that made it.
     """
     specs = specs_of(cell, registry, kinds)
-    robot = load_robot(cell.robot, registry)
     return {
         "versions": {"python": platform.python_version(), **versions_behind(specs.values())},
         "machine": describe_machine(),

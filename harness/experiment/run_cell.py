@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from harness.algorithm import Algorithm
-from harness.env.make import build_env
+from harness.env.make import World, build_world
 from harness.executor import CellOptions
 from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.cell_evaluations import CellEvaluations
@@ -24,6 +24,7 @@ from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, POLICY, TENSORBOARD, TRACE
 from harness.record.manifest import Manifest
 from harness.registry.registry import Registry, load_registry
+from harness.robot.load import load_robot
 
 DEFAULTS = CellOptions()
 
@@ -88,26 +89,27 @@ class _Run:
 
     def leave(self, draft: Draft[Manifest]) -> None:
         """Train and evaluate; leave everything but the manifest, and put into that what there is to say."""
-        environment = describe_environment(self.cell, self.registry)
+        cell, registry = self.cell, self.registry
+        robot = load_robot(cell.robot, registry)
+        environment = describe_environment(cell, robot, registry)
         draft.note(environment=environment)
-        attempt = begin_attempt(self.cell, draft.partial, environment, self.options.checkpoint_every)
+        world = build_world(cell, robot, registry)
+        attempt = begin_attempt(cell, draft.partial, environment, self.options.checkpoint_every)
         draft.note(resumed_from=attempt.begun_from, note=attempt.note)
         with EventLog(draft.partial / TENSORBOARD if self.options.tensorboard else None) as events:
-            evaluations = CellEvaluations(self.cell, self.registry, attempt, events)
-            policy = self._train(attempt, evaluations, events)
+            evaluations = CellEvaluations(cell, world, registry, attempt, events)
+            policy = self._train(world, attempt, evaluations, events)
             draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
-            policy.save(draft.partial / POLICY, self.cell.to_json())
+            policy.save(draft.partial / POLICY, cell.to_json())
             self.watch.enter("evaluation")
             evaluations.finish(policy)
             self.watch.enter("saving")
 
-    def _train(self, attempt: Attempt, evaluations: CellEvaluations, events: EventLog) -> Policy:
+    def _train(self, world: World, attempt: Attempt, evaluations: CellEvaluations, events: EventLog) -> Policy:
         cell, watch = self.cell, self.watch
         algorithm: Algorithm = cell.algorithm.build(self.registry, "algorithms")
         env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
-        env = build_env(
-            self.registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=algorithm.num_envs
-        )
+        env = world.open(algorithm.num_envs)
         try:
             with TraceParts(
                 attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], attempt.parts

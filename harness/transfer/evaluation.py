@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
+from harness.env.make import build_world
 from harness.experiment.draft import draft_of
 from harness.experiment.evaluate import act_of, evaluate
 from harness.experiment.order import Report
@@ -14,6 +15,7 @@ from harness.record.folder import EVALUATION, POLICY
 from harness.record.manifest import read_manifest
 from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
+from harness.robot.load import load_robot
 from harness.transfer.record import TransferRecord, policy_digest
 
 KINDS = ("simulators", "tasks", "rewards")
@@ -35,9 +37,10 @@ def evaluate_elsewhere(cell_folder: Path, simulator: Choice, folder: Path) -> Tr
     record = TransferRecord(trained.id, simulator, policy_digest(cell_folder), status="done")
     with draft_of(folder, record) as draft:
         registry, cell = load_registry(), replace(trained, simulator=simulator)
-        draft.note(environment=describe_environment(cell, registry, KINDS))
-        policy = load_policy(cell_folder / POLICY)
-        evaluate(cell, registry, act_of(policy, cell), draft.partial / EVALUATION)
+        robot = load_robot(cell.robot, registry)
+        draft.note(environment=describe_environment(cell, robot, registry, KINDS))
+        act, world = act_of(load_policy(cell_folder / POLICY), cell), build_world(cell, robot, registry)
+        evaluate(world, act, cell.evaluation_episodes, draft.partial / EVALUATION)
     return draft.record
 
 

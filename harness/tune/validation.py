@@ -11,10 +11,10 @@ import json
 import os
 import sys
 import traceback
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+from harness.env.make import build_world
 from harness.errors import one_line
 from harness.experiment.evaluate import evaluate
 from harness.experiment.lifeline import end_with_parent
@@ -23,6 +23,7 @@ from harness.record.cell import Cell
 from harness.record.folder import POLICY
 from harness.record.manifest import read_manifest
 from harness.registry.registry import Registry, load_registry
+from harness.robot.load import load_robot
 
 VALIDATION_SEED = 20_230_705
 """Of the starts and targets of every validation; not the evaluation's, and not a small number."""
@@ -71,7 +72,8 @@ def validate(order: Order, registry: Registry) -> None:
 
 def record_validation(cell: Cell, registry: Registry, policy: Policy, episodes: int, path: Path) -> None:
     """Let `policy` do so many episodes in the cell's simulator, one in each env of a batch, and record them."""
-    evaluate(replace(cell, evaluation_episodes=episodes), registry, policy.act, path, VALIDATION_SEED)
+    world = build_world(cell, load_robot(cell.robot, registry), registry)
+    evaluate(world, policy.act, episodes, path, VALIDATION_SEED)
 
 
 if __name__ == "__main__":

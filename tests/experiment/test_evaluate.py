@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import harness
+from harness import load_robot
+from harness.env.make import build_world
 from harness.experiment.evaluate import act_of, evaluate, random_actions
 from harness.policy import Uniform
 from harness.record.cell import Cell
@@ -39,7 +41,9 @@ def stand(observations: np.ndarray) -> np.ndarray:
 def record(folder: Path, act: Any = stand, **other: Any) -> Trace:
     """The trace of an evaluation of the cell, some of it said otherwise."""
     path = folder / "evaluation.parquet"
-    evaluate(replace(CELL, **other), REGISTRY, act, path)
+    cell = replace(CELL, **other)
+    world = build_world(cell, load_robot(cell.robot), REGISTRY)
+    evaluate(world, act, cell.evaluation_episodes, path)
     return read_trace(path)
 
 

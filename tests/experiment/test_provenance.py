@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness import load_robot
 from harness.experiment import provenance
 from harness.experiment.provenance import describe_environment, describe_machine, source_commit, versions_behind
 from harness.record.cell import Cell
@@ -19,12 +20,13 @@ from harness.registry.registry import Registry, load_registry
 from harness_plugins.rewards import arp
 
 MakeCell = Callable[..., Cell]
+ROBOT = load_robot("fd100")
 
 
 def test_environment_of_a_run(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
     """What decides a result beside the cell, as JSON: versions, machine, commit, command, sources."""
     monkeypatch.setattr("sys.argv", ["/somewhere/bin/harness", "run", "--sim", "ideal"])
-    described = describe_environment(make_cell(), toys)
+    described = describe_environment(make_cell(), ROBOT, toys)
     assert list(described) == ["versions", "machine", "commit", "command", "sources"]
     assert described["command"] == "harness run --sim ideal"
     assert json.loads(json.dumps(described)) == described
@@ -53,13 +55,13 @@ def register_simulators(register):
 
 def test_versions_of_other_plugins_are_left_out(make_cell: MakeCell, toys: Registry):
     """A cell of the toy arm does not depend on MuJoCo, whatever is installed."""
-    assert "mujoco" not in describe_environment(make_cell(), toys)["versions"]
+    assert "mujoco" not in describe_environment(make_cell(), ROBOT, toys)["versions"]
 
 
 def test_versions_of_an_engine_are_recorded(make_cell: MakeCell, toys: Registry):
     """Of every library that the built-in engine requires."""
     cell = make_cell(simulator=Choice("dm_control", (), "dm_control"))
-    assert {"dm-control", "mujoco"} <= describe_environment(cell, toys, ["simulators"])["versions"].keys()
+    assert {"dm-control", "mujoco"} <= describe_environment(cell, ROBOT, toys, ["simulators"])["versions"].keys()
 
 
 def test_machine_names_its_cpu():
@@ -71,14 +73,14 @@ def test_machine_names_its_cpu():
 
 def test_sources_are_hashes_of_the_files(make_cell: MakeCell, toys: Registry):
     """A result whose reward was changed since can be told by the hash of the reward's file."""
-    hashes = describe_environment(make_cell(reward=Choice("arp", (), "arp")), toys)["sources"]
+    hashes = describe_environment(make_cell(reward=Choice("arp", (), "arp")), ROBOT, toys)["sources"]
     assert set(hashes) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
     assert hashes["rewards"] == sha256(Path(arp.__file__).read_bytes()).hexdigest()
 
 
 def test_sources_are_those_of_the_kinds_that_made_the_result(make_cell: MakeCell, toys: Registry):
     """An evaluation does not depend on the library that trained the policy."""
-    assert set(describe_environment(make_cell(), toys, ["simulators"])["sources"]) == {"simulators", "robots"}
+    assert set(describe_environment(make_cell(), ROBOT, toys, ["simulators"])["sources"]) == {"simulators", "robots"}
 
 
 def _repository(folder: Path, name: str | None) -> Path:

@@ -7,6 +7,8 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from harness import load_robot
+from harness.env.make import build_world
 from harness.experiment.evaluate import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
@@ -16,6 +18,7 @@ from harness.record.manifest import Manifest, read_manifest
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
+from harness.robot import robot
 
 pytestmark = pytest.mark.usefixtures("toys")
 MakeCell = Callable[..., Cell]
@@ -71,7 +74,8 @@ def test_saved_policy_is_the_one_that_was_evaluated(make_cell: MakeCell, toys: R
     """Loaded from the folder and evaluated again, it does the same, bit for bit."""
     _run(make_cell(), tmp_path / "cell")
     policy = load_policy(tmp_path / "cell" / POLICY)
-    evaluate(make_cell(), toys, policy.act, tmp_path / "again.parquet")
+    world = build_world(make_cell(), load_robot("fd100"), toys)
+    evaluate(world, policy.act, make_cell().evaluation_episodes, tmp_path / "again.parquet")
     assert pq.read_table(tmp_path / "again.parquet").equals(pq.read_table(tmp_path / "cell" / EVALUATION))
 
 
@@ -158,3 +162,11 @@ def test_cell_is_done_again_over_what_was_left(make_cell: MakeCell, tmp_path: Pa
     assert _run(make_cell(), tmp_path / "cell").status == "done"
     assert read_manifest(tmp_path / "cell").status == "done"
     assert not partial.exists()
+
+
+def test_robot_is_read_once(make_cell: MakeCell, toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The training, its evaluations and the manifest share it: its files are parsed and checked once in a cell."""
+    read, plain = [], robot.read_robot
+    monkeypatch.setattr("harness.robot.load.read_robot", lambda path: read.append(path) or plain(path))
+    _run(make_cell(evaluate_every=6), tmp_path / "cell")
+    assert len(read) == 1
