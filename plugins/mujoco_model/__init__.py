@@ -1,5 +1,5 @@
 """What the simulators on MuJoCo's engine share: the model of an arm."""
 
-from harness_plugins.mujoco_model.model import GROUND, TARGET, TOUCH, build_model
+from .model import GROUND, TARGET, TOUCH, build_model
 
 __all__ = ["GROUND", "TARGET", "TOUCH", "build_model"]

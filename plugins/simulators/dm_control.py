@@ -18,7 +18,8 @@ from harness.authoring.substeps import Substeps
 from harness.errors import SimulationDiverged, UsageError
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.mujoco_model import TOUCH, build_model
+
+from ..mujoco_model import TOUCH, build_model
 
 
 def _import_engine() -> ModuleType:

@@ -14,7 +14,8 @@ from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.mujoco_model import build_model
+
+from ..mujoco_model import build_model
 
 Count = Annotated[int, Field(gt=0)]
 
