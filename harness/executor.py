@@ -1,10 +1,25 @@
 """The interface that an executor fills: it gets cells done, wherever it likes."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple, Protocol, TypeAlias
 
 from harness.record.cell import Cell
+
+
+@dataclass(frozen=True)
+class CellOptions:
+    """How a cell is run; nothing here changes its result.
+
+    Attributes:
+        checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none. A
+            cell whose process is killed goes on from its last checkpoint.
+        tensorboard: Whether the cell leaves event files of scalars too.
+    """
+
+    checkpoint_every: int = 0
+    tensorboard: bool = False
 
 
 class Job(NamedTuple):
@@ -13,10 +28,7 @@ class Job(NamedTuple):
     cell: Cell
     folder: Path
     """It has to leave."""
-    checkpoint_every: int = 0
-    """Environment steps from one checkpoint to the next, at least; 0 for none."""
-    tensorboard: bool = False
-    """Whether it is to leave event files of scalars too."""
+    options: CellOptions = CellOptions()
 
 
 class Event(NamedTuple):
@@ -35,7 +47,7 @@ OnEvent: TypeAlias = Callable[[Event], None]
 
 
 class Executor(Protocol):
-    """A frozen dataclass whose fields are its settings."""
+    """A frozen dataclass whose fields are its settings: ``--executor processes`` or ``--executor mine:nodes=2``."""
 
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
         """Run every job, at most `at_once` at a time.

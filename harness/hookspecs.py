@@ -54,7 +54,7 @@ class Hooks:
 
     @hookspec
     def register_tasks(self, register: Register) -> None:
-        """Targets: a frozen dataclass, `harness.task.ReachTask` or one with its fields."""
+        """Targets: a frozen dataclass that is a `harness.task.Task`."""
 
     @hookspec
     def register_executors(self, register: Register) -> None:

@@ -11,12 +11,16 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from harness.executor import OnEvent
+from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
 from harness.policy import Network
 from harness.policy.chooser import ChoosingNetwork
 from harness.record.cell import Cell
+from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
+from harness.results import Results
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
 settings.load_profile("no deadline")
@@ -27,11 +31,15 @@ def toy_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the package `toy_arm` and its metadata, as an installer leaves them."""
     folder = tmp_path_factory.mktemp("site-packages")
     shutil.copy(Path(__file__).parent / "toy_arm.py", folder)
-    metadata = folder / "toy_arm-1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: toy-arm\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("[harness]\ntoys = toy_arm\n")
+    _write_metadata(folder, "toy-arm", "toys", "toy_arm")
     return folder
+
+
+def _write_metadata(folder: Path, distribution: str, entry: str, module: str) -> None:
+    metadata = folder / f"{distribution.replace('-', '_')}-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(f"[harness]\n{entry} = {module}\n")
 
 
 @pytest.fixture
@@ -55,6 +63,33 @@ def write_plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..
         return EntryPoint(entry or name, module, "harness")
 
     return write
+
+
+@pytest.fixture
+def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """Install a package for this process: a module with hooks, others beside it; gives the name of the module."""
+
+    def install_package(name: str, hooks: str, **others: str) -> str:
+        folder = tmp_path_factory.mktemp("site-packages")
+        module = f"{name}_{folder.name}".replace("-", "_")  # another test's module of the same name is still imported
+        (folder / f"{module}.py").write_text(hooks)
+        for other, source in others.items():
+            (folder / f"{module}_{other}.py").write_text(source)
+        _write_metadata(folder, name, name, module)
+        monkeypatch.syspath_prepend(folder)
+        return module
+
+    return install_package
+
+
+@pytest.fixture
+def distant(install: Callable[..., str]) -> None:
+    """A package whose simulator `distant` takes a library that is not installed, and names the extra that brings it."""
+    install(
+        "far-away",
+        "import harness\n@harness.hookimpl\ndef register_simulators(register):\n"
+        "    register('distant', 'a:B', summary='not here', requires=['no_such_engine'], extra='engine')\n",
+    )
 
 
 @pytest.fixture
@@ -103,6 +138,17 @@ def make_plan() -> Callable[..., Plan]:
         return Plan(baseline, cells, skipped, {"sim": ["ideal"], "algo": ["wander"]})
 
     return make
+
+
+@pytest.fixture
+def run_here(toys: Registry) -> Callable[..., Results]:
+    """Run a plan in this process, which is quicker than in workers; gives what its folder says afterwards."""
+
+    def run(plan: Plan, folder: Path, on_event: OnEvent = lambda event: None) -> Results:
+        executor = toys.get("executors", "here").load()()
+        return ExperimentRun(plan, Store.create(folder, plan), toys, executor).run(on_event)
+
+    return run
 
 
 @pytest.fixture(scope="session")

@@ -254,11 +254,13 @@ class Handless(ReachTask):
 class Here:
     """An executor without processes: quick, and no help against a crash."""
 
+    note: str = ""
+
     def run(self, jobs, at_once, on_event):
         """One after another."""
         for job in jobs:
             on_event(Event("started", job.cell))
-            run_cell(job.cell, job.folder, lambda steps: None, job.checkpoint_every, job.tensorboard)
+            run_cell(job.cell, job.folder, lambda steps: None, job.options)
             on_event(Event("ended", job.cell))
 
 

@@ -1,7 +1,7 @@
 """The times of several cells, measured in turns."""
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,8 +13,9 @@ from harness.bench.meter import seconds_per_call
 from harness.bench.timed_cell import Failed, time_cell
 from harness.executor import OnEvent
 from harness.experiment.plan import Plan
-from harness.experiment.provenance import describe_machine, installed_versions
+from harness.experiment.provenance import describe_machine, specs_of, versions_behind
 from harness.record.cell import Cell
+from harness.registry.registry import Registry
 
 FORMAT = 1
 
@@ -97,33 +98,38 @@ class Bench:
         timings: Of those that worked.
         failed: Those that did not, each with the reason.
         skipped: Those that cannot, each with the reason.
+        cpu: What it was measured on.
+        versions: Of the distributions that the results depend on.
     """
 
     rounds: int
     timings: tuple[Timing, ...]
     failed: tuple[tuple[Cell, str], ...]
     skipped: tuple[tuple[Cell, str], ...]
+    cpu: str
+    versions: Mapping[str, str]
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         return {
             "format": FORMAT,
             "rounds": self.rounds,
-            "cpu": describe_machine()["cpu"],
-            "versions": installed_versions(),
+            "cpu": self.cpu,
+            "versions": dict(self.versions),
             "combinations": [timing.to_json() for timing in self.timings],
             "failed": _reasons(self.failed),
             "skipped": _reasons(self.skipped),
         }
 
 
-def measure(plan: Plan, rounds: int, on_event: OnEvent) -> Bench:
+def measure(plan: Plan, registry: Registry, rounds: int, on_event: OnEvent) -> Bench:
     """Time every cell of a plan, one process at a time.
 
     The cells take turns: a slow moment of the machine meets all of them. One that fails is not tried again.
 
     Args:
         plan: What to train; nothing of it is kept.
+        registry: The plugins.
         rounds: How often, >= 1.
         on_event: Told what happens to the cells.
     """
@@ -139,7 +145,9 @@ def measure(plan: Plan, rounds: int, on_event: OnEvent) -> Bench:
                     found[cell].append(times)
     price = seconds_per_call()
     timings = tuple(Timing(cell, tuple(found[cell]), price) for cell in _without(plan.cells, failed))
-    return Bench(rounds, timings, tuple(failed.items()), plan.skipped)
+    specs = [spec for cell in plan.cells for spec in specs_of(cell, registry).values()]
+    machine = describe_machine()["cpu"]
+    return Bench(rounds, timings, tuple(failed.items()), plan.skipped, machine, versions_behind(specs))
 
 
 def _without(cells: Sequence[Cell], failed: dict[Cell, str]) -> list[Cell]:

@@ -2,16 +2,18 @@
 
 import json
 import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 from harness.bench.cell_times import CellTimes
 from harness.bench.meter import CLOCK
 from harness.bench.stopwatch import Stopwatch
 from harness.executor import Event, OnEvent
-from harness.experiment.cell_progress import Report
+from harness.experiment.order import Order, Report
 from harness.experiment.run_cell import run_cell
-from harness.experiment.workers import News, Order, run_orders
+from harness.experiment.workers import News, run_orders
 from harness.record.cell import Cell
 from harness.record.manifest import read_manifest
 
@@ -33,6 +35,34 @@ def run_timed(cell: Cell, folder: Path, report: Report, begun: float) -> None:
     times = stopwatch.stop()
     # Last of all: what follows is the end of the process.
     (folder / FILE).write_text(json.dumps({"times": times.to_json(), "told": begun + times.whole}))
+
+
+@dataclass(frozen=True)
+class TimeCell:
+    """`run_timed`, as a worker is told to do it.
+
+    Attributes:
+        cell: What to do.
+        begun: What the clock showed before the worker was started.
+    """
+
+    cell: Cell
+    begun: float
+
+    noun: ClassVar[str] = "cell"
+
+    def to_json(self) -> dict[str, Any]:
+        """See `harness.experiment.order.Work`."""
+        return {"cell": self.cell.to_json(), "begun": self.begun}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """See `harness.experiment.order.Work`."""
+        return cls(Cell.from_json(data["cell"]), data["begun"])
+
+    def do(self, folder: Path, report: Report) -> None:
+        """See `harness.experiment.order.Work`."""
+        run_timed(self.cell, folder, report, self.begun)
 
 
 class Failed(NamedTuple):
@@ -58,7 +88,7 @@ def time_cell(cell: Cell, folder: Path, on_event: OnEvent) -> CellTimes | Failed
             ended.append((now, reason))
         on_event(Event(news.kind, cell, news.steps, reason))
 
-    run_orders([Order(folder, {"cell": cell.to_json(), "timed_from": CLOCK()})], 1, tell)
+    run_orders([Order(folder, TimeCell(cell, CLOCK()))], 1, tell)
     [(end, reason)] = ended
     if reason:
         return Failed(reason)

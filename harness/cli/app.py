@@ -66,13 +66,15 @@ def main(args: list[str] | None = None) -> None:
 
 def _run(args: list[str]) -> int:
     app = build_app()
-    if not args or args[0] not in names_of(app):  # ours wait for no plugin
+    own = names_of(app)
+    if not args or args[0] not in own:  # ours wait for no plugin
         add_plugin_commands(app, load_registry())
     command = typer.main.get_command(app)
     try:
-        return command.main(args, prog_name="harness", standalone_mode=False) or 0  # 130 when interrupted
+        return command.main(args, prog_name="harness", standalone_mode=False, obj=own) or 0  # 130 when interrupted
     except TyperException as error:  # what typer refuses: an unknown option, a missing argument
-        _say(error.format_message())
+        if error.format_message():  # none where there is no argument at all, which shows the help
+            _say(error.format_message())
         return error.exit_code
     except UsageError as error:
         _say(str(error))

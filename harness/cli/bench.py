@@ -10,6 +10,7 @@ from harness.errors import UsageError
 if TYPE_CHECKING:
     from harness.bench.bench import Bench
     from harness.experiment.plan import Plan
+    from harness.registry.registry import Registry
 
 
 def bench(
@@ -34,7 +35,8 @@ def bench(
         "evaluation_episodes": evaluation_episodes,
     }  # fmt: skip
     experiment = check_experiment({key: value for key, value in given.items() if value is not None}, "bench")
-    found = _measure(expand(experiment, load_registry()), rounds)
+    registry = load_registry()
+    found = _measure(expand(experiment, registry), registry, rounds)
     _show(found, as_json)
     return 1 if found.failed else 0
 
@@ -47,12 +49,12 @@ def _rewards(given: Names) -> dict[str, Any]:
     return {"reward": names, "baseline": names[0]}
 
 
-def _measure(plan: "Plan", rounds: int) -> "Bench":
+def _measure(plan: "Plan", registry: "Registry", rounds: int) -> "Bench":
     from harness.bench.bench import measure
     from harness.cli.progress import LiveProgress
 
     with LiveProgress(plan.cells * rounds, ()) as progress:
-        return measure(plan, rounds, progress)
+        return measure(plan, registry, rounds, progress)
 
 
 def _show(found: "Bench", as_json: bool) -> None:

@@ -1,6 +1,6 @@
 """Commands that plugins bring."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 import typer
@@ -27,11 +27,13 @@ def names_of(app: typer.Typer) -> list[str]:
     return [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
 
 
-def hidden_commands(registry: Registry) -> list[str]:
-    """One line for each command of a plugin that cannot be called: one of ours has its name."""
-    from harness.cli.app import build_app  # which knows all commands, those that call this too
+def hidden_commands(registry: Registry, own: Collection[str]) -> list[str]:
+    """One line for each command of a plugin that cannot be called: one of ours has its name.
 
-    own = names_of(build_app())
+    Args:
+        registry: The plugins.
+        own: Names of our commands: what `harness.cli.app.main` hands every command as the object of its context.
+    """
     return [
         f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.distribution}) is hidden by our own"
         for name in registry.names(KIND)

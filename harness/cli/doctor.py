@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Collection
 
 import typer
 
@@ -20,27 +21,29 @@ BACKENDS = {"egl": "libegl1", "osmesa": "libosmesa6"}
 """What MUJOCO_GL may be without a display, and the system package that it takes."""
 
 
-def doctor() -> None:
+def doctor(context: typer.Context) -> None:
     """Check versions, plugins, missing libraries, CPU and headless rendering."""
-    from harness.experiment.provenance import describe_machine, installed_versions, source_commit
+    from harness.experiment.provenance import describe_machine, source_commit, versions_behind
 
     machine, registry = describe_machine(), load_registry()
+    specs = [spec for claims in registry.specs.values() for spec in claims]
     typer.echo(f"python {sys.version.split()[0]} on {machine['system']}")
     typer.echo(f"cpu {machine['cpu']}, {machine['cores']} cores")
-    typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in installed_versions().items()))
+    typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in versions_behind(specs).items()))
     commit = source_commit()
     if commit:
         typer.echo(f"commit {commit}")
-    for line in _plugin_problems(registry) + _missing_libraries(registry) + _rendering(registry):
+    for line in _plugin_problems(registry, context.obj) + _missing_libraries(registry) + _rendering(registry):
         typer.echo(line)
 
 
-def _plugin_problems(registry: Registry) -> list[str]:
+def _plugin_problems(registry: Registry, own: Collection[str]) -> list[str]:
     broken = [plugin for plugin in registry.plugins if plugin.status in {"broken", "incompatible"}]
     lines = [
         f"plugin '{plugin.name}' of {plugin.distribution} is {plugin.status}: {plugin.reason}" for plugin in broken
     ]
-    return [*lines, *registry.conflicts(), *hidden_commands(registry)] or [f"plugins {len(registry.plugins)}, all fine"]
+    lines += registry.conflicts() + hidden_commands(registry, own)
+    return lines or [f"plugins {len(registry.plugins)}, all fine"]
 
 
 def _missing_libraries(registry: Registry) -> list[str]:

@@ -13,4 +13,5 @@ RewardNames = Annotated[
 TaskName = Annotated[
     str | None, typer.Option(help="As fd100-reach:epsilon=0.02.", show_default="fd100-reach", metavar="NAME")
 ]
+ExecutorName = Annotated[str, typer.Option(help="What runs the cells, as processes.", metavar="NAME")]
 RobotName = Annotated[str | None, typer.Option(help=ROBOT, show_default="the task's", metavar="NAME")]

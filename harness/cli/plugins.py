@@ -9,10 +9,13 @@ from harness.cli.commands import hidden_commands
 from harness.registry.registry import load_registry
 
 
-def plugins(as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False) -> None:
+def plugins(
+    context: typer.Context,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> None:
     """Show every plugin, where it comes from, what it registered, and what is wrong with it."""
     registry = load_registry()
-    conflicts = registry.conflicts() + hidden_commands(registry)
+    conflicts = registry.conflicts() + hidden_commands(registry, context.obj)
     if as_json:
         import json
 

@@ -20,8 +20,9 @@ class LiveProgress:
         self._progress = Progress(
             TextColumn("{task.description}"), BarColumn(), StepSpeed(), TimeRemainingColumn(), console=self._console
         )
-        waiting = [cell for cell in cells if cell not in set(done)]
-        self._overall = self._progress.add_task("all cells", total=sum(cell.steps for cell in waiting))
+        ended = {cell.id for cell in done}
+        steps = sum(cell.steps for cell in cells if cell.id not in ended)
+        self._overall = self._progress.add_task("all cells", total=steps)
         self._tasks: dict[str, TaskID] = {}
         self._steps: dict[str, int] = {}
         self._started: dict[str, float] = {}

@@ -5,13 +5,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.cli.options import Names, RewardNames, RobotName, TaskName
+from harness.cli.interrupted import kept_when_interrupted
+from harness.cli.options import ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.experiment.plan import Plan
-    from harness.record.store import Store
-    from harness.registry.registry import Registry
     from harness.results import Results
 
 
@@ -55,11 +53,15 @@ def run(
     jobs: Annotated[
         int | None, typer.Option(help="Cells at once.", show_default="as many as cores", metavar="N")
     ] = None,
-    executor: Annotated[str, typer.Option(help="What runs the cells.", metavar="NAME")] = "processes",
+    executor: ExecutorName = "processes",
     checkpoint_every: Annotated[
-        int | None,
-        typer.Option(help="Steps from one checkpoint to the next; killed, a cell goes on there.", metavar="N"),
-    ] = None,
+        int,
+        typer.Option(
+            help="Steps from one checkpoint to the next; killed, a cell goes on there.",
+            show_default="no checkpoints",
+            metavar="N",
+        ),
+    ] = 0,
     tensorboard: Annotated[
         bool, typer.Option("--tensorboard", help="Leave event files of scalars in each cell's folder too.")
     ] = False,
@@ -68,36 +70,21 @@ def run(
 
     A cell that is done is not run again: the same command goes on where it stopped.
     """
-    from harness.experiment.event_log import require_tensorboard
-    from harness.experiment.experiment import default_folder
-    from harness.experiment.plan import expand
-    from harness.experiment.workers import core_count
-    from harness.record.store import Store
-    from harness.registry.registry import load_registry
-    from harness.results import Results
+    from harness.cli.progress import LiveProgress
+    from harness.experiment.experiment import RunOptions, prepare
 
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"--jobs {jobs}: must be at least 1")
-    if checkpoint_every is not None and checkpoint_every < 1:
-        raise UsageError(f"--checkpoint-every {checkpoint_every}: must be at least 1")
+    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard)
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
         "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
         "evaluate_every": evaluate_every, "deterministic": deterministic,
     }  # fmt: skip
-    if tensorboard:
-        require_tensorboard()
-    registry = load_registry()
-    registry.get("executors", executor)
-    plan = expand(_read(experiment, {key: value for key, value in given.items() if value is not None}), registry)
-    store = Store.create(out or default_folder(plan), plan)
-    try:
-        _run_with_progress(plan, store, registry, jobs or core_count(), executor, checkpoint_every or 0, tensorboard)
-    except KeyboardInterrupt:
-        kept = f"harness: interrupted: finished cells are kept in '{store.folder}', the same command goes on from there"
-        typer.echo(kept, err=True)
-        raise
-    results = Results(store.folder, registry)
+    ready = prepare(_read(experiment, {key: value for key, value in given.items() if value is not None}), options)
+    with (
+        kept_when_interrupted("finished cells are kept", ready.store.folder),
+        LiveProgress(ready.plan.cells, ready.done) as progress,
+    ):
+        results = ready.run(progress)
     _show(results)
     return 1 if results.failed else 0
 
@@ -121,36 +108,19 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
     return numbers if "," in text else numbers[0]
 
 
-def _run_with_progress(
-    plan: "Plan",
-    store: "Store",
-    registry: "Registry",
-    jobs: int,
-    executor: str,
-    checkpoint_every: int,
-    tensorboard: bool,
-) -> None:
-    from harness.cli.progress import LiveProgress
-    from harness.experiment.experiment import run_plan
-
-    done = [cell for cell in plan.cells if store.is_done(cell)]
-    with LiveProgress(plan.cells, done) as progress:
-        run_plan(plan, store, registry, jobs, progress, executor, checkpoint_every, tensorboard)
-
-
 def _show(results: "Results") -> None:
+    """The comparison on standard output; what was written too."""
     from rich.console import Console
 
     from harness.record.store import REPORT
     from harness.report.comparison_table import comparison_table
     from harness.report.html import write_html
 
-    console = Console(stderr=True)
-    console.print(comparison_table(results))
+    Console().print(comparison_table(results))
     results.write_table()
-    console.print(f"Results: {results.folder}", soft_wrap=True)
+    typer.echo(f"Results: {results.folder}")
     try:
         write_html(results, results.folder / REPORT)
-        console.print(f"Report:  {results.folder / REPORT}", soft_wrap=True)
+        typer.echo(f"Report:  {results.folder / REPORT}")
     except UsageError as error:  # the extra is missing: the results are there all the same
-        console.print(f"No {REPORT}: {error}", soft_wrap=True)
+        typer.echo(f"No {REPORT}: {error}")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from harness.errors import UsageError
+from harness.cli.interrupted import kept_when_interrupted
 
 
 def transfer(
@@ -28,24 +28,17 @@ def transfer(
     Trains nothing. What was evaluated before is not again.
     """
     from harness.cli.transfer_progress import TransferProgress
-    from harness.experiment.workers import core_count
+    from harness.experiment.workers import worker_count
     from harness.registry.registry import load_registry
     from harness.results import Results
     from harness.transfer.jobs import plan_transfers, run_transfers
     from harness.transfer.matrix import load_transfers
 
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"--jobs {jobs}: must be at least 1")
-    registry = load_registry()
+    at_once, registry = worker_count(jobs), load_registry()
     results = Results(folder, registry)
     plan = plan_transfers(results, to, registry)
-    try:
-        with TransferProgress(plan) as progress:
-            run_transfers(plan, jobs or core_count(), progress)
-    except KeyboardInterrupt:
-        kept = f"harness: interrupted: what was evaluated is kept in '{folder}', the same command goes on from there"
-        typer.echo(kept, err=True)
-        raise
+    with kept_when_interrupted("what was evaluated is kept", folder), TransferProgress(plan) as progress:
+        run_transfers(plan, at_once, progress)
     transfers = load_transfers(results)
     if as_json:
         import json

@@ -1,6 +1,7 @@
 """What one sees while policies are evaluated: a bar on a terminal, and a line for each evaluation that ends."""
 
 import time
+from pathlib import Path
 from types import TracebackType
 
 from rich.console import Console
@@ -23,7 +24,7 @@ class TransferProgress:
         )
         self._total, self._ended = len(plan.jobs), len(plan.jobs) - len(plan.missing)
         self._task = self._bar.add_task("evaluations", total=self._total, completed=self._ended)
-        self._started: dict[str, float] = {}
+        self._started: dict[Path, float] = {}  # titles do not tell cells of other steps or tasks apart
         for line in plan.left_out:
             self._print(line)
         if self._ended:
@@ -42,15 +43,15 @@ class TransferProgress:
 
     def __call__(self, event: TransferEvent) -> None:
         """Show an event."""
-        title = event.job.title
+        job = event.job
         if event.kind == "started":
-            self._started[title] = time.perf_counter()
+            self._started[job.folder] = time.perf_counter()
             return
         self._ended += 1
         self._bar.advance(self._task)
-        seconds = time.perf_counter() - self._started.pop(title)
+        seconds = time.perf_counter() - self._started.pop(job.folder)
         outcome = f"FAILED: {event.reason}" if event.reason else f"{seconds:.1f} s"
-        self._print(f"[{self._ended}/{self._total}] {title}: {outcome}")
+        self._print(f"[{self._ended}/{self._total}] {job.title}: {outcome}")
 
     def _print(self, line: str) -> None:
         self._bar.console.print(line, soft_wrap=True, markup=False, highlight=False)

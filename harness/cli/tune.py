@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.cli.options import Names, RewardNames, RobotName, TaskName
+from harness.cli.interrupted import kept_when_interrupted
+from harness.cli.options import ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -68,20 +69,19 @@ def tune(
     jobs: Annotated[
         int | None, typer.Option(help="Cells at once.", show_default="as many as cores", metavar="N")
     ] = None,
-    executor: Annotated[str, typer.Option(help="What runs the cells.", metavar="NAME")] = "processes",
+    executor: ExecutorName = "processes",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
     """Search the hyperparameters of one algorithm, with an equal budget for every reward.
 
     Leaves DIR/tuned.toml, an experiment for harness run. The same command goes on where it stopped.
     """
-    from harness.experiment.workers import core_count
+    from harness.experiment.experiment import RunOptions
     from harness.registry.registry import load_registry
     from harness.tune.tune import default_folder, run_searches
     from harness.tune.tuning import resolve
 
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"--jobs {jobs}: must be at least 1")
+    options = RunOptions(jobs=jobs, executor=executor)
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
         "search": _parse_search(search), "trials": trials, "seeds": seeds, "steps": steps,
@@ -91,12 +91,8 @@ def tune(
     registry = load_registry()
     setup = resolve(_read(file, {key: value for key, value in given.items() if value is not None}), registry)
     folder = out or default_folder(setup)
-    try:
-        tuned = run_searches(setup, folder, registry, jobs or core_count(), executor, _watch(setup.tuning.trials))
-    except KeyboardInterrupt:
-        kept = f"harness: interrupted: finished cells are kept in '{folder}', the same command goes on from there"
-        typer.echo(kept, err=True)
-        raise
+    with kept_when_interrupted("finished cells are kept", folder):
+        tuned = run_searches(setup, folder, registry, options, _watch(setup.tuning.trials))
     _show(tuned, as_json)
     return 1 if tuned.failed or tuned.file is None else 0
 
@@ -145,12 +141,11 @@ def _show(tuned: "Tuned", as_json: bool) -> None:
 
     from harness.tune.tuning_table import tuning_table
 
-    console = Console(stderr=True)
-    console.print(tuning_table(tuned))
+    Console(stderr=as_json).print(tuning_table(tuned))  # standard output belongs to the JSON, where it is asked for
     if tuned.file is None:
-        console.print("No setting to recommend: a search has no complete trial", soft_wrap=True)
+        typer.echo("No setting to recommend: a search has no complete trial", err=as_json)
     else:
-        console.print(f"Tuned: {tuned.file} (next: harness run {tuned.file})", soft_wrap=True)
+        typer.echo(f"Tuned: {tuned.file} (next: harness run {tuned.file})", err=as_json)
     if as_json:
         import json
 

@@ -1,21 +1,19 @@
 """What becomes of a cell's progress."""
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from harness.experiment.attempt import Attempt
 from harness.experiment.cell_evaluations import CellEvaluations
 from harness.experiment.checkpoint import Checkpoint
 from harness.experiment.event_log import EventLog
+from harness.experiment.order import Report
 from harness.experiment.trace_parts import TraceParts
 from harness.progress import Progress, TrainingState
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
     from harness.policy import Policy
-
-Report: TypeAlias = Callable[[int], None]
-"""Told the number of environment steps done so far."""
 
 
 class CellProgress(Progress):

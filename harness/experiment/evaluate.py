@@ -21,7 +21,7 @@ EVALUATION_SEED = 20_211_118
 Act = Callable[[Float32], NDArray[Any]]
 
 
-def evaluate(cell: Cell, registry: Registry, act: Act, path: Path) -> None:
+def evaluate(cell: Cell, registry: Registry, act: Act, path: Path, seed: int = EVALUATION_SEED) -> None:
     """Let `act` do the cell's evaluation episodes, one in each env of a batch, and record them.
 
     Args:
@@ -29,6 +29,7 @@ def evaluate(cell: Cell, registry: Registry, act: Act, path: Path) -> None:
         registry: The plugins.
         act: Observations (num_envs, observation_size) to actions (num_envs, action_size), or choices (num_envs,).
         path: The trace to write: one episode of each env.
+        seed: Of the starts and targets.
     """
     env = build_env(
         registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=cell.evaluation_episodes
@@ -36,7 +37,7 @@ def evaluate(cell: Cell, registry: Registry, act: Act, path: Path) -> None:
     try:
         with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1) as recorder:
             env.recorder = recorder
-            observations, _ = env.reset(seed=EVALUATION_SEED)
+            observations, _ = env.reset(seed=seed)
             running = np.ones(env.num_envs, bool)
             while running.any():
                 observations, _, terminated, truncated, _ = env.step(act(observations))

@@ -1,25 +1,82 @@
-"""Run an experiment: from the plan to the results."""
+"""Run an experiment: from what a user asks for to the results."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
-from harness.executor import Event, Executor, Job, OnEvent
+from harness.executor import CellOptions, Event, Executor, Job, OnEvent
 from harness.experiment.event_log import require_tensorboard
-from harness.experiment.plan import Plan, check_experiment, expand
-from harness.experiment.workers import core_count
+from harness.experiment.plan import Experiment, Plan, check_experiment, expand
+from harness.experiment.workers import worker_count
+from harness.record.cell import Cell
 from harness.record.manifest import read_manifest
 from harness.record.store import Store
+from harness.registry.choice import choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 
 DEFAULT_FOLDER = Path("results") / "runs"
 
 
+@dataclass(frozen=True)
+class RunOptions:
+    """How an experiment is run; nothing here changes a result.
+
+    Attributes:
+        out: The experiment's folder; by default one under ``results/runs/`` named for the plan, so that the same
+            experiment goes on where an earlier run stopped.
+        jobs: How many cells at once; by default as many as there are cores.
+        executor: What runs the cells, with its settings: ``"processes"``, ``"mine:nodes=2"`` or a table.
+        checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none.
+        tensorboard: Whether each cell leaves event files of scalars too, in its folder.
+
+    Raises:
+        UsageError: A number is out of range.
+    """
+
+    out: str | Path | None = None
+    jobs: int | None = None
+    executor: str | Mapping[str, Any] = "processes"
+    checkpoint_every: int = 0
+    tensorboard: bool = False
+
+    def __post_init__(self) -> None:
+        worker_count(self.jobs)
+        if self.checkpoint_every < 0:
+            raise UsageError(f"checkpoint_every={self.checkpoint_every}: must be at least 1, or 0 for none")
+
+    @property
+    def at_once(self) -> int:
+        """How many cells at once."""
+        return worker_count(self.jobs)
+
+    @property
+    def of_cells(self) -> CellOptions:
+        """What of it each cell is told."""
+        return CellOptions(self.checkpoint_every, self.tensorboard)
+
+    def build_executor(self, registry: Registry) -> Executor:
+        """What runs the cells.
+
+        Raises:
+            UsageError: The executor or a setting of it is not known, or a library for the options is missing.
+        """
+        if self.tensorboard:
+            require_tensorboard()
+        executor: Executor = choose(registry, "executors", self.executor).build(registry, "executors")
+        return executor
+
+
+DEFAULTS = RunOptions()
+
+
 def run(
     *,
     out: str | Path | None = None,
     jobs: int | None = None,
+    executor: str | Mapping[str, Any] = "processes",
     checkpoint_every: int = 0,
     tensorboard: bool = False,
     **experiment: Any,
@@ -27,74 +84,92 @@ def run(
     """Run every combination of an experiment that is not done yet.
 
     Args:
-        out: The experiment's folder; by default one under ``results/runs/`` named for the plan, so that the same call
-            goes on where an earlier one stopped.
-        jobs: How many cells at once; by default as many as there are cores.
-        checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none.
-        tensorboard: Whether each cell leaves event files of scalars too, in its folder.
+        out: See `RunOptions`, as the next four.
+        jobs: How many cells at once.
+        executor: What runs the cells.
+        checkpoint_every: Environment steps from one checkpoint of a training to the next.
+        tensorboard: Whether each cell leaves event files of scalars too.
         **experiment: The fields of `harness.experiment.plan.Experiment`; the lists may be single names, or text with
             commas.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"jobs={jobs}: must be at least 1")
-    if checkpoint_every < 0:
-        raise UsageError(f"checkpoint_every={checkpoint_every}: must be at least 1, or 0 for none")
-    if tensorboard:
-        require_tensorboard()
+    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard)
+    return prepare(check_experiment(experiment), options).run()
+
+
+@dataclass(frozen=True)
+class ExperimentRun:
+    """An experiment that is ready to run: everything is checked, and its folder is there.
+
+    Attributes:
+        plan: What to do.
+        store: Where.
+        registry: The plugins.
+        executor: What runs the cells.
+        options: How.
+    """
+
+    plan: Plan
+    store: Store
+    registry: Registry
+    executor: Executor
+    options: RunOptions = DEFAULTS
+
+    @property
+    def done(self) -> list[Cell]:
+        """Cells that are done already and are not run again."""
+        return [cell for cell in self.plan.cells if self.store.is_done(cell)]
+
+    def run(self, on_event: OnEvent = lambda event: None) -> Results:
+        """Do the cells that are not done yet.
+
+        Args:
+            on_event: Told what happens to the cells.
+
+        Returns:
+            What the experiment's folder says afterwards, earlier cells included.
+
+        Raises:
+            UsageError: Another run is using the folder.
+        """
+        store = self.store
+        with store.locked():
+            waiting = [cell for cell in self.plan.cells if not store.is_done(cell)]
+            # What else was begun stays too: run_cell says what becomes of it.
+            store.discard_partial(keep={store.reopen(cell) for cell in waiting})
+            jobs = [Job(cell, store.cell_folder(cell), self.options.of_cells) for cell in waiting]
+            try:
+                self.executor.run(jobs, self.options.at_once, lambda event: on_event(self._recorded(event)))
+            finally:
+                store.discard_partial()
+        return Results(store.folder, self.registry)
+
+    def _recorded(self, event: Event) -> Event:
+        """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
+        if event.kind != "ended":
+            return event
+        if event.reason:
+            self.store.record(event.cell, "failed", event.reason)
+        manifest = read_manifest(self.store.cell_folder(event.cell))
+        return event._replace(reason=manifest.reason, note=manifest.note)
+
+
+def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:
+    """Check everything that an experiment needs, then make its folder, or go on with one that is there.
+
+    Raises:
+        UsageError: Something given cannot be used; nothing is written.
+    """
     registry = load_registry()
-    plan = expand(check_experiment(experiment), registry)
-    store = Store.create(Path(out) if out else default_folder(plan), plan)
-    run_plan(plan, store, registry, jobs or core_count(), checkpoint_every=checkpoint_every, tensorboard=tensorboard)
-    return Results(store.folder, registry)
+    executor = options.build_executor(registry)
+    plan = expand(experiment, registry)
+    store = Store.create(Path(options.out) if options.out else default_folder(plan), plan)
+    return ExperimentRun(plan, store, registry, executor, options)
 
 
 def default_folder(plan: Plan) -> Path:
     """A folder named for what the plan does: the same plan finds its results again."""
     first = plan.cells[0] if plan.cells else plan.skipped[0][0]
     return DEFAULT_FOLDER / f"{first.simulator.name}-{first.algorithm.name}-{plan.id}"
-
-
-def run_plan(
-    plan: Plan,
-    store: Store,
-    registry: Registry,
-    jobs: int,
-    on_event: OnEvent = lambda event: None,
-    executor: str = "processes",
-    checkpoint_every: int = 0,
-    tensorboard: bool = False,
-) -> None:
-    """Do the cells of a plan that are not done yet.
-
-    Args:
-        plan: What to do.
-        store: Where.
-        registry: The plugins.
-        jobs: How many cells at once.
-        on_event: Told what happens to the cells.
-        executor: Registered name of what runs them.
-        checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none.
-        tensorboard: Whether each cell leaves event files of scalars too.
-    """
-    runner: Executor = registry.get("executors", executor).load()()
-    with store.locked():
-        waiting = [cell for cell in plan.cells if not store.is_done(cell)]
-        # What else was begun stays too: run_cell says what becomes of it.
-        store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-        jobs_to_do = [Job(cell, store.cell_folder(cell), checkpoint_every, tensorboard) for cell in waiting]
-
-        def record(event: Event) -> None:
-            if event.kind == "ended":
-                if event.reason:
-                    store.record(event.cell, "failed", event.reason)
-                manifest = read_manifest(store.cell_folder(event.cell))
-                event = event._replace(reason=manifest.reason, note=manifest.note)
-            on_event(event)
-
-        try:
-            runner.run(jobs_to_do, jobs, record)
-        finally:
-            store.discard_partial()

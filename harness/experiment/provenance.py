@@ -5,52 +5,84 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+import tomllib
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from harness.hookspecs import KINDS
 from harness.record.cell import Cell
-from harness.registry.registry import Registry
+from harness.registry.registry import Registry, Spec
 from harness.registry.sources import source_hash
 from harness.robot.load import load_robot
 
-RECORDED = (
-    "fd100-harness",
-    "dm-control",
-    "gymnasium",
-    "mujoco",
-    "numpy",
-    "pybullet",
-    "pyarrow",
-    "stable-baselines3",
-    "torch",
-)
+NAME = "fd100-harness"
+CORE = (NAME, "gymnasium", "numpy", "pyarrow")
+"""Distributions that every result depends on."""
+CHECKOUT = Path(__file__).resolve().parents[2]
+"""Where this package stands; the root of the checkout, if it runs from one."""
 
 
-def describe_environment(cell: Cell | None, registry: Registry | None, kinds: Iterable[str] = KINDS) -> dict[str, Any]:
+def describe_environment(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Any]:
     """What decides a result beside the cell: versions, machine, commit, command, hashes of the plugins' sources.
 
-    `kinds` are those of the cell's choices that made the result.
+    Args:
+        cell: What made the result.
+        registry: The plugins.
+        kinds: Those of the cell's choices that made it.
     """
+    specs = specs_of(cell, registry, kinds)
+    robot = load_robot(cell.robot, registry)
     return {
-        "versions": {"python": platform.python_version(), **installed_versions()},
+        "versions": {"python": platform.python_version(), **versions_behind(specs.values())},
         "machine": describe_machine(),
         "commit": source_commit(),
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
-        "sources": source_hashes(cell, registry, kinds) if cell and registry else {},
+        "sources": {**_source_hashes(specs), "robots": robot.digest},
     }
 
 
-def installed_versions() -> dict[str, str]:
-    """Versions of the distributions that can change a result, those that are installed."""
-    versions = {}
-    for name in RECORDED:
-        try:
-            versions[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            continue
-    return versions
+def versions_behind(specs: Iterable[Spec]) -> dict[str, str]:
+    """Versions of the distributions that results of these plugins depend on, those that are installed.
+
+    These are the core's own, the distribution of each plugin, and those of the modules that it requires: what a plugin
+    registers with ``requires=["pinocchio"]`` is recorded with the version of Pinocchio.
+    """
+    specs = list(specs)
+    required = [distribution_of(module) for spec in specs for module in spec.requires]
+    names = dict.fromkeys([*CORE, *sorted({*required, *(spec.distribution for spec in specs)})])
+    versions = {name: _version(name) for name in names}
+    return {name: version for name, version in versions.items() if version}
+
+
+def distribution_of(module: str) -> str:
+    """Name of the distribution that brings a module: mostly the module's own, as ``dm-control`` for ``dm_control``."""
+    name = module.partition(".")[0].replace("_", "-")
+    if _version(name):
+        return name
+    # To ask all distributions takes a fifth of a second, which every cell would wait for.
+    found = importlib.metadata.packages_distributions().get(module.partition(".")[0], [name])
+    return found[0]
+
+
+def _version(distribution: str) -> str:
+    """Of an installed distribution; empty if it is not installed."""
+    try:
+        return importlib.metadata.version(distribution)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+def specs_of(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Spec]:
+    """What stands behind the choices of a cell, by kind."""
+    chosen = {"simulators": cell.simulator, "tasks": cell.task, "algorithms": cell.algorithm, "rewards": cell.reward}
+    return {kind: registry.get(kind, choice.name) for kind, choice in chosen.items() if kind in kinds}
+
+
+def _source_hashes(specs: Mapping[str, Spec]) -> dict[str, str]:
+    """SHA-256 of the files behind each plugin that has any: a result whose reward changed since can be told."""
+    hashes = {kind: source_hash(spec.load()) for kind, spec in specs.items()}
+    return {kind: digest for kind, digest in hashes.items() if digest}
 
 
 def describe_machine() -> dict[str, Any]:
@@ -69,11 +101,15 @@ def describe_machine() -> dict[str, Any]:
 
 
 def source_commit() -> str:
-    """The commit of the checkout that this package runs from, ``+`` behind it if files differ; empty if none."""
-    folder = Path(__file__).parent
+    """The commit of the project's own checkout, ``+`` behind it if files differ; empty if this is no checkout of it.
+
+    A repository that only surrounds the installation says nothing about it.
+    """
+    if not _is_checkout(CHECKOUT):
+        return ""
     try:
         described = subprocess.run(
-            ["git", "-C", str(folder), "describe", "--always", "--abbrev=40", "--dirty=+", "--exclude=*"],
+            ["git", "-C", str(CHECKOUT), "describe", "--always", "--abbrev=40", "--dirty=+", "--exclude=*"],
             capture_output=True,
             text=True,
             check=True,
@@ -84,13 +120,12 @@ def source_commit() -> str:
     return described.stdout.strip()
 
 
-def source_hashes(cell: Cell, registry: Registry, kinds: Iterable[str] = KINDS) -> dict[str, str]:
-    """SHA-256 of the files behind each choice, and of the robot: a result whose reward changed since can be told.
-
-    `kinds` are those of the choices that made the result.
-    """
-    every = {"simulators": cell.simulator, "tasks": cell.task, "algorithms": cell.algorithm, "rewards": cell.reward}
-    chosen = {kind: choice for kind, choice in every.items() if kind in kinds}
-    hashes = {kind: source_hash(registry.get(kind, choice.name).load()) for kind, choice in chosen.items()}
-    robot = load_robot(cell.robot, registry).digest
-    return {**{kind: digest for kind, digest in hashes.items() if digest}, "robots": robot}
+def _is_checkout(folder: Path) -> bool:
+    """Whether a folder is the root of a repository, and that repository is this project's."""
+    if not (folder / ".git").exists():
+        return False
+    try:
+        project = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    except (OSError, ValueError, KeyError):
+        return False
+    return bool(project.get("name") == NAME)

@@ -1,110 +1,124 @@
 """Train and evaluate one cell: the only place that does. It needs the cell and a folder, nothing else."""
 
-import time
-import traceback
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from harness.algorithm import Algorithm
 from harness.env.make import build_env
+from harness.executor import CellOptions
 from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.cell_evaluations import CellEvaluations
-from harness.experiment.cell_progress import CellProgress, Report
+from harness.experiment.cell_progress import CellProgress
+from harness.experiment.draft import Draft, draft_of
 from harness.experiment.event_log import EventLog
+from harness.experiment.order import Report
 from harness.experiment.provenance import describe_environment
 from harness.experiment.trace_parts import TraceParts, discard_parts
 from harness.experiment.watch import UNWATCHED, Watch
 from harness.policy import Policy
 from harness.record.cell import Cell
-from harness.record.folder import CHECKPOINT, LOG, POLICY, TENSORBOARD, TRACE, partial_folder, publish
-from harness.record.manifest import Manifest, now
+from harness.record.folder import CHECKPOINT, POLICY, TENSORBOARD, TRACE
+from harness.record.manifest import Manifest
 from harness.registry.registry import Registry, load_registry
+
+DEFAULTS = CellOptions()
 
 
 def run_cell(
-    cell: Cell,
-    folder: Path,
-    report: Report,
-    checkpoint_every: int = 0,
-    tensorboard: bool = False,
-    watch: Watch = UNWATCHED,
+    cell: Cell, folder: Path, report: Report, options: CellOptions = DEFAULTS, watch: Watch = UNWATCHED
 ) -> Manifest:
     """Do `cell` and leave its trace, policy, evaluation and manifest in `folder`.
 
     The folder is written beside its final name and renamed when complete. What a plugin raises ends up in the
-    manifest, as the reason of a failed cell, and in the log.
+    manifest, as the reason of a failed cell, and in the log. If this process is killed, the next call goes on from the
+    last checkpoint, where the options ask for checkpoints.
 
     Args:
         cell: What to do.
         folder: Of the cell; replaced if it exists.
         report: Told the environment steps done so far.
-        checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none. If
-            this process is killed, the next call goes on from the last one.
-        tensorboard: Whether to leave event files of scalars too.
+        options: How to do it.
         watch: Looks on.
     """
-    started, clock = now(), time.perf_counter()
-    partial = partial_folder(folder)
-    partial.mkdir(parents=True, exist_ok=True)
-    registry = load_registry()
-    manifest = Manifest(cell, "done", started=started)
-    try:
-        manifest = replace(manifest, environment=describe_environment(cell, registry))
-        attempt = begin_attempt(cell, partial, manifest.environment, checkpoint_every)
-        manifest = replace(manifest, resumed_from=attempt.begun_from, note=attempt.note)
-        events = partial / TENSORBOARD if tensorboard else None
-        seconds = _train_and_evaluate(cell, attempt, registry, report, events, watch)
-        manifest = replace(manifest, training_seconds=seconds)
-    except (Exception, SystemExit) as error:  # a plugin may raise anything: it costs this cell alone
-        with (partial / LOG).open("a") as log:
-            traceback.print_exc(file=log)
-        manifest = replace(manifest, status="failed", reason=f"{type(error).__name__}: {' '.join(str(error).split())}")
-    manifest = replace(manifest, seconds=round(time.perf_counter() - clock, 3))
-    (partial / CHECKPOINT).unlink(missing_ok=True)
-    discard_parts(partial / TRACE)
-    manifest.write(partial)
-    publish(partial, folder)
-    return manifest
+    with draft_of(folder, Manifest(cell, status="done")) as draft:
+        try:
+            _Run(cell, load_registry(), report, options, watch).leave(draft)
+        finally:
+            (draft.partial / CHECKPOINT).unlink(missing_ok=True)
+            discard_parts(draft.partial / TRACE)
+    return draft.record
 
 
-def _train_and_evaluate(
-    cell: Cell, attempt: Attempt, registry: Registry, report: Report, event_folder: Path | None, watch: Watch
-) -> float:
-    """Returns the seconds that the training took."""
-    with EventLog(event_folder) as events:
-        evaluations = CellEvaluations(cell, registry, attempt, events)
-        policy = _train(cell, attempt, registry, report, evaluations, events, watch)
-        seconds = round(attempt.seconds - evaluations.seconds, 3)
-        policy.save(attempt.folder / POLICY, cell.to_json())
-        watch.enter("evaluation")
-        evaluations.finish(policy)
-        watch.enter("saving")
-    return seconds
+@dataclass(frozen=True)
+class TrainCell:
+    """`run_cell`, as a worker is told to do it."""
+
+    cell: Cell
+    options: CellOptions = DEFAULTS
+
+    noun: ClassVar[str] = "cell"
+
+    def to_json(self) -> dict[str, Any]:
+        """See `harness.experiment.order.Work`."""
+        return {"cell": self.cell.to_json(), "options": asdict(self.options)}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """See `harness.experiment.order.Work`."""
+        return cls(Cell.from_json(data["cell"]), CellOptions(**data["options"]))
+
+    def do(self, folder: Path, report: Report) -> None:
+        """See `harness.experiment.order.Work`."""
+        run_cell(self.cell, folder, report, self.options)
 
 
-def _train(
-    cell: Cell,
-    attempt: Attempt,
-    registry: Registry,
-    report: Report,
-    evaluations: CellEvaluations,
-    events: EventLog,
-    watch: Watch,
-) -> Policy:
-    algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
-    env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
-    env = build_env(registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=algorithm.num_envs)
-    try:
-        with TraceParts(attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], attempt.parts) as parts:
-            env.recorder = parts.recorder
-            env.reset(seed=env_seed)
-            progress = CellProgress(report, attempt, env, parts, evaluations, events)
-            watch.follow(env)
-            policy = algorithm.train(env, cell.steps, algorithm_seed, progress)
-            watch.enter("trace")
-        return policy
-    finally:
-        watch.enter("saving")
-        env.close()
+@dataclass(frozen=True)
+class _Run:
+    """One cell on its way: what every step of it needs."""
+
+    cell: Cell
+    registry: Registry
+    report: Report
+    options: CellOptions
+    watch: Watch
+
+    def leave(self, draft: Draft[Manifest]) -> None:
+        """Train and evaluate; leave everything but the manifest, and put into that what there is to say."""
+        environment = describe_environment(self.cell, self.registry)
+        draft.note(environment=environment)
+        attempt = begin_attempt(self.cell, draft.partial, environment, self.options.checkpoint_every)
+        draft.note(resumed_from=attempt.begun_from, note=attempt.note)
+        with EventLog(draft.partial / TENSORBOARD if self.options.tensorboard else None) as events:
+            evaluations = CellEvaluations(self.cell, self.registry, attempt, events)
+            policy = self._train(attempt, evaluations, events)
+            draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
+            policy.save(draft.partial / POLICY, self.cell.to_json())
+            self.watch.enter("evaluation")
+            evaluations.finish(policy)
+            self.watch.enter("saving")
+
+    def _train(self, attempt: Attempt, evaluations: CellEvaluations, events: EventLog) -> Policy:
+        cell, watch = self.cell, self.watch
+        algorithm: Algorithm = cell.algorithm.build(self.registry, "algorithms")
+        env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
+        env = build_env(
+            self.registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=algorithm.num_envs
+        )
+        try:
+            with TraceParts(
+                attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], attempt.parts
+            ) as parts:
+                env.recorder = parts.recorder
+                env.reset(seed=env_seed)
+                progress = CellProgress(self.report, attempt, env, parts, evaluations, events)
+                watch.follow(env)
+                policy = algorithm.train(env, cell.steps, algorithm_seed, progress)
+                watch.enter("trace")
+            return policy
+        finally:
+            watch.enter("saving")
+            env.close()

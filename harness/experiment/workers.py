@@ -1,6 +1,5 @@
 """Orders done in fresh Python processes of this machine, several at once, one thread each."""
 
-import json
 import os
 import queue
 import signal
@@ -8,27 +7,18 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Any, Literal, NamedTuple, TypeAlias
+from typing import IO, Literal, NamedTuple, TypeAlias
 
+from harness.errors import UsageError
+from harness.experiment.order import Order
 from harness.record.folder import partial_folder
 
 # Two one-thread processes train twice as fast as one with two threads.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 GRACE_SECONDS = 5.0
-
-
-class Order(NamedTuple):
-    """What one process is to do."""
-
-    folder: Path
-    """It has to leave; no two orders share one."""
-    content: Mapping[str, Any]
-    """The rest of the order, JSON-able; see `harness.experiment.worker`."""
-    noun: str = "cell"
-    """What to call it when its process ends too early."""
 
 
 class News(NamedTuple):
@@ -46,8 +36,21 @@ OnNews: TypeAlias = Callable[[News], None]
 
 
 def core_count() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0))
+    """Cores that this process may use; where the system does not say, as on macOS and Windows, those of the machine."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def worker_count(jobs: int | None) -> int:
+    """How many workers there are at once: as many as asked for, by default as many as there are cores.
+
+    Raises:
+        UsageError: Fewer than one is asked for.
+    """
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"jobs={jobs}: must be at least 1")
+    return jobs or core_count()
 
 
 def run_orders(orders: Sequence[Order], at_once: int, on_news: OnNews) -> None:
@@ -82,23 +85,9 @@ class _Workers:
 
     def start(self, order: Order) -> None:
         partial_folder(order.folder).mkdir(parents=True, exist_ok=True)  # gone again when the order is done
-        process = subprocess.Popen(
-            [sys.executable, "-m", "harness.experiment.worker"],
-            stdin=subprocess.PIPE,  # stays open: a worker ends when its parent is gone
-            stdout=subprocess.PIPE,
-            text=True,
-            env={**os.environ, **ONE_THREAD},
-            start_new_session=True,  # Ctrl-C reaches the parent alone, which stops the workers
-        )
-        assert process.stdin is not None
+        process = start_process("harness.experiment.worker", order.line(), stdout=subprocess.PIPE)
         assert process.stdout is not None
         self.running[order.folder] = process
-        try:
-            text = json.dumps({**order.content, "folder": str(order.folder), "command": sys.argv})
-            process.stdin.write(text + "\n")
-            process.stdin.flush()
-        except BrokenPipeError:
-            process.wait()  # died at once: next_news tells
         threading.Thread(target=self._listen, args=(order, process.stdout), daemon=True).start()
 
     def next_news(self) -> News:
@@ -109,18 +98,10 @@ class _Workers:
         status = process.wait()
         _close(process)
         complete = not partial_folder(order.folder).exists()
-        return News("ended", order.folder, reason="" if complete else _reason(status, order.noun))
+        return News("ended", order.folder, reason="" if complete else _reason(status, order.work.noun))
 
     def stop(self) -> None:
-        for process in self.running.values():
-            process.terminate()
-        for process in self.running.values():
-            try:
-                process.wait(GRACE_SECONDS)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-            _close(process)
+        stop_processes(self.running.values())
         self.running.clear()
 
     def _listen(self, order: Order, lines: IO[str]) -> None:
@@ -129,6 +110,46 @@ class _Workers:
             for line in lines:
                 self.told.put((order, int(line)))
         self.told.put((order, None))
+
+
+def start_process(
+    module: str, line: str, stdout: IO[str] | int, stderr: IO[str] | int | None = None
+) -> "subprocess.Popen[str]":
+    """Start a Python module in a process of its own, with one thread, and write `line` to its standard input.
+
+    The standard input stays open: the process ends when this one does (`harness.experiment.lifeline`).
+    """
+    process = subprocess.Popen(
+        [sys.executable, "-m", module],
+        stdin=subprocess.PIPE,
+        text=True,
+        env={**os.environ, **ONE_THREAD},
+        start_new_session=True,  # Ctrl-C reaches this process alone, which stops the others
+        stdout=stdout,
+        stderr=stderr,
+    )
+    assert process.stdin is not None
+    try:
+        process.stdin.write(line + "\n")
+        process.stdin.flush()
+    except BrokenPipeError:
+        process.wait()  # died at once: its status tells
+    return process
+
+
+def stop_processes(processes: Collection["subprocess.Popen[str]"]) -> None:
+    """Ask the processes that still run to end, and end those that do not."""
+    running = [process for process in processes if process.poll() is None]
+    for process in running:
+        process.terminate()
+    for process in running:
+        try:
+            process.wait(GRACE_SECONDS)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    for process in processes:
+        _close(process)
 
 
 def _close(process: "subprocess.Popen[str]") -> None:

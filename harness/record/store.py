@@ -11,7 +11,6 @@
     results.parquet report.html    made from the cells
 """
 
-import fcntl
 import json
 import os
 import shutil
@@ -24,8 +23,11 @@ import tomli_w
 
 from harness.errors import SchemaError, UsageError
 from harness.record.cell import Cell
+from harness.record.ending import Status, now
 from harness.record.folder import CHECKPOINT, MANIFEST, partial_folder, publish
-from harness.record.manifest import Manifest, Status, now, read_manifest
+from harness.record.folder_lock import folder_lock
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.whole_file import is_partial, write_whole
 
 if TYPE_CHECKING:
     from harness.experiment.plan import Plan
@@ -103,11 +105,7 @@ class Store:
         Raises:
             UsageError: Another run is using it.
         """
-        with (self.folder / LOCK).open("w") as file:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise UsageError(f"Another run is using '{self.folder}': wait for it, or name another --out") from None
+        with folder_lock(self.folder / LOCK, f"Another run is using '{self.folder}'"):
             yield
 
     def cell_folder(self, cell: Cell) -> Path:
@@ -120,11 +118,13 @@ class Store:
         return (folder / MANIFEST).is_file() and read_manifest(folder).status == "done"
 
     def record(self, cell: Cell, status: Status, reason: str) -> Manifest:
-        """Leave a manifest for a cell that could not leave one itself; keeps its log."""
+        """Leave a manifest for a cell that could not leave one itself; keeps its log. A done cell is left as it is."""
         folder = self.cell_folder(cell)
+        if self.is_done(cell):
+            return read_manifest(folder)
         partial = partial_folder(folder)
         partial.mkdir(parents=True, exist_ok=True)
-        manifest = Manifest(cell, status, reason, started=now())
+        manifest = Manifest(cell, status=status, reason=reason, started=now())
         manifest.write(partial)
         publish(partial, folder)
         return manifest
@@ -155,15 +155,15 @@ class Store:
         known = self.read_plan()[2] if path.exists() else []
         cells = dict.fromkeys([*known, *plan.cells, *(cell for cell, _ in plan.skipped)])
         data = {"baseline": plan.baseline, "a_a": plan.a_a, "cells": [cell.to_json() for cell in cells]}
-        path.write_text(json.dumps(data, indent=1) + "\n")
-        (self.folder / EXPERIMENT).write_text(tomli_w.dumps(_without_none(plan.resolved)))
+        write_whole(path, json.dumps(data, indent=1) + "\n")
+        write_whole(self.folder / EXPERIMENT, tomli_w.dumps(_without_none(plan.resolved)))
 
 
 def _is_usable(folder: Path) -> bool:
     """Whether it holds an experiment, or nothing but what a run leaves that is killed before its plan is written."""
     if (folder / PLAN).is_file():
         return True
-    left = {path.name for path in folder.iterdir()}
+    left = {path.name for path in folder.iterdir() if not is_partial(path)}
     cells = folder / CELLS
     return not left or (left <= {CELLS, LOCK, EXPERIMENT} and cells.is_dir() and not any(cells.iterdir()))
 

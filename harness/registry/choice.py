@@ -12,7 +12,7 @@ from typing import Any
 from harness.errors import UsageError, sentence
 from harness.hookspecs import NOUNS
 from harness.registry.parameters import build, parameters_of, resolved
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import Registry
 
 SYNTAX = "write name or name:key=value,key=value"
 _NAME_WITH_PARAMS = re.compile(r"[\w-]+:\w+=")
@@ -44,7 +44,7 @@ class Choice:
 
     def build(self, registry: Registry, kind: str) -> Any:
         """The chosen thing: the registered target, with these parameters."""
-        return build(registry.get(kind, self.name).load(), dict(self.params), f"{NOUNS[kind]} '{self.name}'")
+        return build(registry.get(kind, self.name).load(), dict(self.params), f"{NOUNS[kind]} '{self.name}'", registry)
 
 
 def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Choice:
@@ -53,21 +53,14 @@ def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Cho
     Raises:
         UsageError: Unknown name, malformed text, unknown parameter, wrong type or value out of range.
     """
-    name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
-    noun = f"{NOUNS[kind]} '{name}'"
-    target = registry.get(kind, name).load()
-    if isinstance(given, str):
-        params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
-    values, changed = resolved(target, params, noun)
-    text = ",".join(f"{key}={_text(value)}" for key, value in changed.items())
-    frozen = tuple((key, _frozen(value)) for key, value in values.items())
-    return Choice(name, frozen, f"{name}:{text}" if text else name)
+    return _choose_and_build(registry, kind, given)[0]
 
 
-def build_named(kind: str, text: str, within: str) -> tuple[str, Any]:
+def build_named(registry: Registry, kind: str, text: str, within: str) -> tuple[str, Any]:
     """What a plugin's parameter names, for plugins that build on another: its label, and the thing itself.
 
     Args:
+        registry: The plugins.
         kind: Of the plugin and of what is named; the parameter is its singular: ``reward`` for ``rewards``.
         text: What the parameter holds, ``arp:k2=2``.
         within: The plugin's own name. It may not come again in `text`: without this, names could be nested forever.
@@ -81,9 +74,8 @@ def build_named(kind: str, text: str, within: str) -> tuple[str, Any]:
         if name == within:
             raise UsageError(f"{sentence(NOUNS[kind])} '{within}' is given '{text}': it cannot stand inside itself")
         inner = params.get(NOUNS[kind], "")
-    registry = load_registry()
-    choice = choose(registry, kind, text)
-    return choice.label, choice.build(registry, kind)
+    choice, built = _choose_and_build(registry, kind, text)
+    return choice.label, built
 
 
 def split_list(given: str | Iterable[str]) -> list[str]:
@@ -122,6 +114,20 @@ def parse(text: str) -> tuple[str, dict[str, str]]:
             raise UsageError(f"'{key.strip()}' is given twice in '{text}'")
         params[key.strip()] = _bare(value.strip())
     return name.strip(), params
+
+
+def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> tuple[Choice, Any]:
+    """The choice, and what was built to check it: a name inside a name costs no second one."""
+    name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
+    noun = f"{NOUNS[kind]} '{name}'"
+    target = registry.get(kind, name).load()
+    if isinstance(given, str):
+        params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
+    built = build(target, params, noun, registry)
+    values, changed = resolved(target, built, noun)
+    text = ",".join(f"{key}={_text(value)}" for key, value in changed.items())
+    frozen = tuple((key, _frozen(value)) for key, value in values.items())
+    return Choice(name, frozen, f"{name}:{text}" if text else name), built
 
 
 def _split(text: str) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any
 import pydantic
 
 from harness.errors import PluginError, UsageError, sentence
-from harness.registry.registry import did_you_mean
+from harness.registry.registry import Registry, did_you_mean
 
 
 @dataclass(frozen=True)
@@ -23,10 +23,15 @@ class Parameter:
     description: str
 
 
-def build(target: Any, given: Mapping[str, Any], noun: str) -> Any:
+def build(target: Any, given: Mapping[str, Any], noun: str, registry: Registry | None = None) -> Any:
     """An instance of the dataclass `target` with the parameters `given`, converted and checked.
 
-    Texts are converted to the type of their field; a tuple's items are joined by 'x' (``64x64``).
+    Args:
+        target: What a plugin registered.
+        given: By name. Texts are converted to the type of their field; a tuple's items are joined by 'x' (``64x64``).
+        noun: What to call it, ``reward 'arp'``.
+        registry: For a target that builds on another registered one: pydantic's validators find it as
+            ``info.context["registry"]``.
 
     Raises:
         UsageError: A parameter is unknown, of the wrong type or out of range; names what there is.
@@ -41,7 +46,7 @@ def build(target: Any, given: Mapping[str, Any], noun: str) -> Any:
     hints = typing.get_type_hints(target)
     values = {key: _split_tuple(hints[key], value) for key, value in given.items()}
     try:
-        built = adapter.validate_python(values)
+        built = adapter.validate_python(values, context={"registry": registry})
     except pydantic.ValidationError as error:
         raise UsageError(f"{sentence(noun)}: {_first_problem(error)}") from None
     for key, value in values_of(built).items():
@@ -50,14 +55,22 @@ def build(target: Any, given: Mapping[str, Any], noun: str) -> Any:
     return built
 
 
-def resolved(target: Any, given: Mapping[str, Any], noun: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """All parameters with their values, and of these the ones that differ from their defaults.
+def resolved(target: Any, built: Any, noun: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """All parameters of a built thing with their values, and of these the ones that differ from their defaults.
 
     Where a parameter stands for several, such as a preset, the target's method ``defaults_with(values)`` gives the
     defaults that it brings.
+
+    Args:
+        target: What a plugin registered.
+        built: What `build` made of it.
+        noun: What to call it, ``reward 'arp'``.
+
+    Raises:
+        UsageError: A default does not fit its field.
     """
-    values = values_of(build(target, given, noun))
-    values = values_of(build(target, values, noun))  # once more: a default of 1 is 1.0 where the field is a float
+    # Only what is given was converted to the type of its field: a default of 1 is to be 1.0 where that is a float.
+    values = values_of(build(_fields_alone(target), values_of(built), noun))
     missing = object()
     defaults = {parameter.name: parameter.default for parameter in parameters_of(target)}
     if hasattr(target, "defaults_with"):
@@ -93,6 +106,14 @@ def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
     except (pydantic.errors.PydanticUserError, NameError) as error:
         reason = str(error).splitlines()[0]
         raise PluginError(f"{sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
+
+
+def _fields_alone(target: Any) -> Any:
+    """A dataclass of the same parameters that does nothing when it is built, and takes every one of them."""
+    hints = typing.get_type_hints(target, include_extras=True)
+    fields = [(field.name, hints[field.name]) for field in dataclasses.fields(target) if field.init]
+    settings = {"__pydantic_config__": getattr(target, "__pydantic_config__", {})}
+    return dataclasses.make_dataclass("Fields", fields, namespace=settings)
 
 
 def _is_finite(value: Any) -> bool:

@@ -27,4 +27,4 @@ def read_toml(path: Path, noun: str, overrides: Mapping[str, Any] = NONE) -> dic
     except FileNotFoundError:
         raise UsageError(f"No {noun} '{path}'") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"{sentence(noun)} '{path}' cannot be read: {error}") from None
+        raise UsageError(f"{sentence(noun)} '{path}' cannot be read: {error}. Give a TOML file in UTF-8.") from None

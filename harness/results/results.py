@@ -38,7 +38,9 @@ class Results:
         self.registry = registry
         self.baseline, self._a_a, planned = self.store.read_plan()
         ended = {manifest.cell.id: manifest for manifest in self.store.manifests()}
-        self.manifests = [ended.get(cell.id) or Manifest(cell, "pending", "not run yet") for cell in planned]
+        self.manifests = [
+            ended.get(cell.id) or Manifest(cell, status="pending", reason="not run yet") for cell in planned
+        ]
 
     @cached_property
     def metrics(self) -> dict[str, Metric]:
@@ -152,6 +154,10 @@ def load_results(folder: str | Path) -> Results:
         SchemaError: A file in it is damaged or written by a newer version.
     """
     return Results(Path(folder), load_registry())
+
+
+def _pending(cell: Cell) -> Manifest:
+    return Manifest(cell, status="pending", reason="not run yet")
 
 
 def _recorded_curve(traces: list[Trace]) -> GroupCurve:

@@ -1,16 +1,16 @@
 """The end of an arm that does not name it: where the one chain of a URDF stops being one."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 from harness.errors import UsageError
-from harness.robot.urdf import carriers, linked, parse_urdf
+from harness.robot.urdf import Urdf, linked
 
 FEWEST_BEFORE_A_HAND = 3
 """Joints that move before branches that move are a hand's fingers, and not several arms."""
 
 
-def find_tip(urdf: str) -> str:
+def find_chain_end(urdf: Urdf) -> str:
     """The last link of the one chain that a URDF describes.
 
     From the root link the way leads along the joints that move, or that carry what moves. It ends where two or more
@@ -18,18 +18,16 @@ def find_tip(urdf: str) -> str:
     it, or at the link where several are. Fixed branches beside the way, such as frames on the base, do not count.
 
     Args:
-        urdf: Text of the URDF.
+        urdf: The URDF.
 
     Returns:
         The link's name.
 
     Raises:
-        UsageError: The text is no URDF, or the chain branches so early that the branches may be arms.
+        UsageError: The chain branches so early that the branches may be arms.
     """
-    robot = parse_urdf(urdf)
-    carrier, joints = carriers(robot), robot.findall("joint")
-    lively = _links_before_motion(carrier)
-    link = next(name for name in (item.get("name", "") for item in robot.findall("link")) if name not in carrier)
+    joints, lively = urdf.joints, _links_before_motion(urdf.carriers)
+    link = next(name for name in urdf.links if name not in urdf.carriers)
     moving = 0
     while onward := [joint for joint in _joints_of(link, joints) if _moves(joint) or linked(joint, "child") in lively]:
         if len(onward) > 1 and moving >= FEWEST_BEFORE_A_HAND:
@@ -57,13 +55,13 @@ def _links_before_motion(carrier: Mapping[str, Element]) -> set[str]:
     return links
 
 
-def _last_fixed(link: str, joints: list[Element]) -> str:
+def _last_fixed(link: str, joints: Sequence[Element]) -> str:
     while len(onward := _joints_of(link, joints)) == 1:
         link = linked(onward[0], "child")
     return link
 
 
-def _joints_of(link: str, joints: list[Element]) -> list[Element]:
+def _joints_of(link: str, joints: Sequence[Element]) -> list[Element]:
     return [joint for joint in joints if linked(joint, "parent") == link]
 
 

@@ -128,7 +128,7 @@ class Solids:
 
 
 def build_solids(shapes: Sequence[Sequence[Shape]]) -> Solids:
-    """The shapes that `attach_shapes` returned, as arrays."""
+    """The shapes that each joint moves, as `harness.robot.shapes.attach_shapes` returns them, as arrays."""
     flat = [(frame, shape) for frame, group in enumerate(shapes) for shape in group if shape.kind != "mesh"]
     poses = np.array([shape.T_link_shape for _, shape in flat]).reshape(-1, 4, 4)
     parts = np.array([_parts(shape) for _, shape in flat]).reshape(-1, 5)

@@ -1,4 +1,7 @@
-"""The numbers of each joint of an arm: from `robot.toml` where it has them, else from the URDF by fixed rules."""
+"""How far and how quickly each joint may move, and where it rests.
+
+These numbers are those of `robot.toml`, or of the URDF by fixed rules where it has none.
+"""
 
 import math
 from collections.abc import Sequence
@@ -9,9 +12,9 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.robot.kinematics import Chain, chain_length
+from harness.robot.kinematics import Chain, chain_length, read_only
 from harness.robot.resting_pose import choose_home
-from harness.robot.settings import FILE, JOINT_KEYS, Quantity, RobotFile, motion_of, shown
+from harness.robot.settings import FILE, JOINT_KEYS, Quantity, RobotSettings, motion_of, shown
 from harness.robot.shapes import Shape
 from harness.robot.urdf import Joint
 
@@ -27,7 +30,7 @@ RULES = {
 
 
 @dataclass(frozen=True, eq=False)
-class JointNumbers:
+class RobotLimits:
     """What `harness.robot.robot.Robot` has of the same names: read-only float64 of shape (dof,)."""
 
     lower: Float
@@ -37,13 +40,13 @@ class JointNumbers:
     home: Float
 
 
-def read_numbers(
-    file: RobotFile, urdf: Path, driven: Sequence[Joint], chain: Chain, shapes: Sequence[Sequence[Shape]]
-) -> JointNumbers:
-    """The numbers of the joints that move.
+def read_joint_limits(
+    settings: RobotSettings, urdf: Path, driven: Sequence[Joint], chain: Chain, shapes: Sequence[Sequence[Shape]]
+) -> RobotLimits:
+    """The limits of the joints that move, and the resting pose.
 
     Args:
-        file: The robot.toml.
+        settings: The robot.toml.
         urdf: The URDF's file, for what an error begins with.
         driven: The joints, dof of them.
         chain: The same.
@@ -53,16 +56,16 @@ def read_numbers(
         UsageError: A number is not given, or cannot be; the message starts with the file to correct.
     """
     # One turn where a joint has no end, so that every range is finite.
-    lower = _read_only([-math.pi if joint.kind == "continuous" else joint.lower for joint in driven])
-    upper = _read_only([math.pi if joint.kind == "continuous" else joint.upper for joint in driven])
-    max_speed = _max_speed(file, urdf, driven)
-    max_acceleration = _fill(file.values("max_acceleration", driven), SPEED_UP_RATE * max_speed)
-    _check_positive(file, "max_acceleration", driven, max_acceleration)
-    home = file.values("home", driven)
+    lower = _array([-math.pi if joint.kind == "continuous" else joint.lower for joint in driven])
+    upper = _array([math.pi if joint.kind == "continuous" else joint.upper for joint in driven])
+    max_speed = _max_speed(settings, urdf, driven)
+    max_acceleration = _fill(settings.values("max_acceleration", driven), SPEED_UP_RATE * max_speed)
+    _check_positive(settings, "max_acceleration", driven, max_acceleration)
+    home = settings.values("home", driven)
     resting = lower if None not in home else _choose_home(urdf, chain, lower, upper, max_speed, shapes)
-    numbers = JointNumbers(lower, upper, max_speed, max_acceleration, _fill(home, resting))
-    _check_home(file, driven, numbers)
-    return numbers
+    limits = RobotLimits(lower, upper, max_speed, max_acceleration, _fill(home, resting))
+    _check_home(settings, driven, limits)
+    return limits
 
 
 def _choose_home(
@@ -74,55 +77,55 @@ def _choose_home(
         raise UsageError(f"{urdf}: {error}") from error
 
 
-def origin(file: RobotFile, quantity: Quantity, driven: Sequence[Joint]) -> str:
+def describe_origin(settings: RobotSettings, quantity: Quantity, driven: Sequence[Joint]) -> str:
     """Where the numbers of all joints come from, in words."""
-    missing = [value is None for value in file.values(quantity, driven)]
+    missing = [value is None for value in settings.values(quantity, driven)]
     if not any(missing):
         return FILE
     return RULES[quantity] if all(missing) else f"{FILE}, else {RULES[quantity]}"
 
 
-def _max_speed(file: RobotFile, urdf: Path, driven: Sequence[Joint]) -> Float:
-    given = file.values("max_speed", driven)
+def _max_speed(settings: RobotSettings, urdf: Path, driven: Sequence[Joint]) -> Float:
+    given = settings.values("max_speed", driven)
     for joint, value in zip(driven, given, strict=True):
         if value is None and joint.velocity is None:
             key = JOINT_KEYS["max_speed"][motion_of(joint)]
             raise UsageError(f"{urdf}: joint '{joint.name}' has no velocity limit. Give it one, or {key} in a {FILE}.")
     default = [min(joint.velocity or math.inf, LARGEST_DEFAULT_SPEED[motion_of(joint)]) for joint in driven]
     speed = _fill(given, np.array(default))
-    _check_positive(file, "max_speed", driven, speed)
+    _check_positive(settings, "max_speed", driven, speed)
     for joint, value in zip(driven, speed, strict=True):
         if joint.velocity is not None and value > joint.velocity * (1.0 + 1e-6):  # equal up to rounding is fine
             raise UsageError(
-                f"{_place(file, 'max_speed', joint)} is {shown(value, joint)}; "
+                f"{_place(settings, 'max_speed', joint)} is {shown(value, joint)}; "
                 f"the URDF allows {shown(joint.velocity, joint)}."
             )
     return speed
 
 
-def _check_positive(file: RobotFile, quantity: Quantity, driven: Sequence[Joint], values: Float) -> None:
+def _check_positive(settings: RobotSettings, quantity: Quantity, driven: Sequence[Joint], values: Float) -> None:
     for joint, value in zip(driven, values, strict=True):
         if value <= 0.0:
-            raise UsageError(f"{_place(file, quantity, joint)} is {shown(value, joint)}. Give a positive value.")
+            raise UsageError(f"{_place(settings, quantity, joint)} is {shown(value, joint)}. Give a positive value.")
 
 
-def _check_home(file: RobotFile, driven: Sequence[Joint], numbers: JointNumbers) -> None:
-    for joint, low, value, high in zip(driven, numbers.lower, numbers.home, numbers.upper, strict=True):
+def _check_home(settings: RobotSettings, driven: Sequence[Joint], limits: RobotLimits) -> None:
+    for joint, low, value, high in zip(driven, limits.lower, limits.home, limits.upper, strict=True):
         if not low <= value <= high:
             allowed = f"{shown(low, joint)} to {shown(high, joint)}"
-            raise UsageError(f"{_place(file, 'home', joint)} is {shown(value, joint)}; allowed: {allowed}. Correct it.")
+            raise UsageError(
+                f"{_place(settings, 'home', joint)} is {shown(value, joint)}; allowed: {allowed}. Correct it."
+            )
 
 
-def _place(file: RobotFile, quantity: Quantity, joint: Joint) -> str:
-    return f"{file.path}: {JOINT_KEYS[quantity][motion_of(joint)]} of '{joint.name}'"
+def _place(settings: RobotSettings, quantity: Quantity, joint: Joint) -> str:
+    return f"{settings.path}: {JOINT_KEYS[quantity][motion_of(joint)]} of '{joint.name}'"
 
 
 def _fill(given: Sequence[float | None], default: Float) -> Float:
     """The values given, and the default ones where there is none."""
-    return _read_only([other if value is None else value for value, other in zip(given, default, strict=True)])
+    return _array([other if value is None else value for value, other in zip(given, default, strict=True)])
 
 
-def _read_only(values: Sequence[float]) -> Float:
-    array = np.array(values, dtype=np.float64)
-    array.flags.writeable = False
-    return array
+def _array(values: Sequence[float]) -> Float:
+    return read_only(np.array(values, dtype=np.float64))

@@ -50,7 +50,7 @@ class Chain:
     kinds: tuple[JointKind, ...]
     T_last_tip: Float
 
-    @property
+    @cached_property
     def dof(self) -> int:
         """Number of joints that move."""
         return len(self.kinds)
@@ -72,7 +72,7 @@ class Chain:
         generators[:, :3, :3] = np.where(self.slides[:, None, None], 0.0, _cross_product_matrices(self.axes))
         generators[:, :3, 3] = np.where(self.slides[:, None], self.axes, 0.0)
         first = self.T_previous_joint @ generators
-        return _read_only(first), _read_only(first @ generators)  # D D = 0
+        return read_only(first), read_only(first @ generators)  # D D = 0
 
     @cached_property
     def sparse_steps(self) -> tuple[tuple["StepTerm", ...], ...]:
@@ -97,10 +97,10 @@ def build_chain(joints: Sequence[Joint]) -> Chain:
             steps.append(T_previous_next)
             T_previous_next = np.eye(4)
     return Chain(
-        T_previous_joint=_read_only(np.stack(steps)),
-        axes=_read_only(np.array([joint.axis for joint in moving])),
+        T_previous_joint=read_only(np.stack(steps)),
+        axes=read_only(np.array([joint.axis for joint in moving])),
         kinds=tuple(joint.kind for joint in moving),
-        T_last_tip=_read_only(T_previous_next),
+        T_last_tip=read_only(T_previous_next),
     )
 
 
@@ -249,6 +249,12 @@ def _checked(chain: Chain, qpos: ArrayLike) -> Float:
     return positions
 
 
+def read_only(array: Float) -> Float:
+    """The array itself, which nobody can write to any more."""
+    array.flags.writeable = False
+    return array
+
+
 def _constant_step(joint: Joint) -> Float:
     """T_parent_joint, the joint's frame in its parent link's frame, shape (4, 4)."""
     return transform(joint.xyz, joint.rpy)
@@ -287,8 +293,3 @@ def _cross_product_matrices(axes: Float) -> Float:
     x, y, z = axes.T
     zero = np.zeros_like(x)
     return np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
-
-
-def _read_only(array: Float) -> Float:
-    array.flags.writeable = False
-    return array

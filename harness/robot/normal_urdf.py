@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection
+from copy import deepcopy
 from pathlib import Path
 from typing import cast
 from xml.etree import ElementTree
@@ -13,10 +14,10 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot.kinematics import build_chain, forward
 from harness.robot.meshes import locate_mesh
-from harness.robot.urdf import Joint, JointKind, linked, parse_urdf, read_axis, read_number, read_vector
+from harness.robot.urdf import Joint, JointKind, Urdf, linked, read_axis, read_number, read_vector
 
-NEXT_TO_NO_MASS = """<inertial><mass value="1e-6"/>
-<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial>"""
+NEXT_TO_NO_MASS = ElementTree.fromstring("""<inertial><mass value="1e-6"/>
+<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial>""")
 """Of a link without mass, in kg and kg m^2. Engines would take 1 kg, a solid of water, or a part of the ground."""
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 SMALLEST_MOMENT = 1e-9
@@ -25,14 +26,14 @@ ROUNDING = 1e-3
 """Of the moments in a URDF, as a share of them."""
 
 
-def plain_urdf(urdf: str, driven: Collection[str], folder: Path) -> str:
+def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
     """The same arm with its meshes found, its other joints fixed and a mass for every link.
 
     Joints that are not driven are fixed at zero, or at the end of their range that is nearest to it. Meshes have
     absolute paths. Links without mass or inertia get next to none; an inertia that no body can have becomes a ball's.
 
     Args:
-        urdf: Text of the URDF.
+        urdf: The URDF; it is left as it is.
         driven: Names of the joints that move.
         folder: Where the names of meshes start.
 
@@ -42,15 +43,15 @@ def plain_urdf(urdf: str, driven: Collection[str], folder: Path) -> str:
     Raises:
         UsageError: A mesh is not there, or a joint to be fixed cannot be computed with.
     """
-    robot = parse_urdf(urdf)
-    before = ElementTree.tostring(robot)
+    robot = deepcopy(urdf.element)
     for joint in robot.findall("joint"):
         if joint.get("name") not in driven and joint.get("type") != "fixed":
             _fix(joint)
     for link in robot.findall("link"):
         _give_mass(link)
         _locate_meshes(link, folder)
-    return urdf if ElementTree.tostring(robot) == before else ElementTree.tostring(robot, encoding="unicode")
+    text = ElementTree.tostring(robot, encoding="unicode")
+    return urdf if text == ElementTree.tostring(urdf.element, encoding="unicode") else Urdf(text, robot)
 
 
 def _fix(joint: Element) -> None:
@@ -99,7 +100,7 @@ def _give_mass(link: Element) -> None:
     if inertial is None or inertial.find("inertia") is None or _number(link, inertial, "mass", "value") <= 0.0:
         for part in link.findall("inertial"):
             link.remove(part)
-        link.append(ElementTree.fromstring(NEXT_TO_NO_MASS))
+        link.append(deepcopy(NEXT_TO_NO_MASS))
         return
     moments = {name: _number(link, inertial, "inertia", name) for name in MOMENTS}
     balanced = _balance(np.array([moments[name] for name in MOMENTS]))

@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +12,13 @@ from numpy.typing import ArrayLike
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.robot.chain_end import find_tip
-from harness.robot.joint_limits import origin, read_numbers
+from harness.robot.chain_end import find_chain_end
+from harness.robot.joint_limits import describe_origin, read_joint_limits
 from harness.robot.kinematics import Chain, build_chain, chain_length, end_effector_position, position_jacobian
-from harness.robot.normal_urdf import plain_urdf
-from harness.robot.settings import FILE, JOINT_KEYS, RobotFile, read_robot_file, read_text
-from harness.robot.shapes import attach_shapes
-from harness.robot.urdf import Joint, read_chain
+from harness.robot.normal_urdf import normal_urdf
+from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings, read_settings
+from harness.robot.shapes import Shape, attach_shapes, read_shapes
+from harness.robot.urdf import Joint, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
 
@@ -26,8 +27,8 @@ FEWEST_JOINTS, MOST_JOINTS = 3, 8
 class Robot:
     """One arm with `dof` joints that turn or slide, standing on the world's origin.
 
-    All arrays are read-only float64 of shape (dof,), in the order of the chain from the root link. Where a joint
-    slides, read m for rad.
+    All arrays are read-only, and float64 of shape (dof,) where nothing else is said, in the order of the chain from
+    the root link. Where a joint slides, read m for rad.
 
     Attributes:
         name: What the robot calls itself.
@@ -41,6 +42,8 @@ class Robot:
         max_acceleration: Largest joint accelerations, positive [rad/s^2].
         home: A resting pose within the limits [rad].
         chain: The kinematic chain from the root link to the end effector.
+        link_shapes: The collision shapes of each link of `urdf`, in the link's frame, by the link's name.
+        joint_shapes: The same shapes by the driven joint that moves them, in the frame of its child link; dof entries.
         origins: Where the end effector, home, speeds and accelerations come from, in words.
     """
 
@@ -55,21 +58,23 @@ class Robot:
     max_acceleration: Float
     home: Float
     chain: Chain = field(repr=False)
+    link_shapes: Mapping[str, tuple[Shape, ...]] = field(repr=False)
+    joint_shapes: tuple[tuple[Shape, ...], ...] = field(repr=False)
     origins: Mapping[str, str] = field(repr=False)
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """SHA-256 of all that decides how the arm moves: the URDF with its meshes' paths, and the numbers beside it."""
         numbers = np.stack([self.lower, self.upper, self.max_speed, self.max_acceleration, self.home])
         parts = (self.urdf.encode(), self.end_effector_link.encode(), numbers.tobytes())
         return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
-    @property
+    @cached_property
     def dof(self) -> int:
         """Number of driven joints."""
         return self.chain.dof
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """No end effector position is farther than this from the first joint's origin: the chain stretched out [m]."""
         return chain_length(self.chain, self.lower, self.upper)
@@ -114,51 +119,70 @@ def read_robot(path: Path) -> Robot:
         The robot, every number checked.
 
     Raises:
-        UsageError: A file cannot be read or says something that cannot be; the message starts with the file.
+        UsageError: A file cannot be read or says something that cannot be; the message names the file.
     """
-    file, urdf_path = _find_files(path)
-    text, folder = read_text(urdf_path), urdf_path.parent
+    settings, urdf_path = _find_files(path)
     with _naming(urdf_path):
-        tip = file.text("end_effector") or find_tip(text)
-        joints = read_chain(text, tip)
+        given = parse_urdf(_read_text(urdf_path))
+        tip = settings.text("end_effector") or find_chain_end(given)
+        joints = read_chain(given, tip)
         driven = [joint for joint in joints if joint.kind != "fixed"]
         _check_count(driven, tip)
         names = tuple(joint.name for joint in driven)
-        urdf = plain_urdf(text, names, folder)
-        shapes = attach_shapes(urdf, names)
+        urdf = normal_urdf(given, names, urdf_path.parent)
+        link_shapes = read_shapes(urdf)
+        joint_shapes = attach_shapes(urdf, link_shapes, names)
     chain = build_chain(joints)
-    numbers = read_numbers(file, urdf_path, driven, chain, shapes)
+    limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes)
     return Robot(
-        name=file.text("name") or urdf_path.stem,
-        urdf=urdf,
-        folder=folder,
+        name=settings.text("name") or urdf_path.stem,
+        urdf=urdf.text,
+        folder=urdf_path.parent,
         end_effector_link=tip,
         joint_names=names,
-        lower=numbers.lower,
-        upper=numbers.upper,
-        max_speed=numbers.max_speed,
-        max_acceleration=numbers.max_acceleration,
-        home=numbers.home,
+        lower=limits.lower,
+        upper=limits.upper,
+        max_speed=limits.max_speed,
+        max_acceleration=limits.max_acceleration,
+        home=limits.home,
         chain=chain,
-        origins=_origins(file, driven),
+        link_shapes=link_shapes,
+        joint_shapes=joint_shapes,
+        origins=_origins(settings, driven),
     )
 
 
-def _find_files(path: Path) -> tuple[RobotFile, Path]:
+def _find_files(path: Path) -> tuple[RobotSettings, Path]:
     """The robot.toml, empty where there is none, and the URDF's path."""
     if path.is_dir():
-        file = read_robot_file(path / FILE)
-        if file.text("urdf") is None:
-            raise UsageError(
-                f"{file.path}: missing urdf. Name the URDF's file, or give its path instead of the folder."
-            )
-        return file, path / file.settings["urdf"]
+        return _find_in_folder(path)
     beside = path.parent / FILE
     if beside.is_file():
-        file = read_robot_file(beside)
-        if file.text("urdf") in {None, path.name}:
-            return file, path
-    return RobotFile(beside), path
+        settings = read_settings(beside)
+        if settings.text("urdf") in {None, path.name}:
+            return settings, path
+    return RobotSettings(beside), path
+
+
+def _find_in_folder(folder: Path) -> tuple[RobotSettings, Path]:
+    if not (folder / FILE).exists():
+        raise UsageError(f"{folder}: no {FILE} in it. Give the path of a URDF, or write a {FILE} that names one.")
+    settings = read_settings(folder / FILE)
+    name = settings.text("urdf")
+    if name is None:
+        raise UsageError(
+            f"{settings.path}: missing urdf. Name the URDF's file, or give its path instead of the folder."
+        )
+    return settings, folder / name
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"cannot be read ({error.strerror}). A robot is a URDF and its {FILE}.") from error
+    except UnicodeDecodeError as error:
+        raise UsageError(f"is not UTF-8 text ({error.reason}). Save it as UTF-8.") from error
 
 
 @contextmanager
@@ -178,6 +202,6 @@ def _check_count(driven: Sequence[Joint], tip: str) -> None:
         )
 
 
-def _origins(file: RobotFile, driven: Sequence[Joint]) -> Mapping[str, str]:
-    tip = FILE if file.text("end_effector") else "the end of the chain"
-    return {"end_effector": tip, **{quantity: origin(file, quantity, driven) for quantity in JOINT_KEYS}}
+def _origins(settings: RobotSettings, driven: Sequence[Joint]) -> Mapping[str, str]:
+    tip = FILE if settings.text("end_effector") else "the end of the chain"
+    return {"end_effector": tip} | {each: describe_origin(settings, each, driven) for each in JOINT_KEYS}

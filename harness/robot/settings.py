@@ -4,13 +4,13 @@ Every key may be left out. Units are in the keys: degrees for joints that turn, 
 """
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from harness.errors import UsageError
+from harness.registry.toml_file import read_toml
 from harness.robot.urdf import Joint
 
 FILE = "robot.toml"
@@ -28,20 +28,20 @@ KEYS = (*TEXT_KEYS, *(key for keys in JOINT_KEYS.values() for key in keys.values
 
 
 @dataclass(frozen=True)
-class RobotFile:
+class RobotSettings:
     """What a robot.toml says, or the lack of one.
 
     Attributes:
         path: The file.
-        settings: Its keys and values.
+        entries: Its keys and values.
     """
 
     path: Path
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    entries: Mapping[str, Any] = field(default_factory=dict)
 
     def text(self, key: str) -> str | None:
         """The value of one of `TEXT_KEYS`; None where it is left out."""
-        return self.settings.get(key)
+        return self.entries.get(key)
 
     def values(self, quantity: Quantity, joints: Sequence[Joint]) -> list[float | None]:
         """One value per joint, in radians or metres and seconds; None where it is left out.
@@ -59,9 +59,9 @@ class RobotFile:
     def _list(self, key: str, motion: Motion, joints: Sequence[Joint]) -> Any:
         """An iterator over the values of a key, None without end where it is left out."""
         count = sum(motion_of(joint) == motion for joint in joints)
-        if key not in self.settings:
+        if key not in self.entries:
             return iter([None] * count)
-        values = self.settings[key]
+        values = self.entries[key]
         if not isinstance(values, list) or not all(_is_finite_number(value) for value in values):
             raise UsageError(
                 f"{self.path}: {key} is {values!r}. Give a list of {count} finite numbers, one per {motion} joint."
@@ -73,37 +73,20 @@ class RobotFile:
         return iter([math.radians(value) if motion == "turning" else float(value) for value in values])
 
 
-def read_robot_file(path: Path) -> RobotFile:
+def read_settings(path: Path) -> RobotSettings:
     """The robot.toml at `path`.
 
     Raises:
         UsageError: It cannot be read, has a key that none has, or no text where text belongs.
     """
-    try:
-        settings = tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{path}: not well-formed TOML ({error}). Correct it at that place.") from error
-    unknown = sorted(settings.keys() - set(KEYS))
+    entries = read_toml(path, "robot file")
+    unknown = sorted(entries.keys() - set(KEYS))
     if unknown:
         raise UsageError(f"{path}: unknown {', '.join(unknown)}. The keys are {', '.join(KEYS)}.")
-    for key in settings.keys() & set(TEXT_KEYS):
-        if not isinstance(settings[key], str) or not settings[key]:
-            raise UsageError(f"{path}: {key} is {settings[key]!r}. Give a text that is not empty, in quotes.")
-    return RobotFile(path, settings)
-
-
-def read_text(path: Path) -> str:
-    """A file of a robot.
-
-    Raises:
-        UsageError: It cannot be read, or is not UTF-8.
-    """
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read ({error.strerror}). A robot is a URDF and its {FILE}.") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: is not UTF-8 text ({error.reason}). Save it as UTF-8.") from error
+    for key in entries.keys() & set(TEXT_KEYS):
+        if not isinstance(entries[key], str) or not entries[key]:
+            raise UsageError(f"{path}: {key} is {entries[key]!r}. Give a text that is not empty, in quotes.")
+    return RobotSettings(path, entries)
 
 
 def motion_of(joint: Joint) -> Motion:

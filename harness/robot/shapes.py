@@ -8,16 +8,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, cast
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.robot.kinematics import transform
+from harness.robot.kinematics import read_only, transform
 from harness.robot.meshes import read_mesh
-from harness.robot.urdf import Vector, carriers, linked
+from harness.robot.urdf import Urdf, Vector, linked
 
 ShapeKind = Literal["box", "cylinder", "capsule", "sphere", "mesh"]
 
@@ -30,12 +29,12 @@ SIZES: Mapping[ShapeKind, tuple[tuple[str, int], ...]] = {
 }
 """The attributes of each kind of shape that are lengths, and how many numbers each one has."""
 
-NO_POINTS: Float = np.empty((0, 3))
+NO_POINTS = read_only(np.empty((0, 3)))
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """One solid.
+    """One solid; its arrays are read-only.
 
     Attributes:
         kind: Which.
@@ -52,40 +51,43 @@ class Shape:
     points: Float = field(default_factory=lambda: NO_POINTS)
 
 
-def read_shapes(urdf: str) -> dict[str, tuple[Shape, ...]]:
+def read_shapes(urdf: Urdf) -> dict[str, tuple[Shape, ...]]:
     """The collision shapes of each link, by the link's name; a link without any has an empty tuple.
 
     Args:
-        urdf: Text of a URDF that `harness.robot.normal_urdf.plain_urdf` returned.
+        urdf: What `harness.robot.normal_urdf.normal_urdf` returned.
 
     Raises:
         UsageError: A collision shape or its mesh cannot be computed with; the message names the link.
     """
-    return {link.get("name", ""): _shapes_of_link(link) for link in ElementTree.fromstring(urdf).findall("link")}
+    return {name: _shapes_of_link(link) for name, link in urdf.links.items()}
 
 
-def attach_shapes(urdf: str, joint_names: Sequence[str]) -> tuple[tuple[Shape, ...], ...]:
+def attach_shapes(
+    urdf: Urdf, shapes: Mapping[str, Sequence[Shape]], joint_names: Sequence[str]
+) -> tuple[tuple[Shape, ...], ...]:
     """The shapes that move with each joint of a chain, those of links fixed to the joint's child link included.
 
     What no joint moves is left out, and what a joint beside the chain moves.
 
     Args:
-        urdf: Text of a URDF that `harness.robot.normal_urdf.plain_urdf` returned.
+        urdf: What `harness.robot.normal_urdf.normal_urdf` returned.
+        shapes: Those of its links, as `read_shapes` returns them.
         joint_names: The joints of the chain that move, dof of them.
 
     Returns:
         One tuple per joint, dof entries; `T_link_shape` is in the frame of the joint's child link.
 
     Raises:
-        UsageError: A collision shape or the origin of a fixed joint cannot be computed with.
+        UsageError: The origin of a fixed joint cannot be computed with.
     """
-    carrier = carriers(ElementTree.fromstring(urdf))
     attached: dict[str, list[Shape]] = {name: [] for name in joint_names}
-    for link, shapes in read_shapes(urdf).items():
-        joint, T_child_link = _moving_carrier(link, carrier)
+    for link, group in shapes.items():
+        joint, T_child_link = _moving_carrier(link, urdf.carriers)
         if joint in attached:
-            attached[joint] += [replace(shape, T_link_shape=T_child_link @ shape.T_link_shape) for shape in shapes]
-    return tuple(tuple(shapes) for shapes in attached.values())
+            poses = [read_only(T_child_link @ shape.T_link_shape) for shape in group]
+            attached[joint] += [replace(shape, T_link_shape=pose) for shape, pose in zip(group, poses, strict=True)]
+    return tuple(tuple(group) for group in attached.values())
 
 
 def _moving_carrier(link: str, carrier: Mapping[str, Element]) -> tuple[str | None, Float]:
@@ -115,7 +117,7 @@ def _read_shape(collision: Element, owner: str) -> Shape:
     kind = cast(ShapeKind, shape.tag)
     numbers = [number for name, count in SIZES[kind] for number in _sizes(shape, name, count, owner)]
     points = _read_points(shape, owner) if kind == "mesh" else NO_POINTS
-    return Shape(kind, tuple(numbers), read_origin(collision, owner), points)
+    return Shape(kind, tuple(numbers), read_only(read_origin(collision, owner)), points)
 
 
 def _read_points(mesh: Element, owner: str) -> Float:
@@ -123,7 +125,7 @@ def _read_points(mesh: Element, owner: str) -> Float:
         points = np.unique(read_mesh(Path(mesh.get("filename", ""))).vertices, axis=0)
     except UsageError as error:
         raise UsageError(f"{owner} has a collision mesh: {error}") from error
-    return points * read_scale(mesh, owner)
+    return read_only(points * read_scale(mesh, owner))
 
 
 def read_scale(mesh: Element, owner: str) -> Float:

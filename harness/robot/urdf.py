@@ -4,8 +4,9 @@ Only what kinematics needs is read: joints, their frames, axes and limits. Refer
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal, cast, get_args
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -47,64 +48,82 @@ class Joint:
     velocity: float | None
 
 
-def read_chain(urdf: str, tip: str) -> tuple[Joint, ...]:
+@dataclass(frozen=True, eq=False)
+class Urdf:
+    """A URDF that was parsed and checked.
+
+    Names are unique, each joint has a known type and joins two links, and the links are one tree.
+
+    Attributes:
+        text: The URDF as text, for engines.
+        element: The same as `<robot>`; who wants to change it changes a copy.
+    """
+
+    text: str = field(repr=False)
+    element: Element
+
+    @cached_property
+    def links(self) -> Mapping[str, Element]:
+        """By their names, in the order of the text."""
+        return {link.get("name", ""): link for link in self.element.findall("link")}
+
+    @cached_property
+    def joints(self) -> tuple[Element, ...]:
+        """In the order of the text."""
+        return tuple(self.element.findall("joint"))
+
+    @cached_property
+    def carriers(self) -> Mapping[str, Element]:
+        """The joint that carries each link, by the link's name; all links but the root have one."""
+        return {linked(joint, "child"): joint for joint in self.joints}
+
+
+def read_chain(urdf: Urdf, tip: str) -> tuple[Joint, ...]:
     """The joints from the root link to `tip`, in that order, fixed ones included.
 
     Args:
-        urdf: Text of the URDF.
+        urdf: The URDF.
         tip: Name of the link where the chain ends.
 
     Returns:
         The joints, at least one of which moves.
 
     Raises:
-        UsageError: The text is no URDF, its links are no tree, or a joint of the chain cannot be computed with.
+        UsageError: There is no such link, or a joint of the chain cannot be computed with.
     """
-    robot = parse_urdf(urdf)
-    links = [_name(link) for link in robot.findall("link")]
-    if tip not in links:
-        raise UsageError(f"No link '{tip}' in the URDF. Name one of its links as the tip: {_quoted(links)}.")
-    chain = tuple(_read_joint(joint) for joint in _path_to(tip, carriers(robot)))
+    if tip not in urdf.links:
+        raise UsageError(f"No link '{tip}' in the URDF. Name one of its links as the tip: {_quoted(urdf.links)}.")
+    chain = tuple(_read_joint(joint) for joint in _path_to(tip, urdf.carriers))
     if all(joint.kind == "fixed" for joint in chain):
         raise UsageError(f"No joint moves between the root link and '{tip}'. Name a tip beyond a joint that moves.")
     return chain
 
 
-def parse_urdf(urdf: str) -> Element:
-    """The outermost element of a URDF.
+def parse_urdf(text: str) -> Urdf:
+    """The URDF that a text is.
 
     Args:
-        urdf: Text of the URDF.
-
-    Returns:
-        `<robot>`; names are unique, each joint has a known type and joins two links, the links are one tree.
+        text: XML with the outermost element `<robot>`.
 
     Raises:
-        UsageError: The text is no such URDF.
+        UsageError: The text is no URDF, or not one that `Urdf` describes.
     """
-    robot = _parse(urdf)
-    links = [_name(link) for link in robot.findall("link")]
-    joints = robot.findall("joint")
+    urdf = Urdf(text, _parse(text))
+    links = [_name(link) for link in urdf.element.findall("link")]
     _check_unique("link", links)
-    _check_unique("joint", [_name(joint) for joint in joints])
-    for joint in joints:
+    _check_unique("joint", [_name(joint) for joint in urdf.joints])
+    for joint in urdf.joints:
         if joint.get("type") not in KINDS:
             raise _joint_error(joint, f"is of type '{joint.get('type')}'; allowed: {', '.join(KINDS)}. Change it.")
-    _check_tree(links, joints)
-    carrier = carriers(robot)
+    _check_tree(links, urdf.joints)
     for link in links:
-        _path_to(link, carrier)  # raises where joints form a loop
-    return robot
+        _path_to(link, urdf.carriers)  # raises where joints form a loop
+    return urdf
 
 
-def carriers(robot: Element) -> dict[str, Element]:
-    """The joint that carries each link, by the link's name; all links of `robot` but the root have one."""
-    return {linked(joint, "child"): joint for joint in robot.findall("joint")}
-
-
-def _parse(urdf: str) -> Element:
+def _parse(text: str) -> Element:
     try:
-        robot = ElementTree.fromstring(urdf)
+        robot = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         raise UsageError(f"The URDF is not well-formed XML: {error}. Correct it there.") from error
     if robot.tag != "robot":
@@ -267,5 +286,5 @@ def _joint_error(joint: Element, message: str) -> UsageError:
     return UsageError(f"Joint '{joint.get('name')}' {message}")
 
 
-def _quoted(names: Sequence[str]) -> str:
+def _quoted(names: Iterable[str]) -> str:
     return ", ".join(f"'{name}'" for name in names)

@@ -135,7 +135,7 @@ def what_learns_nothing_says_so(algorithm: Algorithm) -> None:
 
 
 def the_policy_comes_back_from_its_folder(algorithm: Algorithm) -> None:
-    """`Policy.load` gives what `save` wrote: it acts the same, bit for bit."""
+    """`harness.policy.load_policy` gives what `Policy.save` wrote: it acts the same, bit for bit."""
     policy, seen = train(algorithm, FEW).policy, observations()
     with tempfile.TemporaryDirectory() as folder:
         policy.save(Path(folder) / "policy")

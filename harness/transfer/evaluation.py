@@ -1,18 +1,19 @@
 """Evaluate one cell's policy in another simulator: the cell's own evaluation, the simulator apart."""
 
-import time
-import traceback
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, ClassVar, Self
 
+from harness.experiment.draft import draft_of
 from harness.experiment.evaluate import act_of, evaluate
+from harness.experiment.order import Report
 from harness.experiment.provenance import describe_environment
 from harness.policy import load_policy
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, LOG, POLICY, partial_folder, publish
-from harness.record.manifest import now, read_manifest
+from harness.record.folder import EVALUATION, POLICY
+from harness.record.manifest import read_manifest
 from harness.registry.choice import Choice
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 from harness.transfer.record import TransferRecord, policy_digest
 
 KINDS = ("simulators", "tasks", "rewards")
@@ -30,25 +31,39 @@ def evaluate_elsewhere(cell_folder: Path, simulator: Choice, folder: Path) -> Tr
         simulator: Where to evaluate it.
         folder: To leave; replaced if it exists.
     """
-    started, clock = now(), time.perf_counter()
-    partial = partial_folder(folder)
-    partial.mkdir(parents=True, exist_ok=True)
     trained = read_manifest(cell_folder).cell
-    registry, cell = load_registry(), replace(trained, simulator=simulator)
-    record = TransferRecord(trained.id, simulator, policy_digest(cell_folder), "done", started=started)
-    try:
-        record = replace(record, environment=describe_environment(cell, registry, KINDS))
-        _evaluate(cell, registry, cell_folder, partial)
-    except (Exception, SystemExit) as error:  # a plugin may raise anything: it costs this evaluation alone
-        with (partial / LOG).open("a") as log:
-            traceback.print_exc(file=log)
-        record = replace(record, status="failed", reason=f"{type(error).__name__}: {' '.join(str(error).split())}")
-    record = replace(record, seconds=round(time.perf_counter() - clock, 3))
-    record.write(partial)
-    publish(partial, folder)
-    return record
+    record = TransferRecord(trained.id, simulator, policy_digest(cell_folder), status="done")
+    with draft_of(folder, record) as draft:
+        registry, cell = load_registry(), replace(trained, simulator=simulator)
+        draft.note(environment=describe_environment(cell, registry, KINDS))
+        policy = load_policy(cell_folder / POLICY)
+        evaluate(cell, registry, act_of(policy, cell), draft.partial / EVALUATION)
+    return draft.record
 
 
-def _evaluate(cell: Cell, registry: Registry, cell_folder: Path, partial: Path) -> None:
-    policy = load_policy(cell_folder / POLICY)
-    evaluate(cell, registry, act_of(policy, cell), partial / EVALUATION)
+@dataclass(frozen=True)
+class EvaluateElsewhere:
+    """`evaluate_elsewhere`, as a worker is told to do it.
+
+    Attributes:
+        cell_folder: Of the cell that trained the policy.
+        simulator: Where to evaluate it.
+    """
+
+    cell_folder: Path
+    simulator: Choice
+
+    noun: ClassVar[str] = "evaluation"
+
+    def to_json(self) -> dict[str, Any]:
+        """See `harness.experiment.order.Work`."""
+        return {"cell_folder": str(self.cell_folder), "simulator": self.simulator.to_json()}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """See `harness.experiment.order.Work`."""
+        return cls(Path(data["cell_folder"]), Choice.from_json(data["simulator"]))
+
+    def do(self, folder: Path, report: Report) -> None:
+        """See `harness.experiment.order.Work`."""
+        evaluate_elsewhere(self.cell_folder, self.simulator, folder)

@@ -8,17 +8,19 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from harness.errors import HarnessError, UsageError
-from harness.experiment.workers import News, Order, core_count, run_orders
+from harness.experiment.draft import leave_record
+from harness.experiment.order import Order
+from harness.experiment.workers import News, run_orders, worker_count
 from harness.record.cell import Cell
-from harness.record.folder import partial_folder, publish
-from harness.record.manifest import now
+from harness.record.ending import now
 from harness.record.store import Store
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.robot.load import load_robot
+from harness.transfer.evaluation import EvaluateElsewhere
 from harness.transfer.matrix import Transfers, load_transfers
-from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_record, simulator_id
+from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_transfer, simulator_id
 
 Given: TypeAlias = str | dict[str, Any]
 
@@ -87,11 +89,10 @@ def transfer(folder: str | Path, to: str | Sequence[Given] | None = None, jobs: 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"jobs={jobs}: must be at least 1")
+    at_once = worker_count(jobs)
     registry = load_registry()
     results = Results(Path(folder), registry)
-    run_transfers(plan_transfers(results, to, registry), jobs or core_count())
+    run_transfers(plan_transfers(results, to, registry), at_once)
     return load_transfers(results)
 
 
@@ -178,7 +179,7 @@ def _choose_all(cells: Iterable[Cell], registry: Registry) -> tuple[list[Choice]
 
 
 def _is_done(job: TransferJob, store: Store) -> bool:
-    record = read_record(job.folder)
+    record = read_transfer(job.folder)
     if record is None or record.status != "done":
         return False
     return record.is_of(policy_digest(store.cell_folder(job.cell)))
@@ -195,20 +196,17 @@ def _require_plugins(cells: Iterable[Cell], folder: Path, registry: Registry) ->
 
 
 def _order(job: TransferJob, store: Store) -> Order:
-    content = {"policy_of": str(store.cell_folder(job.cell)), "simulator": job.simulator.to_json()}
-    return Order(job.folder, content, "evaluation")
+    return Order(job.folder, EvaluateElsewhere(store.cell_folder(job.cell), job.simulator))
 
 
 def _reason(job: TransferJob, news: News, store: Store) -> str:
     """Why an ended job failed; leaves a record for one that could not leave it itself."""
     if news.reason:
         digest = policy_digest(store.cell_folder(job.cell))
-        record = TransferRecord(job.cell.id, job.simulator, digest, "failed", news.reason, started=now())
-        partial = partial_folder(job.folder)
-        record.write(partial)
-        publish(partial, job.folder)
+        record = TransferRecord(job.cell.id, job.simulator, digest, status="failed", reason=news.reason, started=now())
+        leave_record(job.folder, record)
         return news.reason
-    left = read_record(job.folder)
+    left = read_transfer(job.folder)
     return left.reason if left else "it left no record"
 
 

@@ -12,7 +12,7 @@ from harness.record.returns import mean_return
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.results import Results
-from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_record, simulator_id
+from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_transfer, simulator_id
 
 FORMAT = 1
 
@@ -146,7 +146,7 @@ def load_transfers(results: Results) -> Transfers:
 def _records(results: Results, cell: Cell) -> list[TransferRecord]:
     """Of the cell's policy as it is now, by simulator."""
     digest = policy_digest(results.store.cell_folder(cell))
-    found = [read_record(folder) for folder in sorted((results.folder / FOLDER / cell.id).glob("[!.]*"))]
+    found = [read_transfer(folder) for folder in sorted((results.folder / FOLDER / cell.id).glob("[!.]*"))]
     return [record for record in found if record is not None and record.is_of(digest)]
 
 

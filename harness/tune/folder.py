@@ -9,7 +9,6 @@
     tuned.toml            an experiment with the best settings, once every search has all its trials
 """
 
-import fcntl
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,6 +18,8 @@ from typing import Any
 import tomli_w
 
 from harness.errors import UsageError
+from harness.record.folder_lock import folder_lock
+from harness.record.whole_file import is_partial, write_whole
 from harness.registry.toml_file import read_toml
 from harness.tune.tuning import Setup
 
@@ -34,20 +35,9 @@ def tuning_folder(folder: Path, setup: Setup) -> Iterator[None]:
     """
     _require_same(folder, setup)
     _make(folder)
-    with (folder / LOCK).open("w") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise UsageError(f"Another search is using '{folder}': wait for it, or name another --out") from None
+    with folder_lock(folder / LOCK, f"Another search is using '{folder}'"):
         write_whole(folder / TUNING, tomli_w.dumps({**setup.keys, "trials": setup.tuning.trials}))
         yield
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a file that is there completely or not at all."""
-    partial = path.with_name(f".{path.name}.partial")
-    partial.write_text(text)
-    partial.rename(path)
 
 
 def _require_same(folder: Path, setup: Setup) -> None:
@@ -55,7 +45,7 @@ def _require_same(folder: Path, setup: Setup) -> None:
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"--out '{folder}' is a file: name a folder")
     if not (folder / TUNING).is_file():
-        if folder.is_dir() and {path.name for path in folder.iterdir()} - {LOCK, f".{TUNING}.partial"}:
+        if folder.is_dir() and {path.name for path in folder.iterdir() if not is_partial(path)} - {LOCK}:
             raise UsageError(f"--out '{folder}' holds something else than a tuning: name a new or empty folder")
         return
     there = read_toml(folder / TUNING, "tuning file")

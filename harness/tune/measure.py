@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
-from harness.executor import OnEvent
-from harness.experiment.experiment import run_plan
+from harness.executor import Executor, OnEvent
+from harness.experiment.experiment import ExperimentRun, RunOptions
 from harness.experiment.plan import Plan
 from harness.metric import Metric
 from harness.record.cell import Cell
@@ -36,16 +36,16 @@ class Measurer:
         folder: Of the tuning.
         registry: The plugins.
         episodes: Of each validation.
-        jobs: Cells at once.
-        executor: Registered name of what runs the cells.
+        options: How cells are run.
+        executor: What runs them.
         follow: Told what happens.
     """
 
     folder: Path
     registry: Registry
     episodes: int
-    jobs: int
-    executor: str
+    options: RunOptions
+    executor: Executor
     follow: Follow
 
     def __call__(self, plan: Plan, cells: Sequence[Cell]) -> dict[Cell, Outcome | str]:
@@ -54,7 +54,7 @@ class Measurer:
         self._train(replace(plan, cells=tuple(cells)), store)
         reasons = {cell: read_manifest(store.cell_folder(cell)).reason for cell in cells if not store.is_done(cell)}
         orders = {cell: self._order(cell, store) for cell in cells if cell not in reasons}
-        validate_all(list(orders.values()), self.jobs, self.folder / VALIDATION)
+        validate_all(list(orders.values()), self.options.at_once, self.folder / VALIDATION)
         return {**reasons, **{cell: self._outcome(order) for cell, order in orders.items()}}
 
     def forget_failures(self) -> None:
@@ -65,9 +65,9 @@ class Measurer:
             path.unlink()
 
     def _train(self, plan: Plan, store: Store) -> None:
-        done = [cell for cell in plan.cells if store.is_done(cell)]
-        with self.follow(plan.cells, done) as on_event:
-            run_plan(plan, store, self.registry, self.jobs, on_event, self.executor)
+        run = ExperimentRun(plan, store, self.registry, self.executor, self.options)
+        with self.follow(plan.cells, run.done) as on_event:
+            run.run(on_event)
 
     def _order(self, cell: Cell, store: Store) -> Order:
         path = self.folder / VALIDATION / f"{cell.id}.parquet"

@@ -1,15 +1,13 @@
 """Search the hyperparameters of one algorithm, with an equal budget for every reward."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from harness.errors import UsageError
 from harness.executor import OnEvent
-from harness.experiment.experiment import DEFAULT_FOLDER
-from harness.experiment.workers import core_count
+from harness.experiment.experiment import DEFAULT_FOLDER, RunOptions
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
@@ -39,7 +37,11 @@ class Watch:
 
 
 def tune(
-    *, out: str | Path | None = None, jobs: int | None = None, executor: str = "processes", **tuning: Any
+    *,
+    out: str | Path | None = None,
+    jobs: int | None = None,
+    executor: str | Mapping[str, Any] = "processes",
+    **tuning: Any,
 ) -> Tuned:
     """Do the trials that are not done yet, and write the best settings as an experiment file.
 
@@ -47,17 +49,15 @@ def tune(
         out: The tuning's folder; by default one under ``results/runs/`` named for the search, so that the same call
             goes on where an earlier one stopped.
         jobs: How many cells at once; by default as many as there are cores. The trials do not depend on it.
-        executor: Registered name of what runs the cells.
+        executor: What runs the cells, with its settings.
         **tuning: The fields of `harness.tune.tuning.Tuning`; the lists may be single names.
 
     Raises:
         UsageError: Something given cannot be used, or Optuna is missing; nothing is written.
     """
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"jobs={jobs}: must be at least 1")
-    registry = load_registry()
+    options, registry = RunOptions(jobs=jobs, executor=executor), load_registry()
     setup = resolve(check_tuning(tuning), registry)
-    return run_searches(setup, Path(out) if out else default_folder(setup), registry, jobs or core_count(), executor)
+    return run_searches(setup, Path(out) if out else default_folder(setup), registry, options)
 
 
 def default_folder(setup: Setup) -> Path:
@@ -66,7 +66,7 @@ def default_folder(setup: Setup) -> Path:
 
 
 def run_searches(
-    setup: Setup, folder: Path, registry: Registry, jobs: int, executor: str, watch: Watch | None = None
+    setup: Setup, folder: Path, registry: Registry, options: RunOptions, watch: Watch | None = None
 ) -> Tuned:
     """Every search of a setup, one after the other, in `folder`.
 
@@ -75,10 +75,11 @@ def run_searches(
     """
     watch = watch or Watch()
     require_optuna()
-    for kind, name in (("executors", executor), ("metrics", "success_rate"), ("metrics", "final_distance")):
-        registry.get(kind, name)
+    for metric in ("success_rate", "final_distance"):
+        registry.get("metrics", metric)
+    executor = options.build_executor(registry)
     with tuning_folder(folder, setup):
-        measurer = Measurer(folder, registry, setup.tuning.validation_episodes, jobs, executor, watch.follow)
+        measurer = Measurer(folder, registry, setup.tuning.validation_episodes, options, executor, watch.follow)
         measurer.forget_failures()
         studies = _open_studies(setup, folder)
         for labels, (rewards, study) in studies.items():

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import tomli_w
 
+from harness.record.whole_file import write_whole
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
-from harness.tune.folder import TUNED, write_whole
+from harness.tune.folder import TUNED
 from harness.tune.trial import Search, TrialRecord
 from harness.tune.tuning import FIRST_SEED, Setup, table_of
 from harness.tune.validation import VALIDATION_SEED

@@ -7,24 +7,21 @@ The process reads one line of JSON from standard input, a list of orders, and do
 prints goes into the log. It ends when its parent does.
 """
 
-import contextlib
 import json
 import os
 import sys
-import threading
 import traceback
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
-from harness.env.make import build_env
 from harness.errors import one_line
+from harness.experiment.evaluate import evaluate
+from harness.experiment.lifeline import end_with_parent
 from harness.policy import Policy, load_policy
 from harness.record.cell import Cell
 from harness.record.folder import POLICY
 from harness.record.manifest import read_manifest
-from harness.record.trace import TraceWriter
 from harness.registry.registry import Registry, load_registry
 
 VALIDATION_SEED = 20_230_705
@@ -54,10 +51,7 @@ class Order(NamedTuple):
 def main() -> None:
     """Do what standard input orders."""
     orders = [Order(*order) for order in json.loads(sys.stdin.readline())]
-    kept = os.dup(0)
-    with open(os.devnull) as nothing:
-        os.dup2(nothing.fileno(), 0)  # a plugin that reads finds the end of it instead of waiting
-    threading.Thread(target=_end_with_parent, args=(kept,), daemon=True).start()
+    end_with_parent()
     registry = load_registry()
     for order in orders:
         validate(order, registry)
@@ -77,24 +71,7 @@ def validate(order: Order, registry: Registry) -> None:
 
 def record_validation(cell: Cell, registry: Registry, policy: Policy, episodes: int, path: Path) -> None:
     """Let `policy` do so many episodes in the cell's simulator, one in each env of a batch, and record them."""
-    env = build_env(registry, cell.simulator, cell.task, cell.reward, robot=cell.robot, num_envs=episodes)
-    with (
-        contextlib.closing(env),
-        TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1) as recorder,
-    ):
-        env.recorder = recorder
-        observations, _ = env.reset(seed=VALIDATION_SEED)
-        running = np.ones(episodes, bool)
-        while running.any():
-            observations, _, terminated, truncated, _ = env.step(policy.act(observations))
-            running &= ~(terminated | truncated)
-
-
-def _end_with_parent(stdin: int) -> None:
-    """Standard input closes when the parent ends, however it ends."""
-    while os.read(stdin, 1):
-        pass
-    os._exit(1)
+    evaluate(replace(cell, evaluation_episodes=episodes), registry, policy.act, path, VALIDATION_SEED)
 
 
 if __name__ == "__main__":

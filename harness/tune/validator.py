@@ -1,14 +1,12 @@
 """Has policies validated, in processes of their own: an engine that crashes costs one policy alone."""
 
 import json
-import os
 import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
-from harness.experiment.workers import GRACE_SECONDS, ONE_THREAD
+from harness.experiment.workers import start_process, stop_processes
 from harness.tune.validation import Order
 
 LOG = "log.txt"
@@ -46,36 +44,8 @@ def _run(shares: list[list[Order]], log: IO[str]) -> list[int]:
             processes.append(_start(share, log))
         return [process.wait() for process in processes]
     finally:
-        for process in processes:
-            _stop(process)
+        stop_processes(processes)
 
 
 def _start(share: list[Order], log: IO[str]) -> "subprocess.Popen[str]":
-    process = subprocess.Popen(
-        [sys.executable, "-m", "harness.tune.validation"],
-        stdin=subprocess.PIPE,  # stays open: the process ends when its parent is gone
-        stdout=log,
-        stderr=log,
-        text=True,
-        env={**os.environ, **ONE_THREAD},
-        start_new_session=True,  # Ctrl-C reaches the parent alone, which stops the process
-    )
-    assert process.stdin is not None
-    try:
-        process.stdin.write(json.dumps(share) + "\n")
-        process.stdin.flush()
-    except BrokenPipeError:
-        process.wait()  # died at once: its status tells
-    return process
-
-
-def _stop(process: "subprocess.Popen[str]") -> None:
-    if process.poll() is None:
-        process.terminate()
-        try:
-            process.wait(GRACE_SECONDS)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-    if process.stdin is not None and not process.stdin.closed:
-        process.stdin.close()
+    return start_process("harness.tune.validation", json.dumps(share), stdout=log, stderr=log)

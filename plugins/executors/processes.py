@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from harness.executor import Event, Job, OnEvent
-from harness.experiment.workers import News, Order, run_orders
+from harness.experiment.order import Order
+from harness.experiment.run_cell import TrainCell
+from harness.experiment.workers import News, run_orders
 
 
 @dataclass(frozen=True)
@@ -18,9 +20,4 @@ class Processes:
         def tell(news: News) -> None:
             on_event(Event(news.kind, cells[news.folder], news.steps, news.reason))
 
-        run_orders([_order(job) for job in jobs], at_once, tell)
-
-
-def _order(job: Job) -> Order:
-    options = {"checkpoint_every": job.checkpoint_every, "tensorboard": job.tensorboard}
-    return Order(job.folder, {"cell": job.cell.to_json(), **options})
+        run_orders([Order(job.folder, TrainCell(job.cell, job.options)) for job in jobs], at_once, tell)

@@ -5,7 +5,8 @@ format that it does not know, and draws of an OBJ with several objects only one.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.robot.meshes import is_readable, read_mesh
-from harness.robot.shapes import read_origin, read_scale, read_shapes
+from harness.robot.shapes import Shape, read_origin, read_scale
 
 GREY = [0.7, 0.7, 0.7, 1.0]
 """Of a surface without colour."""
@@ -43,9 +44,9 @@ class Surface:
     color: list[float]
 
 
-def without_meshes(urdf: str) -> str:
-    """The URDF without the shapes that are meshes."""
-    robot = ElementTree.fromstring(urdf)
+def without_meshes(urdf: Element) -> str:
+    """The text of a URDF without the shapes that are meshes; the element `urdf` itself is left as it is."""
+    robot = deepcopy(urdf)
     for link in robot.iter("link"):
         for shape in [*link.findall("collision"), *link.findall("visual")]:
             if shape.find("geometry/mesh") is not None:
@@ -53,11 +54,17 @@ def without_meshes(urdf: str) -> str:
     return ElementTree.tostring(robot, encoding="unicode")
 
 
-def add_meshes(spec: mujoco.MjSpec, urdf: str) -> None:
-    """Add the shapes that `without_meshes` left out: convex hulls that collide, and surfaces to be seen."""
+def add_meshes(spec: mujoco.MjSpec, urdf: Element, link_shapes: Mapping[str, Sequence[Shape]]) -> None:
+    """Add the shapes that `without_meshes` left out: convex hulls that collide, and surfaces to be seen.
+
+    Args:
+        spec: The arm without meshes.
+        urdf: `<robot>` of the arm's URDF.
+        link_shapes: As in `harness.robot.Robot`.
+    """
     bodies = {body.name: body for body in spec.bodies}
     surfaces = _read_surfaces(urdf)
-    for link, shapes in read_shapes(urdf).items():
+    for link, shapes in link_shapes.items():
         body = bodies.get(link, spec.worldbody)  # the root link has become the world
         for shape in (shape for shape in shapes if shape.kind == "mesh"):
             mesh = _new_mesh(spec, uservert=shape.points.ravel())
@@ -67,11 +74,10 @@ def add_meshes(spec: mujoco.MjSpec, urdf: str) -> None:
             _add_surface(spec, body, surface)
 
 
-def _read_surfaces(urdf: str) -> dict[str, list[Surface]]:
+def _read_surfaces(urdf: Element) -> dict[str, list[Surface]]:
     """The surfaces of each link; formats beside STL and OBJ are left out."""
-    robot = ElementTree.fromstring(urdf)
-    colors = dict(_colors(robot))
-    return {link.get("name", ""): list(_surfaces(link, colors)) for link in robot.findall("link")}
+    colors = dict(_colors(urdf))
+    return {link.get("name", ""): list(_surfaces(link, colors)) for link in urdf.findall("link")}
 
 
 def _surfaces(link: Element, colors: dict[str, list[float]]) -> Iterator[Surface]:

@@ -1,5 +1,8 @@
 """The MuJoCo model of an arm: its URDF with ground, target marker, servos and sensors."""
 
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
 import mujoco
 import numpy as np
 
@@ -21,9 +24,10 @@ def build_model(robot: Robot, timestep: float, bandwidth: float) -> mujoco.MjMod
     Raises:
         UsageError: MuJoCo cannot load the URDF.
     """
-    spec = _read_arm(robot)
+    urdf = ElementTree.fromstring(robot.urdf)
+    spec = _read_arm(robot, urdf)
     inertia = _inertia_at_home(spec, robot)  # before the meshes, which take long and weigh nothing
-    add_meshes(spec, robot.urdf)
+    add_meshes(spec, urdf, robot.link_shapes)
     _set_contacts(spec)
     _set_options(spec, timestep)
     ground = spec.worldbody.add_geom(name=GROUND, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[3, 3, 0.1], contype=0)
@@ -42,10 +46,10 @@ def build_model(robot: Robot, timestep: float, bandwidth: float) -> mujoco.MjMod
     return _compile(spec, robot)
 
 
-def _read_arm(robot: Robot) -> mujoco.MjSpec:
+def _read_arm(robot: Robot, urdf: Element) -> mujoco.MjSpec:
     """The arm alone, without meshes; neither weight nor friction is left to the servos."""
     try:
-        spec = mujoco.MjSpec.from_string(without_meshes(robot.urdf))
+        spec = mujoco.MjSpec.from_string(without_meshes(urdf))
     except ValueError as error:
         raise _refusal(robot, error) from error
     spec.compiler.fusestatic = False  # the end effector stays a body

@@ -10,7 +10,7 @@ def register_simulators(register: harness.Register) -> None:
         "dm_control",
         "harness_plugins.simulators.dm_control:DmControl",
         summary="dm_control's Physics and control.Environment, one per arm; moves as mujoco does",
-        requires=("dm_control",),
+        requires=("dm_control", "mujoco"),
         extra="dm-control",
     )
     register(

@@ -9,7 +9,6 @@ from harness.errors import UsageError
 from harness.robot import Robot
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
-from harness.robot.shapes import attach_shapes
 from harness.simulator import State
 
 
@@ -30,7 +29,7 @@ class KinematicSimulation:
 
     def __init__(self, robot: Robot, num_envs: int) -> None:
         self._chain = robot.chain
-        self._solids = build_solids(attach_shapes(robot.urdf, robot.joint_names))
+        self._solids = build_solids(robot.joint_shapes)
         joints = (num_envs, robot.dof)
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
         self.reset(np.tile(robot.home, (num_envs, 1)), np.ones(num_envs, bool))

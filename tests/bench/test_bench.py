@@ -32,39 +32,39 @@ def timed_order(monkeypatch, make_times, two_cells):
     return order, pretend
 
 
-def test_combinations_take_turns(timed_order, two_cells):
+def test_combinations_take_turns(timed_order, two_cells, toys):
     """A slow minute meets both."""
     order, _ = timed_order
-    found = measure(two_cells, 2, lambda event: None)
+    found = measure(two_cells, toys, 2, lambda event: None)
     assert [label for label, _ in order] == ["baseline", "arp", "baseline", "arp"]
     assert [len(timing.rounds) for timing in found.timings] == [2, 2]
     assert found.skipped == two_cells.skipped
 
 
-def test_one_that_fails_is_not_tried_again(timed_order, two_cells):
+def test_one_that_fails_is_not_tried_again(timed_order, two_cells, toys):
     """The others go on."""
     order, pretend = timed_order
     pretend.broken = ("baseline",)
-    found = measure(two_cells, 2, lambda event: None)
+    found = measure(two_cells, toys, 2, lambda event: None)
     assert [label for label, _ in order] == ["baseline", "arp", "arp"]
     assert found.failed == ((two_cells.cells[0], "it broke"),)
     assert [timing.cell for timing in found.timings] == [two_cells.cells[1]]
 
 
-def test_nothing_is_kept(timed_order, two_cells):
+def test_nothing_is_kept(timed_order, two_cells, toys):
     """The folder is gone when it is over."""
     order, _ = timed_order
-    measure(two_cells, 1, lambda event: None)
+    measure(two_cells, toys, 1, lambda event: None)
     assert order
     assert not any(folder.exists() for _, folder in order)
 
 
-def test_nothing_is_kept_when_it_is_interrupted(timed_order, two_cells):
+def test_nothing_is_kept_when_it_is_interrupted(timed_order, two_cells, toys):
     """Ctrl-C passes, and leaves nothing."""
     order, pretend = timed_order
     pretend.interrupted = True
     with pytest.raises(KeyboardInterrupt):
-        measure(two_cells, 1, lambda event: None)
+        measure(two_cells, toys, 1, lambda event: None)
     assert not order[0][1].exists()
 
 
@@ -96,7 +96,7 @@ def test_overhead_is_the_price_of_all_timed_calls(make_timing):
 
 def test_json_has_every_round(make_timing, make_cell):
     """With the parts of each, which add up to its own whole."""
-    bench = Bench(2, (make_timing({}, {"env": 1.75}),), ((make_cell(), "it broke"),), ())
+    bench = Bench(2, (make_timing({}, {"env": 1.75}),), ((make_cell(), "it broke"),), (), "a cpu", {"numpy": "2"})
     data = bench.to_json()
     [combination] = data["combinations"]
     assert [entry["whole_s"] for entry in combination["rounds"]] == pytest.approx([10.0, 11.0])

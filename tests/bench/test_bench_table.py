@@ -57,7 +57,9 @@ def test_a_busy_machine_is_told(make_timing, make_times):
 
 def test_table_names_the_combination_and_what_did_not_work(make_timing, make_cell):
     """The reason beside it, brackets and all."""
-    bench = Bench(3, (make_timing({}, {}, {}),), ((make_cell(), "no [m] left"),), ((make_cell(), "it cannot"),))
+    bench = Bench(
+        3, (make_timing({}, {}, {}),), ((make_cell(), "no [m] left"),), ((make_cell(), "it cannot"),), "a cpu", {}
+    )
     console = Console(width=100)
     with console.capture() as capture:
         console.print(bench_table(bench))

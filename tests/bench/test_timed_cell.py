@@ -57,7 +57,7 @@ def test_a_process_that_ends_before_it_tells_its_times(make_cell: MakeCell, tmp_
     def leave_no_times(orders, at_once, on_news):
         folder = orders[0].folder
         folder.mkdir()
-        Manifest(make_cell(), "done").write(folder)
+        Manifest(make_cell(), status="done").write(folder)
         assert not partial_folder(folder).exists()
         on_news(News("ended", folder))
 

@@ -1,6 +1,8 @@
 """Calls the command line in this process, with the toy package installed."""
 
+import shutil
 import signal
+import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -48,3 +50,12 @@ QUICK = ("--sim", "ideal", "--algo", "wander", "--steps", "12", "--evaluation-ep
 def quick() -> tuple[str, ...]:
     """Flags of a run that takes a moment: an ideal arm that acts at random."""
     return QUICK
+
+
+@pytest.fixture
+def rendering(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Let the doctor try to render by the program `true` or `false`, which end at once, and not by Python.
+
+    It takes seconds, and is tested with the simulator.
+    """
+    return lambda program: monkeypatch.setattr(sys, "executable", shutil.which(program))

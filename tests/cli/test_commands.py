@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -21,23 +22,13 @@ def wave(times: int = 1, name: str = typer.Argument("all")) -> int | None:
 
 
 @pytest.fixture
-def add_commands(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch):
+def add_commands(install: Callable[..., str]) -> Callable[..., None]:
     """Install a package that registers a command under each of these names."""
 
     def add(*names: str, package: str = "waving", target: str = "wave") -> None:
-        folder = tmp_path_factory.mktemp("site-packages")
-        module = f"{package}_{folder.name}".replace("-", "_")
-        body = "".join(
-            f"    register({name!r}, '{module}_command:{target}', summary='waves an arm')\n" for name in names
-        )
-        hook = f"import harness\n@harness.hookimpl\ndef register_commands(register):\n{body}"
-        (folder / f"{module}.py").write_text(hook)
-        (folder / f"{module}_command.py").write_text(COMMAND)
-        metadata = folder / f"{package}-1.0.dist-info"
-        metadata.mkdir()
-        (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
-        (metadata / "entry_points.txt").write_text(f"[harness]\n{package} = {module}\n")
-        monkeypatch.syspath_prepend(folder)
+        lines = [f"    register({name!r}, __name__ + '_command:{target}', summary='waves an arm')\n" for name in names]
+        hook = "import harness\n@harness.hookimpl\ndef register_commands(register):\n"
+        install(package, hook + "".join(lines), command=COMMAND)
 
     return add
 
@@ -105,9 +96,9 @@ def test_command_of_two_plugins_names_both(harness, add_commands):
     assert "Command 'wave' is claimed by the plugins 'waving' (waving) and 'waving_too' (waving_too)" in answer.err
 
 
-def test_our_own_command_is_not_replaced(harness, add_commands, monkeypatch):
+def test_our_own_command_is_not_replaced(harness, add_commands, rendering):
     """A plugin's command of the same name is hidden, and `plugins` and `doctor` say so."""
-    monkeypatch.setattr("harness.cli.doctor._try_rendering", lambda backend: "works")
+    rendering("true")
     add_commands("eta", "wave")
     hidden = "Command 'eta' of the plugin 'waving' (waving) is hidden by our own"
     assert "recorded" in harness("eta", "--help").out
@@ -134,3 +125,11 @@ def test_folder_stays_empty(harness, add_commands):
     harness("--help")
     harness("wave")
     assert list(Path().iterdir()) == []
+
+
+def test_bare_harness_shows_the_help_and_says_no_more(harness):
+    """The help, with the status that typer gives it, and nothing on standard error."""
+    bare = harness()
+    assert (bare.status, bare.err) == (2, "")
+    assert bare.out.rstrip() == harness("--help").out.rstrip()
+    assert "Usage: harness" in bare.out

@@ -1,41 +1,29 @@
-import pytest
-
-
-@pytest.fixture
-def without_rendering(monkeypatch):
-    """Rendering takes seconds, and is tested with the simulator."""
-    monkeypatch.setattr("harness.cli.doctor._try_rendering", lambda backend: f"{backend} tried")
-
-
-def test_versions_machine_and_rendering_are_told(harness, without_rendering):
+def test_versions_machine_and_rendering_are_told(harness, rendering):
     """The doctor says what is installed, on what machine, and how each way of rendering goes."""
+    rendering("true")
     out = harness("doctor").out
-    for text in ("python 3", "cpu ", "numpy ", "plugins ", "MUJOCO_GL=egl: egl tried"):
+    for text in ("python 3", "cpu ", "numpy ", "plugins ", "MUJOCO_GL=egl: works"):
         assert text in out
 
 
-def test_rendering_that_fails_says_what_to_install(harness, monkeypatch):
+def test_rendering_that_fails_says_what_to_install(harness, rendering):
     """A way of rendering that is not there names the system package that brings it."""
-    monkeypatch.setattr("harness.cli.doctor._try_rendering", lambda backend: "")
+    rendering("false")
     out = harness("doctor").out
     assert "rendering MUJOCO_GL=egl: fails here: install libegl1" in out
     assert "rendering MUJOCO_GL=osmesa: fails here: install libosmesa6" in out
 
 
-def test_missing_libraries_come_with_their_extra(harness, without_rendering, monkeypatch):
+def test_missing_libraries_come_with_their_extra(harness, rendering, distant):
     """What is missing says what to install."""
-    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "stable_baselines3")
-    out = harness("doctor").out
-    assert "missing stable_baselines3 for algorithm 'sac': pip install 'fd100-harness[sb3]'" in out
+    rendering("true")
+    assert "missing no_such_engine for simulator 'distant': pip install 'far-away[engine]'" in harness("doctor").out
 
 
-def test_broken_plugins_are_told(harness, without_rendering, toy_folder, tmp_path, monkeypatch):
+def test_broken_plugins_are_told(harness, rendering, install):
     """A plugin that cannot be imported is named with the reason, and the doctor goes on."""
-    package = tmp_path / "broken-1.0.dist-info"
-    package.mkdir()
-    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
-    (package / "entry_points.txt").write_text("[harness]\nbad = no_such_module\n")
-    monkeypatch.syspath_prepend(tmp_path)
+    rendering("true")
+    install("broken", "import no_such_module")
     out = harness("doctor").out
-    assert "plugin 'bad' of broken is broken: ModuleNotFoundError" in out
+    assert "plugin 'broken' of broken is broken: ModuleNotFoundError" in out
     assert "versions" in out

@@ -23,7 +23,6 @@ def test_an_unknown_kind_names_the_nearest(harness):
     assert "Did you mean 'rewards'?" in answer.err
 
 
-def test_a_missing_library_is_shown_with_its_extra(harness, monkeypatch):
+def test_a_missing_library_is_shown_with_its_extra(harness, distant):
     """What cannot be used for want of a library says which extra brings it."""
-    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "mujoco")
-    assert "missing mujoco: pip install 'fd100-harness[mujoco]'" in harness("list", "simulators").out
+    assert "not here [missing no_such_engine: pip install 'far-away[engine]']" in harness("list", "simulators").out

@@ -5,6 +5,7 @@ from rich.console import Console
 
 from harness.cli.progress import LiveProgress
 from harness.executor import Event
+from harness.record.cell import Cell
 
 
 @pytest.fixture
@@ -64,3 +65,19 @@ def test_cells_that_were_done_are_counted(make_cell, pipe):
         play(progress, cell)
     assert "1 of 2 cells were done before" in pipe.file.getvalue()
     assert "[2/2]" in pipe.file.getvalue()
+
+
+def test_many_cells_begin_quickly(make_cell, pipe, monkeypatch):
+    """Each cell is hashed a few times at most, however many there are: that is slow."""
+    hashed = 0
+    plain = Cell.__hash__
+
+    def count(cell):
+        nonlocal hashed
+        hashed += 1
+        return plain(cell)
+
+    monkeypatch.setattr(Cell, "__hash__", count)
+    cells = [make_cell(seed=seed) for seed in range(200)]
+    LiveProgress(cells, cells[:100], pipe)
+    assert hashed <= 2 * len(cells)

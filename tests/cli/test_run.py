@@ -21,7 +21,7 @@ BAD = [
     (["--sim", "ideal", "--algo", "wander", "--seeds", "0"], "greater than 0"),
     (["--sim", "ideal", "--algo", "wander", "--seeds", "a,b"], "--seeds a,b"),
     (["--sim", "ideal", "--algo", "wander", "--evaluate-every", "-1"], "greater than or equal to 0"),
-    (["--sim", "ideal", "--algo", "wander", "--jobs", "0"], "--jobs 0"),
+    (["--sim", "ideal", "--algo", "wander", "--jobs", "0"], "jobs=0: must be at least 1"),
     (["--sim", "ideal", "--algo", "wander", "--robot", "fd10"], "Did you mean 'fd100'?"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=0"], "greater than 0"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=3"], "covers the targets"),
@@ -69,7 +69,7 @@ def test_evaluation_is_told_by_flags(harness, quick, tmp_path):
     """`--evaluate-every` and `--stochastic` are part of the cells, and the report says how policies acted."""
     flags = ("--algo", "narrate", "--seeds", "1", "--evaluate-every", "5", "--stochastic")
     answer = harness("run", *quick[:2], *quick[4:], *flags, "--out", "mine")
-    assert "policies evaluated stochastically" in answer.err
+    assert "policies evaluated stochastically" in answer.out
     data = json.loads(harness("report", "mine", "--json").out)
     assert data["combinations"][0]["deterministic"] is False
     curve = data["combinations"][0]["learning"]["metrics"]["success_rate"]["proposed"]
@@ -105,21 +105,21 @@ def test_folders_that_cannot_be_made_are_refused(harness, quick, tmp_path):
     assert answer.err.count("\n") == 1
 
 
-def test_a_missing_library_names_its_extra(harness, monkeypatch):
+def test_a_missing_library_names_its_extra(harness, distant):
     """A simulator whose library is not installed ends with the line that installs it."""
-    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "mujoco")
-    answer = harness("run", "--sim", "mujoco", "--algo", "wander")
+    answer = harness("run", "--sim", "distant", "--algo", "wander")
     assert answer.status == 2
-    assert "pip install 'fd100-harness[mujoco]'" in answer.err
+    assert "pip install 'far-away[engine]'" in answer.err
 
 
 def test_a_run_prints_both_etas_and_leaves_its_results(harness, quick, tmp_path):
-    """A finished run says eta_N and eta_P on standard error, and where the results and the report are."""
+    """Both etas and where the results and the report are stand on standard output, the progress on standard error."""
     answer = harness("run", *quick, "--out", "mine")
     assert answer.status == 0
-    assert answer.out == ""
     for text in ("eta_N", "eta_P", "success rate", "Results: mine", "mine/report.html"):
-        assert text in answer.err
+        assert text in answer.out
+        assert text not in answer.err
+    assert "seed 0: started" in answer.err
     left = {path.name for path in (tmp_path / "mine").iterdir()}
     assert {"experiment.toml", "plan.json", "cells", "results.parquet", "report.html"} <= left
 
@@ -209,3 +209,17 @@ def test_ctrl_c_keeps_what_is_finished(toys, tmp_path):
     with pytest.raises(ProcessLookupError):
         os.kill(worker, 0)
     assert len(list((out / "cells").glob("[!.]*"))) == 2
+
+
+def test_hint_of_a_missing_extra_is_whole(harness, quick, monkeypatch):
+    """What to type stands there with its brackets, which are no markup."""
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    assert "pip install 'fd100-harness[report]'" in harness("run", *quick, "--out", "mine").out
+
+
+def test_executor_takes_settings(harness, quick, tmp_path):
+    """A setting that the executor does not have is told like any other parameter; nothing is written."""
+    answer = harness("run", *quick[:-1], "here:nodes=2")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "Executor 'here' has no parameter 'nodes'" in answer.err
+    assert list(tmp_path.iterdir()) == []

@@ -30,3 +30,17 @@ def test_what_is_left_out_done_and_failed_is_said(plan, terminal):
     assert "1 of 2 evaluations were done before" in shown
     assert "[2/2] ideal · wander · baseline · seed 0 in stuck: FAILED: it [b]fell[/b]" in shown
     assert ("━" in shown) is terminal
+
+
+def test_jobs_of_one_title_are_told_apart(make_cell, tmp_path):
+    """Two that run at once may differ in steps, task or robot alone, which no title says."""
+    jobs = tuple(
+        TransferJob(make_cell(steps=steps), Choice("stuck", (), "stuck"), tmp_path / str(steps)) for steps in (12, 24)
+    )
+    console = Console(file=io.StringIO(), width=200)
+    with TransferProgress(TransferPlan(Store(tmp_path), jobs, jobs, ()), console) as progress:
+        for kind in ("started", "ended"):
+            for job in jobs:
+                progress(TransferEvent(kind, job))
+    assert jobs[0].title == jobs[1].title
+    assert "[2/2]" in console.file.getvalue()

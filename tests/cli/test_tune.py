@@ -26,7 +26,7 @@ BAD = [
     ([*QUICK, "--trials", "0"], "greater than 0"),
     ([*QUICK, "--pruner", "some"], "'median' or 'none'"),
     ([*QUICK, "--seed", "-1"], "greater than or equal to 0"),
-    ([*QUICK, "--jobs", "0"], "--jobs 0"),
+    ([*QUICK, "--jobs", "0"], "jobs=0: must be at least 1"),
     ([*QUICK, "--executor", "slurm"], "No executor 'slurm'"),
     (["missing.toml"], "No tuning file 'missing.toml'"),
 ]

@@ -1,10 +1,5 @@
 """Evaluations of a cell: when they are due, and that a training takes no notice of them."""
 
-import json
-import os
-import signal
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +8,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from harness.executor import CellOptions
 from harness.experiment.run_cell import run_cell
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
@@ -34,6 +30,7 @@ from harness.score.scorer import SCORED
 
 pytestmark = pytest.mark.usefixtures("toys")
 MakeCell = Callable[..., Cell]
+Train = Callable[..., None]
 NARRATE = {"algorithm": Choice("narrate", (), "narrate")}
 SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "steps": 1920}
 SAC = {"algorithm": Choice("sac", (), "sac"), "steps": 1200}
@@ -47,22 +44,8 @@ WATCHED = (
 
 
 def _run(cell: Cell, folder: Path, **options: Any) -> Path:
-    assert run_cell(cell, folder, lambda steps: None, **options).status == "done"
+    assert run_cell(cell, folder, lambda steps: None, CellOptions(**options)).status == "done"
     return folder
-
-
-def _work(cell: Cell, folder: Path, until: int | None = None) -> None:
-    """Do the cell in a process of its own, which is killed when it has told of `until` steps."""
-    order = {"cell": cell.to_json(), "folder": str(folder), "command": ["harness"], "checkpoint_every": 640}
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-m", "harness.experiment.worker"], text=True, **pipes) as worker:
-        worker.stdin.write(json.dumps(order) + "\n")
-        worker.stdin.flush()
-        for line in worker.stdout:
-            if until is not None and int(line) >= until:
-                os.kill(worker.pid, signal.SIGKILL)
-                break
-        worker.wait()
 
 
 def _require_equal_results(one: Path, other: Path) -> None:
@@ -139,14 +122,14 @@ def test_time_of_evaluations_is_no_time_of_training(
     assert manifest.training_seconds < manifest.seconds - 1.4
 
 
-def test_killed_cell_evaluates_nothing_twice(make_cell: MakeCell, tmp_path: Path):
+def test_killed_cell_evaluates_nothing_twice(train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path):
     """Evaluations before the checkpoint stay as they are; in the end there are those of a cell that nobody killed."""
     cell = make_cell(**SPG, evaluate_every=320)
-    _work(cell, tmp_path / "whole")
-    _work(cell, tmp_path / "killed", until=1440)
+    train_in_a_process(cell, tmp_path / "whole", every=640)
+    train_in_a_process(cell, tmp_path / "killed", every=640, until=1440)
     partial = next(tmp_path.glob(".killed*"))
     before = {steps: path.stat().st_mtime_ns for steps, path in evaluation_files(partial).items()}
-    _work(cell, tmp_path / "killed")
+    train_in_a_process(cell, tmp_path / "killed", every=640)
     begun = read_manifest(tmp_path / "killed").resumed_from
     kept = {steps: path.stat().st_mtime_ns for steps, path in evaluation_files(tmp_path / "killed").items()}
     assert begun == 1280

@@ -1,10 +1,6 @@
 """A cell whose process is killed goes on from its last checkpoint, to the same end."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,9 +12,10 @@ import safetensors.numpy
 
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
+from harness.executor import CellOptions
 from harness.experiment.attempt import begin_attempt
 from harness.experiment.checkpoint import ABOUT, Checkpoint, read_checkpoint
-from harness.experiment.experiment import run_plan
+from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
 from harness.experiment.run_cell import run_cell
 from harness.experiment.trace_parts import TraceParts, digest_of, discard_parts, part_of, require_parts
@@ -30,25 +27,13 @@ from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.testing.trainings import WatchedEnv
+from harness_plugins.executors.processes import Processes
 
 MakeCell = Callable[..., Cell]
+Train = Callable[..., None]
 ORIGIN = {"cell": "a", "versions": {"numpy": "2"}, "commit": "", "sources": {}}
 RANDOM = {"algorithm": Choice("random", (), "random"), "steps": 3000}
 SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "steps": 1920}
-
-
-def _work(cell: Cell, folder: Path, every: int, until: int | None = None) -> None:
-    """Do the cell in a process of its own, which is killed when it has told of `until` steps, if it gets there."""
-    order = {"cell": cell.to_json(), "folder": str(folder), "command": ["harness"], "checkpoint_every": every}
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-m", "harness.experiment.worker"], text=True, **pipes) as worker:
-        worker.stdin.write(json.dumps(order) + "\n")
-        worker.stdin.flush()
-        for line in worker.stdout:
-            if until is not None and int(line) >= until:
-                os.kill(worker.pid, signal.SIGKILL)
-                break
-        worker.wait()
 
 
 def _contents(folder: Path) -> list[bytes]:
@@ -70,15 +55,20 @@ def _checkpoint(**fields: Any) -> Checkpoint:
     ids=["twice", "near the end", "spg"],
 )
 def test_killed_cell_ends_as_if_it_had_not_been(
-    make_cell: MakeCell, tmp_path: Path, fields: dict[str, Any], every: int, kills: tuple[int, ...]
+    train_in_a_process: Train,
+    make_cell: MakeCell,
+    tmp_path: Path,
+    fields: dict[str, Any],
+    every: int,
+    kills: tuple[int, ...],
 ):
     """Trace, evaluation and weights are, byte for byte, those of a cell that nobody killed."""
     cell = make_cell(**fields)
-    _work(cell, tmp_path / "whole", every)
+    train_in_a_process(cell, tmp_path / "whole", every)
     for until in kills:
-        _work(cell, tmp_path / "killed", every, until)
+        train_in_a_process(cell, tmp_path / "killed", every, until)
         assert not (tmp_path / "killed").exists()
-    _work(cell, tmp_path / "killed", every)
+    train_in_a_process(cell, tmp_path / "killed", every)
     manifest = read_manifest(tmp_path / "killed")
     assert kills[-1] - every < manifest.resumed_from <= kills[-1]
     assert manifest.note == f"went on after {manifest.resumed_from} steps"
@@ -90,7 +80,7 @@ def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path):
     """With checkpoints and without, the trace has the same rows; nothing of them is left in the cell's folder."""
     cell = make_cell(**RANDOM)
     for name, every in (("with", 1000), ("without", 0)):
-        assert run_cell(cell, tmp_path / name, lambda steps: None, every).status == "done"
+        assert run_cell(cell, tmp_path / name, lambda steps: None, CellOptions(every)).status == "done"
     tables = [pq.read_table(tmp_path / name / TRACE) for name in ("with", "without")]
     assert tables[0].equals(tables[1])
     names = [{path.name for path in (tmp_path / name).iterdir()} for name in ("with", "without")]
@@ -98,28 +88,30 @@ def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path):
 
 
 @pytest.mark.usefixtures("toys")
-def test_cell_without_a_checkpoint_starts_over_and_says_so(make_cell: MakeCell, tmp_path: Path):
+def test_cell_without_a_checkpoint_starts_over_and_says_so(
+    train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path
+):
     """An algorithm that writes none loses what it had done, and log and manifest tell."""
     waiting = Choice("wander", (("note", str(tmp_path / "note")), ("then", "wait")), "wander")
-    _work(make_cell(algorithm=waiting), tmp_path / "cell", 1, until=12)
+    train_in_a_process(make_cell(algorithm=waiting), tmp_path / "cell", 1, until=12)
     assert (partial_folder(tmp_path / "cell") / f"{Path(TRACE).stem}.0").exists()
-    manifest = run_cell(make_cell(), tmp_path / "cell", lambda steps: None, 1)
+    manifest = run_cell(make_cell(), tmp_path / "cell", lambda steps: None, CellOptions(1))
     assert (manifest.status, manifest.resumed_from) == ("done", 0)
     assert manifest.note == "started over: no checkpoint was left"
     assert "this one started over" in (tmp_path / "cell" / LOG).read_text()
 
 
 @pytest.mark.usefixtures("toys")
-def test_damaged_checkpoint_starts_over(make_cell: MakeCell, tmp_path: Path):
+def test_damaged_checkpoint_starts_over(train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path):
     """The cell is done all the same, from its beginning, and says why."""
     cell = make_cell(**RANDOM)
-    _work(cell, tmp_path / "cell", 1000, until=2500)
+    train_in_a_process(cell, tmp_path / "cell", 1000, until=2500)
     path = partial_folder(tmp_path / "cell") / CHECKPOINT
     path.write_bytes(path.read_bytes()[:-3])
-    manifest = run_cell(cell, tmp_path / "cell", lambda steps: None, 1000)
+    manifest = run_cell(cell, tmp_path / "cell", lambda steps: None, CellOptions(1000))
     assert (manifest.status, manifest.resumed_from) == ("done", 0)
     assert manifest.note.startswith(f"started over: {CHECKPOINT} is of no use: ")
-    run_cell(cell, tmp_path / "whole", lambda steps: None, 1000)
+    run_cell(cell, tmp_path / "whole", lambda steps: None, CellOptions(1000))
     assert _contents(tmp_path / "cell") == _contents(tmp_path / "whole")
 
 
@@ -298,14 +290,18 @@ def test_failed_cell_without_a_checkpoint_stays(make_cell: MakeCell, make_plan: 
 
 
 def test_run_tells_where_a_cell_went_on(
-    toys: Registry, make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path
+    train_in_a_process: Train,
+    toys: Registry,
+    make_cell: MakeCell,
+    make_plan: Callable[..., Plan],
+    tmp_path: Path,
 ):
     """Who follows the run hears what the manifest says of it."""
     cell = make_cell(**RANDOM)
     plan = make_plan(cell)
     store, notes = Store.create(tmp_path, plan), []
-    _work(cell, store.cell_folder(cell), 1000, until=2500)
-    run_plan(plan, store, toys, 1, lambda event: notes.append(event.note))
+    train_in_a_process(cell, store.cell_folder(cell), 1000, until=2500)
+    ExperimentRun(plan, store, toys, Processes()).run(lambda event: notes.append(event.note))
     manifest: Manifest = read_manifest(store.cell_folder(cell))
     assert manifest.note.startswith("went on after ")
     assert notes[-1] == manifest.note

@@ -10,9 +10,8 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.executor import Event
-from harness.experiment.experiment import default_folder, run, run_plan
+from harness.experiment.experiment import ExperimentRun, RunOptions, default_folder, run
 from harness.experiment.plan import Plan, check_experiment, expand
-from harness.experiment.workers import core_count
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder
 from harness.record.manifest import Manifest, read_manifest
@@ -34,7 +33,7 @@ def _plan(registry: Registry, **keys: Any) -> Plan:
 def _ended(plan: Plan, store: Store, registry: Registry) -> list[Cell]:
     """The cells that a run of the plan, in this process, did."""
     events: list[Event] = []
-    run_plan(plan, store, registry, 1, events.append, executor="here")
+    ExperimentRun(plan, store, registry, registry.get("executors", "here").load()()).run(events.append)
     return [event.cell for event in events if event.kind == "ended"]
 
 
@@ -66,11 +65,11 @@ def test_failed_cells_cost_themselves_alone(toys: Registry, tmp_path: Path):
     assert len(results.failed) == 4
 
 
-def test_end_of_a_failed_cell_tells_why(toys: Registry, tmp_path: Path):
+def test_end_of_a_failed_cell_tells_why(toys: Registry, run_here: Callable[..., Results], tmp_path: Path):
     """Who follows a run hears the reason that the manifest has, and of a done cell none."""
     plan = _plan(toys, algo=["wander", "wander:then=raise"], seeds=1)
     events: list[Event] = []
-    run_plan(plan, Store.create(tmp_path, plan), toys, 1, events.append, executor="here")
+    run_here(plan, tmp_path, events.append)
     assert {(event.cell.algorithm.label, event.reason) for event in events if event.kind == "ended"} == {
         ("wander", ""),
         ("wander:then=raise", "RuntimeError: the arm fell off"),
@@ -84,7 +83,7 @@ def test_second_run_does_only_what_is_not_done(toys: Registry, tmp_path: Path):
     assert _ended(plan, store, toys) == list(plan.cells)
     assert _ended(plan, store, toys) == []
     failed = plan.cells[1]
-    Manifest(failed, "failed", "no luck").write(store.cell_folder(failed))
+    Manifest(failed, status="failed", reason="no luck").write(store.cell_folder(failed))
     more = _plan(toys, seeds=3)
     assert _ended(more, Store.create(tmp_path, more), toys) == [failed, *more.cells[4:]]
     assert read_manifest(store.cell_folder(failed)).status == "done"
@@ -106,14 +105,9 @@ def test_reason_of_a_cell_without_a_folder_is_recorded(toys: Registry, make_cell
             for job in jobs:
                 on_event(Event("ended", job.cell, reason="lost on the way"))
 
-    class Spec:
-        def load(self) -> type:
-            return Losing
-
     plan = _plan(toys, seeds=1)
     store = Store.create(tmp_path, plan)
-    toys.get = lambda kind, name: Spec()
-    run_plan(plan, store, toys, 1)
+    ExperimentRun(plan, store, toys, Losing()).run()
     assert [(item.status, item.reason) for item in store.manifests()] == [("failed", "lost on the way")] * 2
 
 
@@ -177,11 +171,34 @@ def test_plan_of_skipped_cells_alone_has_a_folder(make_cell: Callable[..., Cell]
     assert default_folder(make_plan(skipped=((odd, "no"),))).name.startswith("ideal-buttons-")
 
 
-def test_jobs_by_default_are_the_cores_there_are():
-    """At least one."""
-    assert core_count() >= 1
-
-
 def test_run_is_public(toys: Registry):
     """`harness.run` is this function."""
     assert harness.run is run
+
+
+def test_executor_is_given_with_its_settings(toys: Registry, tmp_path: Path):
+    """As text or as a table; its fields are its settings."""
+    for number, executor in enumerate(["here", "here:note=x", {"name": "here", "note": "y"}]):
+        results = run(out=tmp_path / str(number), task=TASK, executor=executor, **QUICK)
+        assert not results.failed
+    assert (tmp_path / "0").is_dir()
+
+
+def test_setting_that_an_executor_does_not_have_is_refused(toys: Registry, tmp_path: Path):
+    """Before anything is written."""
+    with pytest.raises(UsageError, match="Executor 'processes' has no parameter 'x'"):
+        run(out=tmp_path / "out", task=TASK, executor="processes:x=1", **QUICK)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"jobs": 0}, "jobs=0: must be at least 1"),
+        ({"checkpoint_every": -1}, "checkpoint_every=-1: must be at least 1, or 0 for none"),
+    ],
+)
+def test_options_out_of_range_are_refused(options: dict[str, Any], message: str):
+    """However they were given."""
+    with pytest.raises(UsageError, match=message):
+        RunOptions(**options)

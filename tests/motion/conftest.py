@@ -69,6 +69,8 @@ def build_arm(name: str, joints: list[tuple[str, tuple[float, ...], tuple[float,
         max_acceleration=np.full(len(joints), 8.0),
         home=0.25 * half,
         chain=build_chain([*chain, tip]),
+        link_shapes={},
+        joint_shapes=((),) * len(joints),
         origins={},
     )
 

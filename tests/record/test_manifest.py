@@ -3,27 +3,22 @@
 import json
 import re
 from collections.abc import Callable
-from hashlib import sha256
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from harness.errors import SchemaError
-from harness.experiment.provenance import describe_environment, describe_machine, installed_versions, source_hashes
 from harness.record.cell import Cell
+from harness.record.ending import now
 from harness.record.folder import MANIFEST
-from harness.record.manifest import FORMAT, Manifest, now, read_manifest
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry, load_registry
-from harness_plugins.rewards import arp
+from harness.record.manifest import Manifest, read_manifest
 
 MakeCell = Callable[..., Cell]
 
 
 def _write(folder: Path, cell: Cell, changes: dict[str, object]) -> Path:
     """A manifest's folder, some keys of the file changed; None takes a key away."""
-    Manifest(cell, "done").write(folder)
+    Manifest(cell, status="done").write(folder)
     data = {**json.loads((folder / MANIFEST).read_text()), **changes}
     (folder / MANIFEST).write_text(json.dumps({key: value for key, value in data.items() if value is not None}))
     return folder
@@ -31,22 +26,26 @@ def _write(folder: Path, cell: Cell, changes: dict[str, object]) -> Path:
 
 def test_manifest_is_read_as_it_was_written(make_cell: MakeCell, tmp_path: Path):
     """Every field comes back."""
-    manifest = Manifest(make_cell(), "failed", "no luck", now(), 1.5, 0.25, {"versions": {"numpy": "2"}})
+    told = {"status": "failed", "reason": "no luck", "started": now(), "seconds": 1.5}
+    manifest = Manifest(make_cell(), 0.25, 6, "went on", **told, environment={"versions": {"numpy": "2"}})
     manifest.write(tmp_path)
     assert read_manifest(tmp_path) == manifest
 
 
 def test_manifest_names_its_format_and_cell(make_cell: MakeCell, tmp_path: Path):
     """Another program finds the version of the file and the cell's id in it."""
-    Manifest(make_cell(), "done").write(tmp_path)
+    Manifest(make_cell(), status="done").write(tmp_path)
     data = json.loads((tmp_path / MANIFEST).read_text())
-    assert (data["format"], data["id"]) == (FORMAT, make_cell().id)
+    assert (data["format"], data["id"]) == (Manifest.FORMAT, make_cell().id)
 
 
 def test_newer_format_is_refused(make_cell: MakeCell, tmp_path: Path):
     """A file of a later version is not guessed at: the message says both versions."""
-    folder = _write(tmp_path, make_cell(), {"format": FORMAT + 1})
-    with pytest.raises(SchemaError, match=rf"{MANIFEST} has format {FORMAT + 1}, this version reads up to {FORMAT}"):
+    newer = Manifest.FORMAT + 1
+    folder = _write(tmp_path, make_cell(), {"format": newer})
+    with pytest.raises(
+        SchemaError, match=rf"{MANIFEST} has format {Manifest.FORMAT + 1}, this version reads up to {Manifest.FORMAT}"
+    ):
         read_manifest(folder)
 
 
@@ -87,36 +86,3 @@ def test_folder_without_a_manifest_is_refused(tmp_path: Path):
 def test_time_is_utc():
     """ISO 8601 to the second, with the offset."""
     assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00", now())
-
-
-def test_environment_of_a_run(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
-    """What decides a result beside the cell, as JSON: versions, machine, commit, command, sources."""
-    monkeypatch.setattr("sys.argv", ["/somewhere/bin/harness", "run", "--sim", "ideal"])
-    described = describe_environment(make_cell(), toys)
-    assert list(described) == ["versions", "machine", "commit", "command", "sources"]
-    assert described["command"] == "harness run --sim ideal"
-    assert json.loads(json.dumps(described)) == described
-
-
-def test_versions_are_those_that_run():
-    """The numpy of this process is the one that is recorded."""
-    assert installed_versions()["numpy"] == np.__version__
-
-
-def test_machine_names_its_cpu():
-    """The CPU decides which floating-point kernels run."""
-    machine = describe_machine()
-    assert machine["cpu"]
-    assert machine["cores"] >= 1
-
-
-def test_sources_are_hashes_of_the_files(make_cell: MakeCell, toys: Registry):
-    """A result whose reward was changed since can be told by the hash of the reward's file."""
-    hashes = source_hashes(make_cell(reward=Choice("arp", (), "arp")), toys)
-    assert set(hashes) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
-    assert hashes["rewards"] == sha256(Path(arp.__file__).read_bytes()).hexdigest()
-
-
-def test_environment_without_a_cell_has_no_sources():
-    """`harness doctor` describes the machine alone."""
-    assert describe_environment(None, load_registry())["sources"] == {}

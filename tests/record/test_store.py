@@ -14,7 +14,7 @@ import pytest
 from harness.errors import SchemaError, UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
-from harness.record.folder import LOG, partial_folder
+from harness.record.folder import LOG, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.store import CELLS, EXPERIMENT, LOCK, PLAN, Store
 
@@ -25,7 +25,7 @@ MakePlan = Callable[..., Plan]
 def _finish(store: Store, cell: Cell, status: str = "done") -> None:
     folder = store.cell_folder(cell)
     folder.mkdir()
-    Manifest(cell, status).write(folder)
+    Manifest(cell, status=status).write(folder)
 
 
 def test_new_folder_holds_the_plan(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -209,7 +209,7 @@ def test_partial_folder_is_no_result(make_cell: MakeCell, make_plan: MakePlan, t
     store = Store.create(tmp_path, make_plan(make_cell()))
     partial = partial_folder(store.cell_folder(make_cell()))
     partial.mkdir()
-    Manifest(make_cell(), "done").write(partial)
+    Manifest(make_cell(), status="done").write(partial)
     assert store.manifests() == []
     assert not store.is_done(make_cell())
 
@@ -241,7 +241,7 @@ def test_manifests_come_by_start(make_cell: MakeCell, make_plan: MakePlan, tmp_p
     store = Store.create(tmp_path, make_plan(*cells))
     for hour, cell in enumerate(cells):
         _finish(store, cell)
-        Manifest(cell, "done", started=f"2026-01-01T0{9 - hour}:00:00+00:00").write(store.cell_folder(cell))
+        Manifest(cell, status="done", started=f"2026-01-01T0{9 - hour}:00:00+00:00").write(store.cell_folder(cell))
     assert [manifest.cell for manifest in store.manifests()] == cells[::-1]
 
 
@@ -293,3 +293,35 @@ def test_plan_is_plain_json(make_cell: MakeCell, make_plan: MakePlan, tmp_path: 
         "a_a": False,
         "cells": [make_cell().to_json()],
     }
+
+
+def test_done_cell_is_never_touched(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """Neither by a plan that would skip it now, as when a plugin says otherwise than before, nor by a late failure."""
+    cell = make_cell()
+    store = Store.create(tmp_path / "out", make_plan(cell))
+    folder = store.cell_folder(cell)
+    _finish(store, cell)
+    (folder / TRACE).write_bytes(b"rows")
+    Store.create(tmp_path / "out", make_plan(skipped=((cell, "it cannot any more"),)))
+    store.record(cell, "failed", "too late")
+    assert (folder / TRACE).read_bytes() == b"rows"
+    assert read_manifest(folder).status == "done"
+
+
+@pytest.mark.parametrize("name", [PLAN, EXPERIMENT])
+def test_plan_is_whole_at_every_moment(
+    make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+):
+    """A process that ends while it writes, as on a full disk, leaves what was there before."""
+    Store.create(tmp_path / "out", make_plan(make_cell()))
+    before = (tmp_path / "out" / name).read_bytes()
+
+    def half(path: Path, text: str, **options: str) -> int:
+        path.write_bytes(text.encode()[: len(text) // 2])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", half)
+    with pytest.raises(OSError, match="No space left"):
+        Store.create(tmp_path / "out", make_plan(make_cell(seed=1)))
+    assert (tmp_path / "out" / name).read_bytes() == before
+    assert Store.open(tmp_path / "out").read_plan()[2] == [make_cell()]

@@ -1,16 +1,17 @@
 """What a user picks: names with parameters, in text and in tables."""
 
 import json
-from dataclasses import make_dataclass
+from collections.abc import Callable
+from importlib.metadata import EntryPoint
 from typing import Any
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
 from harness.registry.choice import Choice, build_named, choose, parse, split_list
-from harness.registry.registry import Registry, Spec, load_registry
+from harness.registry.registry import Registry, load_registry
 
 NAMES = st.from_regex(r"[a-z0-9][a-z0-9_-]{0,8}", fullmatch=True)
 KEYS = st.from_regex(r"[a-z_][a-z0-9_]{0,6}", fullmatch=True)
@@ -169,7 +170,6 @@ def test_parameter_that_a_name_has_not_belongs_to_the_name_inside(registry: Regi
     assert bare == choose(registry, "rewards", "scaled:reward=(arp:k1=2,k2=3),factor=4")
 
 
-@settings(max_examples=10)  # each loads the plugins many times
 @given(k1=st.floats(0.01, 100.0), k2=st.floats(0.01, 100.0), factor=st.floats(0.01, 100.0))
 def test_label_of_a_name_inside_a_name_is_the_choice_again(registry: Registry, k1: float, k2: float, factor: float):
     """Commas of the inner name are in parentheses."""
@@ -235,9 +235,9 @@ def test_table_without_a_name_is_refused(registry: Registry):
         choose(registry, "rewards", {"k2": 2})
 
 
-def test_build_named_gives_label_and_thing():
+def test_build_named_gives_label_and_thing(registry: Registry):
     """For plugins that build on another of their kind."""
-    label, reward = build_named("rewards", " arp : k2 = 2.0 ", within="mine")
+    label, reward = build_named(registry, "rewards", " arp : k2 = 2.0 ", within="mine")
     assert label == "arp:k2=2"
     assert (type(reward).__name__, reward.k2) == ("Arp", 2.0)
 
@@ -245,17 +245,29 @@ def test_build_named_gives_label_and_thing():
 @pytest.mark.parametrize(
     "text", ["mine", "mine:reward=arp", "scaled:reward=mine", "scaled:factor=2,reward=(mine:a=1,b=2)"]
 )
-def test_build_named_refuses_the_name_inside_itself(text: str):
+def test_build_named_refuses_the_name_inside_itself(registry: Registry, text: str):
     """Also through another one that builds on it; whether it is installed does not matter."""
     with pytest.raises(UsageError, match=r"Reward 'mine' is given '.*': it cannot stand inside itself"):
-        build_named("rewards", text, within="mine")
+        build_named(registry, "rewards", text, within="mine")
 
 
-def test_default_and_its_text_are_one_choice(monkeypatch: pytest.MonkeyPatch):
+FLOAT = """
+import harness
+from dataclasses import dataclass
+
+@harness.hookimpl
+def register_rewards(register):
+    register("mine", __name__ + ":Mine", summary="")
+
+@dataclass(frozen=True)
+class Mine:
+    k: float = 1
+"""
+
+
+def test_default_and_its_text_are_one_choice(write_plugin: Callable[..., EntryPoint]):
     """A default written as 1 where a float is declared, and `k=1`, make choices with the same JSON text."""
-    spec = Spec("rewards", "mine", "a:b", "", (), None, "one", "a-package")
-    target = make_dataclass("Mine", [("k", float, 1)], frozen=True)
-    monkeypatch.setattr(Spec, "load", lambda self: target)
-    registry = Registry(specs={("rewards", "mine"): [spec]})
+    registry = load_registry([write_plugin(FLOAT, "float")])
     texts = [json.dumps(choose(registry, "rewards", text).to_json()) for text in ("mine", "mine:k=1")]
     assert texts[0] == texts[1]
+    assert '"k": 1.0' in texts[0]

@@ -1,13 +1,15 @@
 """Typed parameters: the fields of a dataclass, converted and checked."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
 
+import pydantic.dataclasses
 import pytest
 from pydantic import Field
 
 from harness.errors import PluginError, UsageError
 from harness.registry.parameters import Parameter, build, parameters_of, resolved, values_of
+from harness.registry.registry import Registry
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,25 @@ class Picky:
     def __post_init__(self) -> None:
         if self.low >= self.high:
             raise ValueError("low must be below high")
+
+
+@dataclass(frozen=True)
+class Rough:
+    rate: float = 1
+    sizes: tuple[int, ...] = (3,)
+
+
+@dataclass(frozen=True)
+class Wrong:
+    count: Annotated[int, Field(gt=0)] = 0
+
+
+@pydantic.dataclasses.dataclass
+class Curious:
+    @pydantic.model_validator(mode="after")
+    def _look(self, info: pydantic.ValidationInfo) -> Self:
+        self.seen = info.context["registry"]
+        return self
 
 
 class Plain:
@@ -134,9 +155,29 @@ def test_target_whose_parameters_cannot_be_checked_is_a_broken_plugin(target: ob
 
 def test_resolved_tells_what_differs():
     """All parameters with their values, and apart those that are not at their default."""
-    values, changed = resolved(Thing, {"count": "3", "rate": "0.25"}, "thing")
+    values, changed = resolved(Thing, build(Thing, {"count": "3", "rate": "0.25"}, "thing"), "thing")
     assert list(values) == ["count", "rate", "layers", "point", "mode", "loud", "names"]
     assert changed == {"rate": 0.25}
+
+
+def test_resolved_default_has_the_type_of_its_field():
+    """Also where its author wrote another; what is built has it as it was written."""
+    built = build(Rough, {}, "thing")
+    values, changed = resolved(Rough, built, "thing")
+    assert (type(built.rate), type(values["rate"]), values, changed) == (int, float, {"rate": 1.0, "sizes": (3,)}, {})
+
+
+def test_default_that_does_not_fit_its_field_is_refused():
+    """With the words for a value that a user gives."""
+    with pytest.raises(UsageError, match="Thing 'x': count=0: Input should be greater than 0"):
+        resolved(Wrong, build(Wrong, {}, "thing 'x'"), "thing 'x'")
+
+
+def test_registry_is_handed_to_validators():
+    """A target that builds on a registered one finds it in the context; who hands none in has none."""
+    registry = Registry()
+    assert build(Curious, {}, "thing", registry).seen is registry
+    assert build(Curious, {}, "thing").seen is None
 
 
 def test_values_of_a_built_thing():

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable
-from importlib.metadata import EntryPoint
+from importlib.metadata import EntryPoint, metadata
 from pathlib import Path
 
 import pytest
@@ -108,6 +108,14 @@ def test_built_in_plugins_are_all_fine(monkeypatch: pytest.MonkeyPatch):
     ours = [plugin for plugin in registry.plugins if plugin.distribution == "fd100-harness"]
     assert {plugin.status for plugin in ours} == {"ok"}
     assert registry.conflicts() == []
+
+
+def test_built_in_names_that_take_a_library_name_an_extra_that_exists():
+    """What `pip install 'fd100-harness[extra]'` asks for is an extra of this distribution."""
+    ours = [spec for specs in load_registry().specs.values() for spec in specs if spec.distribution == "fd100-harness"]
+    extras = {spec.name: spec.extra for spec in ours if spec.requires}
+    assert {"sac": "sb3", "mujoco": "mujoco"}.items() <= extras.items()
+    assert set(extras.values()) <= set(metadata("fd100-harness").get_all("Provides-Extra"))
 
 
 def test_targets_are_not_imported_before_they_are_loaded(write_plugin: Write, tmp_path: Path):

@@ -22,8 +22,10 @@ def test_a_missing_file_is_named(tmp_path: Path):
 
 @pytest.mark.parametrize("content", [b"x = ", b"\xff\xfe", None], ids=["no TOML", "no UTF-8", "a folder"])
 def test_a_file_that_cannot_be_read_is_named(tmp_path: Path, content: bytes | None):
-    """No TOML, no text, no file: one line each, which begins with what it is."""
+    """No TOML, no text, no file: one line each, which begins with what it is and ends with what to do."""
     path = tmp_path / "a.toml"
     path.mkdir() if content is None else path.write_bytes(content)
-    with pytest.raises(UsageError, match=r"^Experiment file '.*a\.toml' cannot be read: "):
+    with pytest.raises(
+        UsageError, match=r"^Experiment file '.*a\.toml' cannot be read: .*\. Give a TOML file in UTF-8\.$"
+    ):
         read_toml(path, "experiment file")

@@ -10,8 +10,9 @@ import pytest
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
+from harness.record.ending import Status
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
-from harness.record.manifest import Manifest, Status
+from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
 from harness.registry.choice import Choice, choose
@@ -114,7 +115,8 @@ def _write_done(
     _write_trace(folder / TRACE, [_episode(distances, "truncated")], cell.reward)
     _write_trace(folder / EVALUATION, _evaluation(reached), cell.reward)
     _write_trace(folder / RANDOM, [_episode(np.full(steps, 0.9), "ground") for steps in (20, 30, 40, 50)])
-    Manifest(cell, "done", started="2026-01-01T00:00:00+00:00", seconds=12.5, environment=environment).write(folder)
+    started = "2026-01-01T00:00:00+00:00"
+    Manifest(cell, status="done", started=started, seconds=12.5, environment=environment).write(folder)
 
 
 def _write_learned(store: Store, cell: Cell, steps: int, reached: int) -> None:

@@ -26,7 +26,7 @@ def transferred(build):
         away = Choice("pybullet", (), "pybullet")
         folder = results.folder / FOLDER / cell.id / simulator_id(away)
         folder.mkdir(parents=True)
-        record = TransferRecord(cell.id, away, policy_digest(home), "done")
+        record = TransferRecord(cell.id, away, policy_digest(home), status="done")
         if (cell.reward.label, cell.seed) == ("arp", 1):
             record = replace(record, status="failed", reason="it <b>fell</b>")
         else:

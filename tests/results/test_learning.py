@@ -1,12 +1,11 @@
 """Learning curves: what policies did in evaluations while they were trained."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from harness.experiment.experiment import run_plan
 from harness.experiment.plan import check_experiment, expand
-from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
@@ -14,6 +13,8 @@ from harness.results.combination import Group
 from harness.results.learning import Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
 
 GROUP = Group(Choice("ideal"), "fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30)
+
+RunHere = Callable[..., Results]
 
 
 def _run(seed: int, shares: dict[int, float | None]) -> LearningRun:
@@ -70,27 +71,26 @@ def test_band_has_the_points_with_an_interval():
     assert curve.band("success_rate") == [(100, points[2].value.low, points[2].value.high)]
 
 
-def _learning(registry: Registry, folder: Path, **given: int) -> Learning | None:
+def _learning(registry: Registry, run_here: RunHere, folder: Path, **given: int) -> Learning | None:
     """Of two seeds of a toy, paid by baseline and arp."""
     keys = {"sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12}
     plan = expand(check_experiment({**keys, "evaluation_episodes": 3, **given}), registry)
-    run_plan(plan, Store.create(folder, plan), registry, 1, executor="here")
-    results = Results(folder, registry)
+    results = run_here(plan, folder)
     return learning_of(results, results.combinations[0])
 
 
-def test_learning_is_read_from_the_cells(toys: Registry, tmp_path: Path):
+def test_learning_is_read_from_the_cells(toys: Registry, run_here: RunHere, tmp_path: Path):
     """Both rewards at each evaluation, every metric, and the floor of random actions."""
-    learning = _learning(toys, tmp_path / "out", evaluate_every=5)
+    learning = _learning(toys, run_here, tmp_path / "out", evaluate_every=5)
     for curve in (learning.baseline, learning.proposed):
         points = curve.points["final_distance"]
         assert [(point.steps, point.value.seeds) for point in points] == [(5, 2), (10, 2), (12, 2)]
     assert set(learning.random) == set(learning.baseline.points)
 
 
-def test_learning_keeps_the_runs(toys: Registry, tmp_path: Path):
+def test_learning_keeps_the_runs(toys: Registry, run_here: RunHere, tmp_path: Path):
     """JSON has the values of each seed behind the means."""
-    data = _learning(toys, tmp_path / "out", evaluate_every=5).to_json()
+    data = _learning(toys, run_here, tmp_path / "out", evaluate_every=5).to_json()
     runs = data["runs"]["proposed"]
     assert [run["seed"] for run in runs] == [0, 1]
     last = [run["evaluations"][2]["final_distance"] for run in runs]
@@ -99,6 +99,8 @@ def test_learning_keeps_the_runs(toys: Registry, tmp_path: Path):
 
 
 @pytest.mark.parametrize("given", [{}, {"evaluate_every": 12}], ids=["not asked for", "none before the end"])
-def test_no_evaluation_before_the_end_is_no_curve(toys: Registry, tmp_path: Path, given: dict[str, int]):
+def test_no_evaluation_before_the_end_is_no_curve(
+    toys: Registry, run_here: RunHere, tmp_path: Path, given: dict[str, int]
+):
     """One point is no curve."""
-    assert _learning(toys, tmp_path / "out", **given) is None
+    assert _learning(toys, run_here, tmp_path / "out", **given) is None

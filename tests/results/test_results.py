@@ -59,6 +59,12 @@ def registry() -> Registry:
     return load_registry()
 
 
+def _fail(store: Store, cell: Cell, reason: str) -> None:
+    """As if the cell had failed, whatever it did."""
+    store.cell_folder(cell).mkdir(exist_ok=True)
+    Manifest(cell, status="failed", reason=reason).write(store.cell_folder(cell))
+
+
 def _write_training(path: Path, distances: Sequence[float], rewards: Sequence[float]) -> None:
     """One unfinished episode."""
     rows = np.zeros((len(distances), len(SCALARS) + 2))
@@ -101,7 +107,7 @@ def _finish(
     _write_training(folder / TRACE, distances, rewards)
     _write_evaluation(folder / EVALUATION, trained)
     _write_evaluation(folder / RANDOM, floor)
-    Manifest(cell, "done", started=f"2026-01-01T00:00:0{cell.seed}+00:00", seconds=1.5).write(folder)
+    Manifest(cell, status="done", started=f"2026-01-01T00:00:0{cell.seed}+00:00", seconds=1.5).write(folder)
 
 
 @pytest.fixture
@@ -220,7 +226,7 @@ def test_metric_that_is_not_defined_is_none(
 def test_seed_that_is_done_under_one_reward_is_left_out(experiment: Store, make_cell: MakeCell, registry: Registry):
     """Seeds are compared in pairs: the baseline's third run does not count while the proposed one failed."""
     failed = make_cell(seed=2, reward=ARP)
-    experiment.record(failed, "failed", "no luck")
+    _fail(experiment, failed, "no luck")
     combination = _one(Results(experiment.folder, registry))
     assert combination.seeds == (0, 1)
     assert combination.baseline_index == _index(BASELINE_RUNS, seeds=(0, 1))
@@ -279,7 +285,7 @@ def test_cells_are_listed_in_the_order_of_the_plan(
     done, failed, pending, skipped = (make_cell(seed=seed) for seed in range(4))
     store = Store.create(tmp_path, make_plan(done, failed, pending, skipped=((skipped, "cannot"),)))
     _finish(store, done, [1.0, 0.5])
-    store.record(failed, "failed", "no luck")
+    _fail(store, failed, "no luck")
     results = Results(store.folder, registry)
     assert [(cell["seed"], cell["status"], cell["reason"]) for cell in results.to_json()["cells"]] == [
         (0, "done", ""),
@@ -496,7 +502,7 @@ def test_p_values_are_corrected_over_all_combinations(
 
 def test_table_has_a_row_per_cell(experiment: Store, make_cell: MakeCell, registry: Registry):
     """`results.parquet`: what is known of each cell, and every metric of the policy and of random actions."""
-    experiment.record(make_cell(seed=2, reward=ARP), "failed", "no luck")
+    _fail(experiment, make_cell(seed=2, reward=ARP), "no luck")
     results = Results(experiment.folder, registry)
     path = results.write_table()
     table = pq.read_table(path)
@@ -561,6 +567,6 @@ def test_reading_results_imports_no_engine_and_unpickles_nothing(experiment: Sto
 
 def test_json_of_any_folder_can_be_printed(experiment: Store, make_cell: MakeCell, registry: Registry):
     """Also with failed cells in it."""
-    experiment.record(make_cell(), "failed", 'a "quoted" reason')
+    _fail(experiment, make_cell(), 'a "quoted" reason')
     data: dict[str, Any] = Results(experiment.folder, registry).to_json()
     assert 'a \\"quoted\\" reason' in json.dumps(data)

@@ -1,15 +1,14 @@
 """Return under every reward."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from harness.experiment.experiment import run_plan
 from harness.experiment.plan import check_experiment, expand
 from harness.record.folder import EVALUATION
-from harness.record.store import Store
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
@@ -24,11 +23,9 @@ GIVEN = {
 
 
 @pytest.fixture
-def results(toys: Registry, tmp_path: Path) -> Results:
+def results(toys: Registry, run_here: Callable[..., Results], tmp_path: Path) -> Results:
     """Two seeds of three rewards."""
-    plan = expand(check_experiment(GIVEN), toys)
-    run_plan(plan, Store.create(tmp_path / "out", plan), toys, 1, executor="here")
-    return Results(tmp_path / "out", toys)
+    return run_here(expand(check_experiment(GIVEN), toys), tmp_path / "out")
 
 
 @pytest.fixture

@@ -3,10 +3,11 @@
 import pytest
 
 from harness.errors import UsageError
-from harness.robot.chain_end import find_tip
+from harness.robot.chain_end import find_chain_end
+from harness.robot.urdf import Urdf, parse_urdf
 
 
-def arm(*joints: str) -> str:
+def arm(*joints: str) -> Urdf:
     """A URDF of joints written as ``parent-child``, or ``parent>child`` where the joint moves."""
     links, text = set(), ""
     for joint in joints:
@@ -16,7 +17,7 @@ def arm(*joints: str) -> str:
         text += f'<joint name="{parent}-{child}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
         text += '<limit lower="0" upper="1"/></joint>'
     named = "".join(f'<link name="{link}"/>' for link in sorted(links))
-    return f'<robot name="r">{named}{text}</robot>'
+    return parse_urdf(f'<robot name="r">{named}{text}</robot>')
 
 
 @pytest.mark.parametrize(
@@ -34,8 +35,8 @@ def arm(*joints: str) -> str:
 )
 def test_tip_is_where_one_chain_ends(joints: tuple[str, ...], tip: str):
     """The last link of a single chain, the palm of a hand; frames fixed beside the way do not count."""
-    assert find_tip(arm(*joints)) == tip
-    assert find_tip(arm(*reversed(joints))) == tip
+    assert find_chain_end(arm(*joints)) == tip
+    assert find_chain_end(arm(*reversed(joints))) == tip
 
 
 def test_early_branches_may_be_arms():
@@ -43,11 +44,5 @@ def test_early_branches_may_be_arms():
     two_arms = arm("a>body", "body>b", "b>c", "c>d", "body>x", "x>y", "y>z")
     message = r"branches at link 'body' into 'b', 'x'.*end_effector in a robot\.toml"
     with pytest.raises(UsageError, match=message) as caught:
-        find_tip(two_arms)
+        find_chain_end(two_arms)
     assert "\n" not in str(caught.value)
-
-
-def test_what_is_no_urdf_has_no_tip():
-    """The faults of the URDF are those of its reader."""
-    with pytest.raises(UsageError, match="one root link"):
-        find_tip('<robot name="r"/>')

@@ -8,50 +8,24 @@ import pytest
 from harness.errors import UsageError
 from harness.robot.ground_clearance import Solids, build_solids
 from harness.robot.kinematics import Chain, build_chain, forward, link_frames, transform
-from harness.robot.shapes import Shape, attach_shapes
-from harness.robot.urdf import read_chain
+from harness.robot.shapes import Shape
+from harness.robot.urdf import parse_urdf, read_chain
 
-ARM = """
-<robot name="arm">
-  <link name="base"><collision><geometry><sphere radius="9"/></geometry></collision></link>
-  <link name="foot"><collision><geometry><sphere radius="8"/></geometry></collision></link>
-  <link name="upper">
-    <collision>
-      <origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/> <geometry><box size="0.1 0.2 0.3"/></geometry>
-    </collision>
-    <collision><geometry><cylinder radius="0.05" length="0.4"/></geometry></collision>
-  </link>
-  <link name="slider">
-    <collision><origin rpy="1 0 0"/><geometry><capsule radius="0.04" length="0.2"/></geometry></collision>
-  </link>
-  <link name="bracket"/> <link name="flange"/>
-  <link name="tip"><collision><origin xyz="0 0.1 0"/><geometry><sphere radius="0.07"/></geometry></collision></link>
-  <link name="finger"><collision><geometry><sphere radius="7"/></geometry></collision></link>
-  <joint name="bolt" type="fixed"> <parent link="base"/> <child link="foot"/> </joint>
-  <joint name="turn" type="continuous">
-    <parent link="foot"/> <child link="upper"/> <origin xyz="0.1 -0.2 0.3" rpy="0.4 0.5 0.6"/> <axis xyz="0 3 4"/>
-  </joint>
-  <joint name="slide" type="prismatic">
-    <parent link="upper"/> <child link="slider"/>
-    <origin xyz="0 0 0.5" rpy="0 1.5707963267948966 0"/> <axis xyz="1 2 0"/> <limit lower="0" upper="0.25"/>
-  </joint>
-  <joint name="spin" type="revolute">
-    <parent link="slider"/> <child link="bracket"/> <axis xyz="0 0 -1"/> <limit lower="-2" upper="2"/>
-  </joint>
-  <joint name="mount" type="fixed">
-    <parent link="bracket"/> <child link="flange"/> <origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>
-  </joint>
-  <joint name="weld" type="fixed"> <parent link="flange"/> <child link="tip"/> <origin xyz="0 0.2 0"/> </joint>
-  <joint name="grip" type="prismatic">
-    <parent link="tip"/> <child link="finger"/> <limit lower="0" upper="0.1"/>
-  </joint>
-</robot>
-"""
-CHAIN = build_chain(read_chain(ARM, "tip"))
-ATTACHED = attach_shapes(ARM, ("turn", "slide", "spin"))
-SOLIDS = build_solids(ATTACHED)
+Shapes = tuple[tuple[Shape, ...], ...]
 CORNERS = np.array(np.meshgrid([-0.1, 0.1], [-0.2, 0.2], [-0.3, 0.3])).reshape(3, -1).T
 """Of a box of 0.2 x 0.4 x 0.6."""
+
+
+@pytest.fixture(scope="module")
+def chain(arm_text: str) -> Chain:
+    """Three joints: one that turns, one that slides, one that turns."""
+    return build_chain(read_chain(parse_urdf(arm_text), "tip"))
+
+
+@pytest.fixture(scope="module")
+def solids(attached: Shapes) -> Solids:
+    """The shapes of the arm as arrays."""
+    return build_solids(attached)
 
 
 def random_joints(count: int, dof: int = 3) -> np.ndarray:
@@ -70,31 +44,31 @@ def one(kind: str, *size: float) -> Solids:
     return build_solids([[Shape(kind, size, np.eye(4))]])
 
 
-def test_frames_are_those_of_the_kinematics():
+def test_frames_are_those_of_the_kinematics(chain: Chain):
     """The last frame, with the constant step to the tip, is the tip's pose; each other one that of a shorter chain."""
     qpos = random_joints(50)
-    frames = link_frames(CHAIN, qpos)
+    frames = link_frames(chain, qpos)
     assert frames.shape == (3, 3, 4, 50)
     for count in (1, 2, 3):
-        part = Chain(CHAIN.T_previous_joint[:count], CHAIN.axes[:count], CHAIN.kinds[:count], np.eye(4))
+        part = Chain(chain.T_previous_joint[:count], chain.axes[:count], chain.kinds[:count], np.eye(4))
         expected = forward(part, qpos[:, :count])[:, :3]
         np.testing.assert_allclose(frames[count - 1].transpose(2, 0, 1), expected, atol=1e-14)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 16])
-def test_frames_do_not_depend_on_the_batch(count: int):
+def test_frames_do_not_depend_on_the_batch(chain: Chain, count: int):
     """A pose's frames are, bit for bit, those that it has among a thousand others."""
     qpos = random_joints(1000)
-    many = link_frames(CHAIN, qpos)
+    many = link_frames(chain, qpos)
     for start in range(0, 900, 131):
-        few = link_frames(CHAIN, qpos[start : start + count])
+        few = link_frames(chain, qpos[start : start + count])
         np.testing.assert_array_equal(few, many[..., start : start + count])
 
 
-def test_frames_of_the_wrong_number_of_joints_are_refused():
+def test_frames_of_the_wrong_number_of_joints_are_refused(chain: Chain):
     """One value too many is a UsageError."""
     with pytest.raises(UsageError, match="Give one value per joint"):
-        link_frames(CHAIN, np.zeros((5, 4)))
+        link_frames(chain, np.zeros((5, 4)))
 
 
 @pytest.mark.parametrize(
@@ -134,31 +108,31 @@ def test_lowest_point_of_a_round_shape_is_on_its_rims(kind: str, ball: float):
     np.testing.assert_allclose(one(kind, 0.2, 0.6).lowest(frames), heights, atol=1e-6)
 
 
-def test_chain_reaches_as_low_as_the_lowest_of_its_shapes():
+def test_chain_reaches_as_low_as_the_lowest_of_its_shapes(chain: Chain, attached: Shapes, solids: Solids):
     """All shapes together reach as low as the lowest one alone, each on its own joint."""
-    frames = link_frames(CHAIN, random_joints(300))
+    frames = link_frames(chain, random_joints(300))
     alone = [
         build_solids([[shape] if number == frame else [] for number in range(3)]).lowest(frames)
-        for frame, shapes in enumerate(ATTACHED)
+        for frame, shapes in enumerate(attached)
         for shape in shapes
     ]
-    np.testing.assert_array_equal(SOLIDS.lowest(frames), np.min(alone, axis=0))
+    np.testing.assert_array_equal(solids.lowest(frames), np.min(alone, axis=0))
     assert set(np.argmin(alone, axis=0)) >= {1, 2, 3}  # one at least of each joint
 
 
-def test_bounds_skip_nothing_that_touches():
+def test_bounds_skip_nothing_that_touches(chain: Chain, solids: Solids):
     """The ground is touched exactly where the lowest point is below it, at any height of the arm."""
-    frames = link_frames(CHAIN, random_joints(2000))
+    frames = link_frames(chain, random_joints(2000))
     frames[:, 2, 3] += np.random.default_rng(7).uniform(-0.5, 1.5, 2000)
-    touching = SOLIDS.touch_ground(frames)
-    np.testing.assert_array_equal(touching, SOLIDS.lowest(frames) < 0.0)
+    touching = solids.touch_ground(frames)
+    np.testing.assert_array_equal(touching, solids.lowest(frames) < 0.0)
     assert 200 < touching.sum() < 1800
 
 
-def test_without_shapes_nothing_touches():
+def test_without_shapes_nothing_touches(chain: Chain):
     """An arm without shapes has no lowest point."""
     solids = build_solids([[], [], []])
-    frames = link_frames(CHAIN, random_joints(4))
+    frames = link_frames(chain, random_joints(4))
     assert not solids.touch_ground(frames).any()
     np.testing.assert_array_equal(solids.lowest(frames), np.inf)
 
@@ -172,16 +146,16 @@ def test_mesh_reaches_as_low_as_the_box_that_it_is(pose: np.ndarray):
     np.testing.assert_allclose(mesh.lowest(frames), box.lowest(frames), atol=1e-14)
 
 
-def test_mesh_touches_where_its_lowest_point_is_below_the_ground():
+def test_mesh_touches_where_its_lowest_point_is_below_the_ground(chain: Chain, attached: Shapes):
     """Meshes count beside other shapes, on any joint, also with more points than are computed at once."""
     cloud = np.random.default_rng(2).normal(size=(700, 3)) * 0.2
     mesh = Shape("mesh", (), np.eye(4), cloud)
-    solids = build_solids([[], [mesh, replace(mesh, points=cloud + 0.1)], list(ATTACHED[2])])
-    frames = link_frames(CHAIN, random_joints(500))
+    solids = build_solids([[], [mesh, replace(mesh, points=cloud + 0.1)], list(attached[2])])
+    frames = link_frames(chain, random_joints(500))
     frames[:, 2, 3] += np.random.default_rng(7).uniform(-0.5, 2.0, 500)
     both = np.concatenate([cloud, cloud + 0.1])
     heights = np.einsum("kn,ck->nc", frames[1, 2, :3], both).min(axis=1) + frames[1, 2, 3]
-    expected = np.minimum(heights, build_solids([[], [], ATTACHED[2]]).lowest(frames))
+    expected = np.minimum(heights, build_solids([[], [], attached[2]]).lowest(frames))
     np.testing.assert_allclose(solids.lowest(frames), expected, atol=1e-14)
     np.testing.assert_array_equal(solids.touch_ground(frames), expected < 0.0)
     assert 50 < (expected < 0.0).sum() < 450

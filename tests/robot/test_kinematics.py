@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from harness.errors import UsageError
 from harness.robot.kinematics import build_chain, end_effector_position, forward, position_jacobian
-from harness.robot.urdf import read_chain
+from harness.robot.urdf import parse_urdf, read_chain
 
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
@@ -35,7 +35,7 @@ ARM = (
     + _joint("fixed", "adapter", "tip", 'xyz="0.03 0.02 0.01" rpy="1 2 3"')
     + "</robot>"
 )
-CHAIN = build_chain(read_chain(ARM, "tip"))
+CHAIN = build_chain(read_chain(parse_urdf(ARM), "tip"))
 
 POSES = st.lists(st.floats(-2.0, 2.0), min_size=4, max_size=4).map(np.array)
 
@@ -72,10 +72,12 @@ def test_quarter_turn_and_slide_by_hand():
     """A crank of 2 m turned by 90 degrees about z and lifted by 0.5 m ends at (0, 2, 0.5)."""
     crank = build_chain(
         read_chain(
-            '<robot name="crank"><link name="base"/>'
-            + _joint("revolute", "base", "arm", "", "0 0 1")
-            + _joint("prismatic", "arm", "head", 'xyz="2 0 0"', "0 0 1")
-            + "</robot>",
+            parse_urdf(
+                '<robot name="crank"><link name="base"/>'
+                + _joint("revolute", "base", "arm", "", "0 0 1")
+                + _joint("prismatic", "arm", "head", 'xyz="2 0 0"', "0 0 1")
+                + "</robot>"
+            ),
             "head",
         )
     )
@@ -88,9 +90,11 @@ def test_roll_pitch_yaw_turn_about_fixed_axes():
     """Roll of 90 degrees, then yaw of 90 degrees, turns z into x: z to -y about x, -y to x about z."""
     chain = build_chain(
         read_chain(
-            '<robot name="post"><link name="base"/>'
-            + _joint("revolute", "base", "arm", f'rpy="{np.pi / 2!r} 0 {np.pi / 2!r}"', "0 0 1")
-            + "</robot>",
+            parse_urdf(
+                '<robot name="post"><link name="base"/>'
+                + _joint("revolute", "base", "arm", f'rpy="{np.pi / 2!r} 0 {np.pi / 2!r}"', "0 0 1")
+                + "</robot>"
+            ),
             "arm",
         )
     )

@@ -9,8 +9,8 @@ import pytest
 
 from harness.errors import UsageError
 from harness.robot.kinematics import build_chain, forward
-from harness.robot.normal_urdf import plain_urdf
-from harness.robot.urdf import read_chain
+from harness.robot.normal_urdf import normal_urdf
+from harness.robot.urdf import Urdf, parse_urdf, read_chain
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="2" izz="3" ixy="0" ixz="0" iyz="0"/></inertial>'
 URDF = f"""
@@ -28,9 +28,19 @@ URDF = f"""
 FIXED = URDF.replace('"prismatic"', '"fixed"')
 
 
-def _parts(urdf: str) -> dict[str, Element]:
+def normal(text: str, folder: Path) -> Urdf:
+    """The URDF of an arm of which one joint is driven."""
+    return normal_urdf(parse_urdf(text), ["turn"], folder)
+
+
+def finger_pose(urdf: Urdf, *qpos: float) -> np.ndarray:
+    """T_base_finger, (4, 4)."""
+    return forward(build_chain(read_chain(urdf, "finger")), qpos)
+
+
+def _parts(urdf: Urdf) -> dict[str, Element]:
     """Links and joints by their names."""
-    return {part.get("name", ""): part for part in ElementTree.fromstring(urdf)}
+    return {part.get("name", ""): part for part in urdf.element}
 
 
 def _moments(link: Element) -> list[float]:
@@ -40,7 +50,18 @@ def _moments(link: Element) -> list[float]:
 
 def test_plain_text_stays_as_it_is(tmp_path: Path):
     """Where there is nothing to do, the text is the same to the last blank."""
-    assert plain_urdf(FIXED, ["turn"], tmp_path) is FIXED
+    given = parse_urdf(FIXED)
+    assert normal_urdf(given, ["turn"], tmp_path) is given
+    assert given.text is FIXED
+
+
+def test_text_is_that_of_the_element(tmp_path: Path):
+    """What engines read says what the harness reads, and the URDF that was given is left as it was."""
+    given = parse_urdf(URDF.replace(BODY, ""))
+    before = ElementTree.tostring(given.element)
+    plain = normal_urdf(given, ["turn"], tmp_path)
+    assert ElementTree.tostring(ElementTree.fromstring(plain.text)) == ElementTree.tostring(plain.element) != before
+    assert ElementTree.tostring(given.element) == before
 
 
 @pytest.mark.parametrize(
@@ -60,33 +81,33 @@ def test_other_joints_are_fixed_where_they_are_nearest_to_zero(
     """What the joint carries is, in the fixed one, exactly where it was at that position."""
     given = 'lower="{}" upper="{}"'.format(*limits)
     urdf = URDF.replace('"prismatic"', f'"{kind}"').replace('lower="0.02" upper="0.05"', given)
-    plain = plain_urdf(urdf, ["turn"], tmp_path)
+    plain = normal(urdf, tmp_path)
     grip = _parts(plain)["grip"]
     assert grip.get("type") == "fixed"
     assert {part.tag for part in grip} == {"parent", "child", "origin"}
-    before = forward(build_chain(read_chain(urdf, "finger")), [0.3, position])
-    np.testing.assert_allclose(forward(build_chain(read_chain(plain, "finger")), [0.3]), before, atol=1e-15)
+    before = finger_pose(parse_urdf(urdf), 0.3, position)
+    np.testing.assert_allclose(finger_pose(plain, 0.3), before, atol=1e-15)
 
 
 @pytest.mark.parametrize("kind", ["floating", "planar"])
 def test_joints_with_several_ways_to_move_are_fixed_at_zero(tmp_path: Path, kind: str):
     """Beside the chain they may be, and stand still."""
-    plain = plain_urdf(URDF.replace('"prismatic"', f'"{kind}"'), ["turn"], tmp_path)
+    plain = normal(URDF.replace('"prismatic"', f'"{kind}"'), tmp_path)
     assert read_chain(plain, "finger")[1].xyz == (0.1, 0.2, 0.3)
 
 
 def test_joint_that_mimics_is_fixed(tmp_path: Path):
     """A finger that follows another one stands still as that one does, its limits missing or not."""
     urdf = URDF.replace('<dynamics damping="1"/>', '<mimic joint="turn"/>')
-    assert _parts(plain_urdf(urdf, ["turn"], tmp_path))["grip"].find("mimic") is None
+    assert _parts(normal(urdf, tmp_path))["grip"].find("mimic") is None
 
 
 def test_turned_up_by_a_right_angle(tmp_path: Path):
     """At a pitch of 90 degrees, where roll and yaw are one, the fixed joint still has the same pose."""
     urdf = URDF.replace('rpy="0.4 0.5 0.6"', f'rpy="0.4 {np.pi / 2} 0.6"')
-    plain = plain_urdf(urdf, ["turn"], tmp_path)
-    before = forward(build_chain(read_chain(urdf, "finger")), [0.0, 0.02])
-    np.testing.assert_allclose(forward(build_chain(read_chain(plain, "finger")), [0.0]), before, atol=1e-15)
+    plain = normal(urdf, tmp_path)
+    before = finger_pose(parse_urdf(urdf), 0.0, 0.02)
+    np.testing.assert_allclose(finger_pose(plain, 0.0), before, atol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -94,7 +115,7 @@ def test_turned_up_by_a_right_angle(tmp_path: Path):
 )
 def test_link_without_mass_gets_next_to_none(tmp_path: Path, body: str):
     """No engine is left to take 1 kg, a solid of water, or a part of the ground."""
-    finger = _parts(plain_urdf(FIXED.replace(f'"finger">{BODY}', f'"finger">{body}'), ["turn"], tmp_path))["finger"]
+    finger = _parts(normal(FIXED.replace(f'"finger">{BODY}', f'"finger">{body}'), tmp_path))["finger"]
     assert [part.tag for part in finger] == ["inertial"]
     assert float(finger.find("inertial/mass").get("value")) == 1e-6
 
@@ -111,7 +132,7 @@ def test_link_without_mass_gets_next_to_none(tmp_path: Path, body: str):
 def test_inertia_that_no_body_has_becomes_a_balls(tmp_path: Path, moments: str, expected: list[float]):
     """One engine would refuse it, another set it to zero; the mean stays. What a flat plate has stays as it is."""
     urdf = FIXED.replace('"finger">' + BODY, '"finger">' + BODY.replace('ixx="1" iyy="2" izz="3"', moments))
-    assert _moments(_parts(plain_urdf(urdf, ["turn"], tmp_path))["finger"]) == pytest.approx(expected)
+    assert _moments(_parts(normal(urdf, tmp_path))["finger"]) == pytest.approx(expected)
 
 
 def test_meshes_have_full_paths(tmp_path: Path):
@@ -119,7 +140,7 @@ def test_meshes_have_full_paths(tmp_path: Path):
     (tmp_path / "a.stl").touch()
     shape = '<{0}><geometry><mesh filename="a.stl" scale="1 2 3"/></geometry></{0}>'
     urdf = FIXED.replace(f'"arm">{BODY}', f'"arm">{BODY}{shape.format("visual")}{shape.format("collision")}')
-    meshes = list(ElementTree.fromstring(plain_urdf(urdf, ["turn"], tmp_path)).iter("mesh"))
+    meshes = list(normal(urdf, tmp_path).element.iter("mesh"))
     assert [dict(mesh.attrib) for mesh in meshes] == [{"filename": str(tmp_path / "a.stl"), "scale": "1 2 3"}] * 2
 
 
@@ -135,5 +156,5 @@ def test_meshes_have_full_paths(tmp_path: Path):
 def test_bad_numbers_are_refused(tmp_path: Path, old: str, new: str, message: str):
     """One line names the link or the joint."""
     with pytest.raises(UsageError, match=message) as caught:
-        plain_urdf(URDF.replace(old, new, 1), ["turn"], tmp_path)
+        normal(URDF.replace(old, new, 1), tmp_path)
     assert "\n" not in str(caught.value)

@@ -8,50 +8,16 @@ import pytest
 
 from harness.errors import UsageError
 from harness.robot.kinematics import transform
-from harness.robot.shapes import attach_shapes, read_shapes
+from harness.robot.shapes import Shape, attach_shapes, read_shapes
+from harness.robot.urdf import parse_urdf
 
-ARM = """
-<robot name="arm">
-  <link name="base"><collision><geometry><sphere radius="9"/></geometry></collision></link>
-  <link name="foot"><collision><geometry><sphere radius="8"/></geometry></collision></link>
-  <link name="upper">
-    <collision>
-      <origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/> <geometry><box size="0.1 0.2 0.3"/></geometry>
-    </collision>
-    <collision><geometry><cylinder radius="0.05" length="0.4"/></geometry></collision>
-  </link>
-  <link name="slider">
-    <collision><origin rpy="1 0 0"/><geometry><capsule radius="0.04" length="0.2"/></geometry></collision>
-  </link>
-  <link name="bracket"/> <link name="flange"/>
-  <link name="tip"><collision><origin xyz="0 0.1 0"/><geometry><sphere radius="0.07"/></geometry></collision></link>
-  <link name="finger"><collision><geometry><sphere radius="7"/></geometry></collision></link>
-  <joint name="bolt" type="fixed"> <parent link="base"/> <child link="foot"/> </joint>
-  <joint name="turn" type="continuous">
-    <parent link="foot"/> <child link="upper"/> <origin xyz="0.1 -0.2 0.3" rpy="0.4 0.5 0.6"/> <axis xyz="0 3 4"/>
-  </joint>
-  <joint name="slide" type="prismatic">
-    <parent link="upper"/> <child link="slider"/>
-    <origin xyz="0 0 0.5" rpy="0 1.5707963267948966 0"/> <axis xyz="1 2 0"/> <limit lower="0" upper="0.25"/>
-  </joint>
-  <joint name="spin" type="revolute">
-    <parent link="slider"/> <child link="bracket"/> <axis xyz="0 0 -1"/> <limit lower="-2" upper="2"/>
-  </joint>
-  <joint name="mount" type="fixed">
-    <parent link="bracket"/> <child link="flange"/> <origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>
-  </joint>
-  <joint name="weld" type="fixed"> <parent link="flange"/> <child link="tip"/> <origin xyz="0 0.2 0"/> </joint>
-  <joint name="grip" type="prismatic">
-    <parent link="tip"/> <child link="finger"/> <limit lower="0" upper="0.1"/>
-  </joint>
-</robot>
-"""
-JOINTS = ("turn", "slide", "spin")
+Shapes = tuple[tuple[Shape, ...], ...]
 
 
-def test_all_kinds_are_read():
+def test_all_kinds_are_read(arm_text: str):
     """Each link has its shapes in the order of the file, with kind and size."""
-    found = {link: [(shape.kind, shape.size) for shape in shapes] for link, shapes in read_shapes(ARM).items()}
+    links = read_shapes(parse_urdf(arm_text))
+    found = {link: [(shape.kind, shape.size) for shape in shapes] for link, shapes in links.items()}
     assert found == {
         "base": [("sphere", (9.0,))],
         "foot": [("sphere", (8.0,))],
@@ -64,24 +30,34 @@ def test_all_kinds_are_read():
     }
 
 
-def test_origin_is_the_transform():
+def test_origin_is_the_transform(arm_text: str):
     """A shape's origin is read as a joint's; without one the shape sits in the link's frame."""
-    box, cylinder = read_shapes(ARM)["upper"]
+    box, cylinder = read_shapes(parse_urdf(arm_text))["upper"]
     expected = transform((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
     np.testing.assert_allclose(box.T_link_shape, expected, atol=1e-15)
     np.testing.assert_array_equal(box.T_link_shape[:3, 3], [0.1, 0.2, 0.3])
     np.testing.assert_array_equal(cylinder.T_link_shape, np.eye(4))
 
 
-def test_shapes_move_with_their_joints():
+def test_shapes_move_with_their_joints(attached: Shapes):
     """What no joint moves is left out, what is fixed to a moving link is in, what another joint moves is out."""
-    kinds = [[shape.kind for shape in shapes] for shapes in attach_shapes(ARM, JOINTS)]
+    kinds = [[shape.kind for shape in shapes] for shapes in attached]
     assert kinds == [["box", "cylinder"], ["capsule"], ["sphere"]]
 
 
-def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint():
+def test_shapes_cannot_be_changed(tmp_path: Path, arm_text: str, attached: Shapes):
+    """Nothing can be written to a shape's arrays, neither as they are read nor as they are attached."""
+    (tmp_path / "part.obj").write_text("v 1 2 3\n")
+    mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj"/>')
+    for shape in (*mesh, *(shape for group in attached for shape in group)):
+        for array in (shape.T_link_shape, shape.points):
+            with pytest.raises(ValueError, match="read-only"):
+                array[:] = 0.0
+
+
+def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint(attached: Shapes):
     """The end effector's sphere at y = 0.1, 0.2 m along y from a flange that is turned at x = 1, is at x = 0.7."""
-    (sphere,) = attach_shapes(ARM, JOINTS)[2]
+    (sphere,) = attached[2]
     np.testing.assert_allclose(sphere.T_link_shape[:3, 3], [0.7, 0.0, 0.0], atol=1e-15)
 
 
@@ -102,29 +78,31 @@ def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint():
         ('rpy="0.4 0.5 0.6"/> <geometry>', 'rpy="a b c"/> <geometry>', "<origin>"),
     ],
 )
-def test_malformed_shape_is_a_usage_error(good: str, bad: str, message: str):
+def test_malformed_shape_is_a_usage_error(arm_text: str, good: str, bad: str, message: str):
     """One line names the link, what was given and what belongs there."""
-    assert ARM.count(good) == 1
+    assert arm_text.count(good) == 1
     with pytest.raises(UsageError, match=re.escape(message)) as caught:
-        read_shapes(ARM.replace(good, bad))
+        read_shapes(parse_urdf(arm_text.replace(good, bad)))
     assert str(caught.value).startswith("Link 'upper' ")
     assert "\n" not in str(caught.value)
 
 
-def test_malformed_fixed_joint_is_a_usage_error():
+def test_malformed_fixed_joint_is_a_usage_error(arm_text: str):
     """The origin of a fixed joint beside the chain is checked as well."""
+    urdf = parse_urdf(arm_text.replace('xyz="1 0 0"', 'xyz="1 0"'))
     with pytest.raises(UsageError, match="Joint 'mount' has '1 0'"):
-        attach_shapes(ARM.replace('xyz="1 0 0"', 'xyz="1 0"'), JOINTS)
+        attach_shapes(urdf, read_shapes(urdf), ("turn",))
 
 
-def _with_mesh(mesh: str) -> str:
-    return ARM.replace('<cylinder radius="0.05" length="0.4"/>', mesh)
+def upper_shapes(arm_text: str, mesh: str) -> tuple[Shape, ...]:
+    """Those of the link ``upper``, a mesh in the place of its cylinder."""
+    return read_shapes(parse_urdf(arm_text.replace('<cylinder radius="0.05" length="0.4"/>', mesh)))["upper"]
 
 
-def test_mesh_is_its_points_scaled(tmp_path: Path):
+def test_mesh_is_its_points_scaled(tmp_path: Path, arm_text: str):
     """A mesh collides as the points of its file, times the scale, each once; its origin is read as of other shapes."""
     (tmp_path / "part.obj").write_text("v 1 2 3\nv 0 0 0\nv 1 2 3\nf 1 2 3\n")
-    mesh = read_shapes(_with_mesh(f'<mesh filename="{tmp_path}/part.obj" scale="0.1 1 -2"/>'))["upper"][1]
+    mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj" scale="0.1 1 -2"/>')[1]
     assert (mesh.kind, mesh.size) == ("mesh", ())
     np.testing.assert_array_equal(mesh.points, [[0, 0, 0], [0.1, 2, -6]])
 
@@ -138,10 +116,12 @@ def test_mesh_is_its_points_scaled(tmp_path: Path):
         ('<mesh filename="part.obj" scale="1 0 1"/>', "'1 0 1' in <mesh scale=...>. Give factors that are not 0."),
     ],
 )
-def test_mesh_that_cannot_collide_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mesh: str, message: str):
+def test_mesh_that_cannot_collide_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arm_text: str, mesh: str, message: str
+):
     """One line names the link, the file, and what to do."""
     monkeypatch.chdir(tmp_path)
     Path("part.obj").write_text("v 1 2 3\n")
     with pytest.raises(UsageError, match=re.escape(message)) as caught:
-        read_shapes(_with_mesh(mesh))
+        upper_shapes(arm_text, mesh)
     assert "\n" not in str(caught.value)

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from harness.errors import UsageError
-from harness.robot.urdf import Joint, read_chain
+from harness.robot.urdf import Joint, parse_urdf, read_chain
 
 ARM = """
 <robot name="arm">
@@ -32,9 +32,14 @@ ARM = """
 BEND = '<axis xyz="0 0 -2"/> <limit lower="-1.5" upper="2" velocity="3" effort="9"/>'
 
 
+def chain_of(text: str, tip: str) -> tuple[Joint, ...]:
+    """The chain of a URDF that is given as text."""
+    return read_chain(parse_urdf(text), tip)
+
+
 def test_chain_runs_from_root_to_tip():
     """The chain holds the joints between the root link and the tip, in that order, and no branch beside them."""
-    chain = read_chain(ARM, "tip")
+    chain = chain_of(ARM, "tip")
     assert [joint.name for joint in chain] == ["turn", "bend", "slide", "mount"]
     assert [joint.kind for joint in chain] == ["continuous", "revolute", "prismatic", "fixed"]
     assert [(joint.parent, joint.child) for joint in chain] == [
@@ -47,7 +52,7 @@ def test_chain_runs_from_root_to_tip():
 
 def test_chain_may_end_before_the_last_link():
     """A tip in the middle of the tree ends the chain there."""
-    assert [joint.name for joint in read_chain(ARM, "lower")] == ["turn", "bend"]
+    assert [joint.name for joint in chain_of(ARM, "lower")] == ["turn", "bend"]
 
 
 def test_order_in_the_file_does_not_matter():
@@ -56,12 +61,12 @@ def test_order_in_the_file_does_not_matter():
     body = ARM.replace("</robot>", "")
     for joint in joints:
         body = body.replace(joint, "")
-    assert read_chain(body + "".join(reversed(joints)) + "</robot>", "tip") == read_chain(ARM, "tip")
+    assert chain_of(body + "".join(reversed(joints)) + "</robot>", "tip") == chain_of(ARM, "tip")
 
 
 def test_numbers_are_those_of_the_file():
     """Origin, limits and velocity are read as written, the axis is scaled to length 1."""
-    turn, bend, _, _ = read_chain(ARM, "tip")
+    turn, bend, _, _ = chain_of(ARM, "tip")
     assert turn == Joint(
         name="turn",
         kind="continuous",
@@ -79,7 +84,7 @@ def test_numbers_are_those_of_the_file():
 
 def test_defaults_are_those_of_the_urdf_reference():
     """A joint without origin and axis stands in its parent's frame and moves along or about x."""
-    slide = read_chain(ARM, "tip")[2]
+    slide = chain_of(ARM, "tip")[2]
     assert (slide.xyz, slide.rpy, slide.axis) == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
 
 
@@ -121,28 +126,28 @@ def test_bad_file_is_refused_in_one_line(old: str, new: str, message: str):
     urdf = ARM.replace(old, new)
     assert urdf != ARM
     with pytest.raises(UsageError, match=message) as caught:
-        read_chain(urdf, "tip")
+        chain_of(urdf, "tip")
     assert "\n" not in str(caught.value)
 
 
 def test_tip_without_name_is_refused():
     """An empty tip is answered with the links there are."""
     with pytest.raises(UsageError, match="No link '' in the URDF"):
-        read_chain(ARM, "")
+        chain_of(ARM, "")
 
 
 def test_no_root_is_refused():
     """Links in one ring have no root."""
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="a"/></joint>'
     with pytest.raises(UsageError, match="one root link, carried by no joint; found: none"):
-        read_chain(f'<robot name="ring"><link name="a"/>{joint}</robot>', "a")
+        chain_of(f'<robot name="ring"><link name="a"/>{joint}</robot>', "a")
 
 
 def test_fixed_joint_needs_no_axis():
     """Exporters write an axis of no length where there is nothing to turn about."""
     urdf = ARM.replace('<origin xyz="0 0 1"/>', '<origin xyz="0 0 1"/> <axis xyz="0 0 0"/>')
     assert urdf != ARM
-    assert read_chain(urdf, "tip") == read_chain(ARM, "tip")
+    assert chain_of(urdf, "tip") == chain_of(ARM, "tip")
 
 
 def test_loop_beside_the_chain_is_refused():
@@ -152,7 +157,7 @@ def test_loop_beside_the_chain_is_refused():
         for a, b in ("pq", "qp")
     )
     with pytest.raises(UsageError, match="The joints above link 'p' form a loop"):
-        read_chain(ARM.replace("</robot>", ring + "</robot>"), "tip")
+        chain_of(ARM.replace("</robot>", ring + "</robot>"), "tip")
 
 
 @pytest.mark.parametrize("tip", ["base", "tool"])
@@ -160,4 +165,4 @@ def test_chain_without_motion_is_refused(tip: str):
     """A tip that no joint moves is refused, be it the root link or one fixed to it."""
     joint = '<joint name="j" type="fixed"><parent link="base"/><child link="tool"/></joint>'
     with pytest.raises(UsageError, match=f"No joint moves between the root link and '{tip}'."):
-        read_chain(f'<robot name="stand"><link name="base"/><link name="tool"/>{joint}</robot>', tip)
+        chain_of(f'<robot name="stand"><link name="base"/><link name="tool"/>{joint}</robot>', tip)

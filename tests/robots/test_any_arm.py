@@ -157,9 +157,8 @@ def _height(robot: Robot, qpos: np.ndarray) -> np.ndarray:
     """Of the lowest point of the moving links, (n,), [m]."""
     from harness.robot.ground_clearance import build_solids
     from harness.robot.kinematics import link_frames
-    from harness.robot.shapes import attach_shapes
 
-    return build_solids(attach_shapes(robot.urdf, robot.joint_names)).lowest(link_frames(robot.chain, qpos))
+    return build_solids(robot.joint_shapes).lowest(link_frames(robot.chain, qpos))
 
 
 @pytest.mark.parametrize("simulator", SIMULATORS, ids=lambda simulator: type(simulator).__name__)

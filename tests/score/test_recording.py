@@ -172,7 +172,7 @@ def trace(tmp_path: Path, make_cell) -> Path:
     with TraceWriter(path, 1, 1) as writer:
         writer.append(_rows())
     reward = Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")
-    Manifest(make_cell(reward=reward, seed=7), "done").write(tmp_path)
+    Manifest(make_cell(reward=reward, seed=7), status="done").write(tmp_path)
     return path
 
 

@@ -152,7 +152,7 @@ def _trace(folder: Path, reward: Choice, pays: float, make_cell: Callable[..., C
         row[[COLUMN["delta_distance"], COLUMN["reward"]]] = distance - before, pays * (begin - distance)
     with TraceWriter(folder / "trace.parquet", 1, 1) as writer:
         writer.append(rows)
-    Manifest(make_cell(reward=reward), "done").write(folder)
+    Manifest(make_cell(reward=reward), status="done").write(folder)
     return open_recording(folder / "trace.parquet")
 
 

@@ -16,7 +16,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.experiment.experiment import run_plan
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.workers import News, OnNews, Order
 from harness.policy import WEIGHTS
@@ -24,13 +23,13 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, MANIFEST, POLICY, partial_folder
 from harness.record.store import Store
 from harness.record.trace import read_trace
-from harness.registry.choice import Choice, choose
+from harness.registry.choice import choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
 from harness.transfer.evaluation import evaluate_elsewhere
 from harness.transfer.jobs import plan_transfers, run_transfers, transfer
 from harness.transfer.matrix import Transfers, load_transfers
-from harness.transfer.record import FOLDER, read_record, simulator_id
+from harness.transfer.record import FOLDER, read_transfer, simulator_id
 
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
 """Acting at random reaches some targets; an arm that does not move reaches none."""
@@ -39,15 +38,12 @@ Train: TypeAlias = Callable[..., Results]
 
 
 @pytest.fixture
-def train(toys: Registry, tmp_path: Path) -> Train:
+def train(toys: Registry, run_here: Callable[..., Results], tmp_path: Path) -> Train:
     """Runs an experiment of the toys, in this process."""
 
     def train_toys(**keys: Any) -> Results:
         given = {"sim": ["ideal"], "algo": ["wander"], "task": EASY, "seeds": 2, "steps": 6, "evaluation_episodes": 12}
-        plan = expand(check_experiment({**given, **keys}), toys)
-        store = Store.create(tmp_path / "mine", plan)
-        run_plan(plan, store, toys, 1, executor="here")
-        return Results(store.folder, toys)
+        return run_here(expand(check_experiment({**given, **keys}), toys), tmp_path / "mine")
 
     return train_toys
 
@@ -60,8 +56,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> list[Order]:
     def run_here(orders: Sequence[Order], at_once: int, on_news: OnNews) -> None:
         for order in orders:
             on_news(News("started", order.folder))
-            simulator = Choice.from_json(order.content["simulator"])
-            evaluate_elsewhere(Path(order.content["policy_of"]), simulator, order.folder)
+            order.work.do(order.folder, lambda steps: None)
             done.append(order)
             on_news(News("ended", order.folder))
 
@@ -118,7 +113,7 @@ def test_home_is_what_was_recorded(train: Train, here: list[Order]):
     """Where a policy was trained it is not evaluated again: the recorded evaluation counts, as the report reads it."""
     results = train()
     transfers = transfer(results.folder, "ideal,stuck")
-    assert [order.content["simulator"]["name"] for order in here] == ["stuck"] * 4
+    assert [order.work.simulator.name for order in here] == ["stuck"] * 4
     rates = [
         results.evaluations[cell.id]["success_rate"]
         for cell in results.done_cells
@@ -158,7 +153,7 @@ def test_second_call_does_only_what_is_missing(train: Train, here: list[Order]):
     transfer(results.folder, "stuck")
     assert len(here) == first == 2
     transfer(results.folder, ["stuck", "stuck:note=x"])
-    assert [order.content["simulator"]["label"] for order in here[first:]] == ["stuck:note=x"] * 2
+    assert [order.work.simulator.label for order in here[first:]] == ["stuck:note=x"] * 2
     weights = results.store.cell_folder(results.done_cells[0]) / POLICY / WEIGHTS
     assert len(load_transfers(results).matrices) == 2
     weights.write_bytes(weights.read_bytes()[:-4] + b"abcd")
@@ -206,7 +201,7 @@ def test_killed_call_loses_what_it_was_at(train: Train, tmp_path: Path):
     note.read_text()  # comes when the first policy was in "stuck" and waits in the other
     call.send_signal(signal.SIGKILL)
     call.wait()
-    done = [folder for folder in (results.folder / FOLDER).glob("*/*") if read_record(folder)]
+    done = [folder for folder in (results.folder / FOLDER).glob("*/*") if read_transfer(folder)]
     assert len(done) == 1
     kept = (done[0] / EVALUATION).stat()
     transfers = transfer(results.folder, "stuck")
@@ -233,22 +228,21 @@ def test_record_says_what_was_done(train: Train, here: list[Order]):
     results = train(seeds=1)
     transfer(results.folder, "stuck")
     cell = results.done_cells[0]
-    record = read_record(folder_of(results, cell, "stuck"))
+    record = read_transfer(folder_of(results, cell, "stuck"))
     assert (record.cell, record.simulator.label, record.status) == (cell.id, "stuck", "done")
     assert set(record.environment["sources"]) == {"simulators", "tasks", "rewards", "robots"}
     assert "numpy" in record.environment["versions"]
 
 
-def test_default_is_every_simulator_that_can_be_used(train: Train, monkeypatch: pytest.MonkeyPatch):
+def test_default_is_every_simulator_that_can_be_used(train: Train, distant: None):
     """The experiment's, parameters and all, and the registered ones; one whose library is missing is said."""
     results = train(sim=["stuck:note=x"], seeds=1)
-    monkeypatch.setattr("harness.registry.registry._is_installed", lambda module: module != "pybullet")
     plan = plan_transfers(results, None, load_registry())
     labels = {job.simulator.label for job in plan.jobs}
     assert {"stuck", "ideal", "mujoco", "kinematic"} <= labels
-    assert not {"stuck:note=x", "pybullet"} & labels
-    (line,) = (line for line in plan.left_out if line.startswith("pybullet"))
-    assert "pip install 'fd100-harness[pybullet]'" in line
+    assert not {"stuck:note=x", "distant"} & labels
+    (line,) = (line for line in plan.left_out if line.startswith("distant"))
+    assert "pip install 'far-away[engine]'" in line
 
 
 def test_seed_that_was_not_evaluated_is_said(train: Train, here: list[Order]):

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from harness.executor import Event, Job
+from harness.experiment.order import Order
+from harness.experiment.run_cell import TrainCell
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder
 from harness.record.manifest import read_manifest
@@ -133,10 +135,10 @@ def test_worker_ends_with_its_parent(make_cell: Callable[..., Cell], tmp_path: P
     """A worker whose standard input closes, as it does when its parent dies, ends in the middle of its cell."""
     note = tmp_path / "pid"
     os.mkfifo(note)
-    order = {"cell": _that(make_cell, "wait", str(note)).to_json(), "folder": str(tmp_path / "cell"), "command": ["x"]}
+    order = Order(tmp_path / "cell", TrainCell(_that(make_cell, "wait", str(note))))
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
     with subprocess.Popen([sys.executable, "-m", "harness.experiment.worker"], text=True, **pipes) as worker:
-        worker.stdin.write(json.dumps(order) + "\n")
+        worker.stdin.write(order.line() + "\n")
         worker.stdin.flush()
         assert int(note.read_text()) == worker.pid
         worker.stdin.close()

@@ -1,7 +1,10 @@
 """The kinematic simulator: exact joints, and the ground contact that MuJoCo sees."""
 
 import re
+import shutil
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
@@ -49,17 +52,29 @@ def mujoco_contacts(robot: Robot, poses: np.ndarray, height: float) -> np.ndarra
     return np.array(found)
 
 
-def arm_of(kind: str) -> Robot:
-    """The FD100, its cylinders replaced by capsules or spheres of the same radius."""
+@pytest.fixture
+def read_changed(tmp_path: Path) -> Callable[[str], Robot]:
+    """Read the FD100 with another text for its URDF."""
+
+    def read(urdf: str) -> Robot:
+        shutil.copytree(ROBOT.folder, tmp_path / "arm")
+        (tmp_path / "arm" / "fd100.urdf").write_text(urdf, encoding="utf-8")
+        return harness.load_robot(tmp_path / "arm")
+
+    return read
+
+
+def with_cylinders_as(kind: str) -> str:
+    """The FD100's URDF, its cylinders replaced by capsules or spheres of the same radius."""
     cylinder = r'<cylinder radius="([^"]*)" length="([^"]*)"/>'
     shape = {"cylinder": r"\g<0>", "capsule": r'<capsule radius="\1" length="\2"/>', "sphere": r'<sphere radius="\1"/>'}
-    return replace(ROBOT, urdf=re.sub(cylinder, shape[kind], ROBOT.urdf))
+    return re.sub(cylinder, shape[kind], ROBOT.urdf)
 
 
 @pytest.mark.parametrize("kind", ["cylinder", "capsule", "sphere"])
-def test_ground_contact_is_that_of_mujoco(kind: str):
+def test_ground_contact_is_that_of_mujoco(read_changed: Callable[[str], Robot], kind: str):
     """On 4,000 random poses the arm touches the ground where it does in MuJoCo, but for 2 mm around touching."""
-    robot, poses = arm_of(kind), random_poses(4000)
+    robot, poses = read_changed(with_cylinders_as(kind)), random_poses(4000)
     contact = open_arms(4000, robot).place(poses).ground_contact
     lowered, raised = (mujoco_contacts(robot, poses, height) for height in (-NEAR, NEAR))
     assert contact[lowered].all()
@@ -69,24 +84,37 @@ def test_ground_contact_is_that_of_mujoco(kind: str):
 
 
 @pytest.mark.parametrize("link", MOVING_LINKS)
-def test_every_moving_link_touches_the_ground(link: str):
+def test_every_moving_link_touches_the_ground(read_changed: Callable[[str], Robot], link: str):
     """An arm of which only one link has a shape touches the ground with it."""
-    assert open_arms(500, only_shape_of(link)).place(random_poses(500)).ground_contact.any()
+    assert open_arms(500, read_changed(with_shape_of(link))).place(random_poses(500)).ground_contact.any()
 
 
-def test_base_does_not_touch_the_ground():
+def test_base_does_not_touch_the_ground(read_changed: Callable[[str], Robot]):
     """The base, which stands on the ground, is no contact."""
-    assert not open_arms(100, only_shape_of("base_link")).place(random_poses(100)).ground_contact.any()
+    robot = read_changed(with_shape_of("base_link"))
+    assert not open_arms(100, robot).place(random_poses(100)).ground_contact.any()
 
 
-def only_shape_of(link: str) -> Robot:
-    """The arm without the shapes of all links but one."""
+def with_shape_of(link: str) -> str:
+    """The FD100's URDF without the shapes of all links but one."""
     tree = ElementTree.fromstring(ROBOT.urdf)
     for element in tree.findall("link"):
         if element.get("name") != link:
             for shape in element.findall("collision"):
                 element.remove(shape)
-    return replace(ROBOT, urdf=ElementTree.tostring(tree, encoding="unicode"))
+    return ElementTree.tostring(tree, encoding="unicode")
+
+
+def test_urdf_is_parsed_once(read_changed: Callable[[str], Robot], monkeypatch: pytest.MonkeyPatch):
+    """From a file to an arm that moves, joints to be fixed and links without mass included."""
+    finger = '<link name="finger"/><joint name="grip" type="prismatic"><parent link="tool0"/><child link="finger"/>'
+    finger += '<limit lower="0" upper="0.1"/></joint>'
+    parsers, make = [], ElementTree.XMLParser
+    monkeypatch.setattr(ElementTree, "XMLParser", lambda **given: parsers.append(1) or make(**given))
+    robot = read_changed(ROBOT.urdf.replace("</robot>", f"{finger}</robot>"))
+    assert 'name="grip" type="fixed"' in robot.urdf
+    open_arms(2, robot).drive(random_poses(2), PERIOD)
+    assert parsers == [1]
 
 
 def test_joints_are_exactly_where_they_are_driven():

@@ -15,7 +15,8 @@ import harness
 from harness.errors import UsageError
 from harness.motion import MoveJ
 from harness.robot import Robot
-from harness.robot.normal_urdf import plain_urdf
+from harness.robot.normal_urdf import normal_urdf
+from harness.robot.urdf import parse_urdf
 from harness.simulator import Simulation, State
 from harness_plugins.simulators.pybullet import PyBullet, exact_timestep
 
@@ -363,8 +364,8 @@ def test_link_without_inertia_weighs_nothing():
     for link in tree.findall("link[@name='tool0']"):
         for inertial in link.findall("inertial"):
             link.remove(inertial)
-    plain = plain_urdf(ElementTree.tostring(tree, "unicode"), ROBOT.joint_names, ROBOT.folder)
-    simulation = open_arms(1, replace(ROBOT, urdf=plain))
+    plain = normal_urdf(parse_urdf(ElementTree.tostring(tree, "unicode")), ROBOT.joint_names, ROBOT.folder)
+    simulation = open_arms(1, replace(ROBOT, urdf=plain.text))
     (arm,) = simulation.arms
     assert pybullet.getDynamicsInfo(arm.body, arm.tip, physicsClientId=arm.client)[0] < 1e-5
 
@@ -373,8 +374,8 @@ def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path: Path):
     """A mesh whose path starts from the robot's folder reaches the ground."""
     (tmp_path / "long.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 -3\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
     robot = with_mesh(tmp_path, "long.obj")
-    plain = plain_urdf(robot.urdf, robot.joint_names, tmp_path)
-    assert open_arms(1, replace(robot, urdf=plain)).read().ground_contact.all()
+    plain = normal_urdf(parse_urdf(robot.urdf), robot.joint_names, tmp_path)
+    assert open_arms(1, replace(robot, urdf=plain.text)).read().ground_contact.all()
 
 
 def test_missing_mesh_is_a_usage_error(tmp_path: Path, capfd: pytest.CaptureFixture[str]):

@@ -1,0 +1,17 @@
+"""What a command says when it is interrupted half-way."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+
+
+@contextmanager
+def kept_when_interrupted(kept: str, folder: Path) -> Iterator[None]:
+    """If KeyboardInterrupt passes, say on standard error what is kept where, and how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"harness: interrupted: {kept} in '{folder}', the same command goes on from there", err=True)
+        raise

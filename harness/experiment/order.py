@@ -1,0 +1,50 @@
+"""What a worker process is told to do: the line that it reads, and what it makes of that line."""
+
+import importlib
+import json
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple, Protocol, Self, TypeAlias
+
+Report: TypeAlias = Callable[[int], None]
+"""Told the number of environment steps done so far."""
+
+
+class Work(Protocol):
+    """Something that a worker can do: a frozen dataclass that says itself in JSON and leaves a folder."""
+
+    noun: ClassVar[str]
+    """What to call it when its process ends too early."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same work back."""
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """The work that `to_json` told."""
+
+    def do(self, folder: Path, report: Report) -> None:
+        """Do it, and leave `folder`."""
+
+
+class Order(NamedTuple):
+    """What one process is to do."""
+
+    folder: Path
+    """It has to leave; no two orders share one."""
+    work: Work
+
+    def line(self) -> str:
+        """What the worker reads: JSON that names the class of the work, with its content, and what the user typed."""
+        kind = type(self.work)
+        told = {"work": f"{kind.__module__}:{kind.__qualname__}", "content": self.work.to_json()}
+        return json.dumps({**told, "folder": str(self.folder), "command": sys.argv})
+
+
+def read_order(line: str) -> tuple[Order, list[str]]:
+    """The order in a line that `Order.line` wrote, and what the user typed."""
+    told = json.loads(line)
+    module, _, name = told["work"].partition(":")
+    kind: type[Work] = getattr(importlib.import_module(module), name)
+    return Order(Path(told["folder"]), kind.from_json(told["content"])), told["command"]

@@ -1,0 +1,35 @@
+"""What tests of cells and workers share."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.executor import CellOptions
+from harness.experiment.order import Order
+from harness.experiment.run_cell import TrainCell
+from harness.record.cell import Cell
+
+WORKER = [sys.executable, "-m", "harness.experiment.worker"]
+
+
+@pytest.fixture
+def train_in_a_process() -> Callable[..., None]:
+    """Do a cell in a worker of its own, which is killed when it has told of `until` steps, if it gets there."""
+
+    def train(cell: Cell, folder: Path, every: int = 0, until: int | None = None) -> None:
+        order = Order(folder, TrainCell(cell, CellOptions(checkpoint_every=every)))
+        with subprocess.Popen(WORKER, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as worker:
+            worker.stdin.write(order.line() + "\n")
+            worker.stdin.flush()
+            for line in worker.stdout:
+                if until is not None and int(line) >= until:
+                    os.kill(worker.pid, signal.SIGKILL)
+                    break
+            worker.wait()
+
+    return train

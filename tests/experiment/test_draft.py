@@ -1,0 +1,45 @@
+"""A folder that comes to be there all at once."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.experiment.draft import draft_of
+from harness.record.cell import Cell
+from harness.record.folder import LOG, MANIFEST, partial_folder
+from harness.record.manifest import Manifest, read_manifest
+
+MakeCell = Callable[..., Cell]
+
+
+def test_folder_is_there_when_the_work_is_done(make_cell: MakeCell, tmp_path: Path):
+    """Not before; then with its files, and a record of start and duration."""
+    with draft_of(tmp_path / "cell", Manifest(make_cell(), status="done")) as draft:
+        (draft.partial / "file").touch()
+        assert not (tmp_path / "cell").exists()
+    assert {path.name for path in (tmp_path / "cell").iterdir()} == {"file", MANIFEST}
+    manifest = read_manifest(tmp_path / "cell")
+    assert (manifest.status, manifest.reason) == ("done", "")
+    assert manifest.started
+    assert manifest.seconds >= 0.0
+
+
+@pytest.mark.parametrize("error", [RuntimeError("the arm\nfell off"), SystemExit(3)], ids=repr)
+def test_failure_costs_the_folder_alone(make_cell: MakeCell, tmp_path: Path, error: BaseException):
+    """The reason is in the record with what was noted before, the traceback in the log."""
+    with draft_of(tmp_path / "cell", Manifest(make_cell(), status="done")) as draft:
+        draft.note(resumed_from=7)
+        raise error
+    manifest = read_manifest(tmp_path / "cell")
+    assert (manifest.status, manifest.resumed_from) == ("failed", 7)
+    assert manifest.reason == f"{type(error).__name__}: {' '.join(str(error).split())}"
+    assert "Traceback" in (tmp_path / "cell" / LOG).read_text()
+
+
+def test_interrupt_leaves_no_folder(make_cell: MakeCell, tmp_path: Path):
+    """Who stops the work has not failed: only the partial folder stays."""
+    with pytest.raises(KeyboardInterrupt), draft_of(tmp_path / "cell", Manifest(make_cell(), status="done")):
+        raise KeyboardInterrupt
+    assert not (tmp_path / "cell").exists()
+    assert partial_folder(tmp_path / "cell").exists()

@@ -1,0 +1,115 @@
+"""What decides a result beside its cell."""
+
+import json
+import re
+import subprocess
+from collections.abc import Callable
+from hashlib import sha256
+from importlib.metadata import EntryPoint, version
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.experiment import provenance
+from harness.experiment.provenance import describe_environment, describe_machine, source_commit, versions_behind
+from harness.record.cell import Cell
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry, load_registry
+from harness_plugins.rewards import arp
+
+MakeCell = Callable[..., Cell]
+
+
+def test_environment_of_a_run(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+    """What decides a result beside the cell, as JSON: versions, machine, commit, command, sources."""
+    monkeypatch.setattr("sys.argv", ["/somewhere/bin/harness", "run", "--sim", "ideal"])
+    described = describe_environment(make_cell(), toys)
+    assert list(described) == ["versions", "machine", "commit", "command", "sources"]
+    assert described["command"] == "harness run --sim ideal"
+    assert json.loads(json.dumps(described)) == described
+
+
+def test_versions_are_those_that_run(toys: Registry):
+    """The numpy of this process is the one that is recorded, whatever the plugins."""
+    assert versions_behind([])["numpy"] == np.__version__
+
+
+def test_versions_of_a_plugins_libraries_are_recorded(write_plugin: Callable[..., EntryPoint]):
+    """What a third party requires is recorded like MuJoCo, by the name of its distribution, and its own version too."""
+    source = """
+import harness
+
+@harness.hookimpl
+def register_simulators(register):
+    register("mine", "nowhere:Mine", summary="s", requires=["yaml_of_mine", "safetensors.numpy", "PIL"])
+"""
+    spec = load_registry([write_plugin(source, "mine")]).get("simulators", "mine")
+    versions = versions_behind([spec])
+    assert versions["safetensors"] == version("safetensors")
+    assert versions["pillow"] == version("pillow")  # another name than the module's
+    assert "yaml-of-mine" not in versions  # it is not installed
+
+
+def test_versions_of_other_plugins_are_left_out(make_cell: MakeCell, toys: Registry):
+    """A cell of the toy arm does not depend on MuJoCo, whatever is installed."""
+    assert "mujoco" not in describe_environment(make_cell(), toys)["versions"]
+
+
+def test_versions_of_an_engine_are_recorded(make_cell: MakeCell, toys: Registry):
+    """Of every library that the built-in engine requires."""
+    cell = make_cell(simulator=Choice("dm_control", (), "dm_control"))
+    assert {"dm-control", "mujoco"} <= describe_environment(cell, toys, ["simulators"])["versions"].keys()
+
+
+def test_machine_names_its_cpu():
+    """The CPU decides which floating-point kernels run."""
+    machine = describe_machine()
+    assert machine["cpu"]
+    assert machine["cores"] >= 1
+
+
+def test_sources_are_hashes_of_the_files(make_cell: MakeCell, toys: Registry):
+    """A result whose reward was changed since can be told by the hash of the reward's file."""
+    hashes = describe_environment(make_cell(reward=Choice("arp", (), "arp")), toys)["sources"]
+    assert set(hashes) == {"simulators", "tasks", "algorithms", "rewards", "robots"}
+    assert hashes["rewards"] == sha256(Path(arp.__file__).read_bytes()).hexdigest()
+
+
+def test_sources_are_those_of_the_kinds_that_made_the_result(make_cell: MakeCell, toys: Registry):
+    """An evaluation does not depend on the library that trained the policy."""
+    assert set(describe_environment(make_cell(), toys, ["simulators"])["sources"]) == {"simulators", "robots"}
+
+
+def _repository(folder: Path, name: str | None) -> Path:
+    """A repository with one commit, and with a project of that name in it."""
+    folder.mkdir()
+    if name is not None:
+        (folder / "pyproject.toml").write_text(f'[project]\nname = "{name}"\n')
+    (folder / "file").write_text("x")
+    git = ["git", "-C", str(folder), "-c", "user.name=n", "-c", "user.email=e@x"]
+    for arguments in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "first"]):
+        subprocess.run([*git, *arguments], check=True)
+    return folder
+
+
+def test_commit_is_that_of_the_projects_own_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """40 digits, and a plus sign where files differ from it."""
+    checkout = _repository(tmp_path / "mine", "fd100-harness")
+    monkeypatch.setattr(provenance, "CHECKOUT", checkout)
+    clean = source_commit()
+    (checkout / "file").write_text("y")
+    assert re.fullmatch("[0-9a-f]{40}", clean)
+    assert source_commit() == f"{clean}+"
+
+
+@pytest.mark.parametrize("name", ["someones-project", None])
+def test_repository_around_the_installation_does_not_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str | None
+):
+    """Neither one whose root the package lies in, nor one that only has the installation somewhere inside."""
+    other = _repository(tmp_path / "theirs", name)
+    (other / "site-packages").mkdir()
+    for folder in (other, other / "site-packages"):
+        monkeypatch.setattr(provenance, "CHECKOUT", folder)
+        assert source_commit() == ""

@@ -1,0 +1,54 @@
+"""One program at a time in a folder."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.record.folder_lock import folder_lock
+
+HOLD = """
+import sys
+from pathlib import Path
+from harness.record.folder_lock import folder_lock
+
+with folder_lock(Path(sys.argv[1]), "busy"):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_second_process_is_refused_until_the_first_one_ends(tmp_path: Path):
+    """By one line that says what to do; a process that is killed lets go."""
+    path = tmp_path / ".lock"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], text=True, **pipes) as holder:
+        assert holder.stdout.readline() == "held\n"
+        with (
+            pytest.raises(UsageError, match=r"^In use: wait for it, or name another --out$"),
+            folder_lock(path, "In use"),
+        ):
+            pass
+        holder.kill()
+    with folder_lock(path, "In use"):
+        assert path.exists()
+
+
+def test_one_process_does_not_hold_it_twice(tmp_path: Path):
+    """Two runs in one program do not meet in one folder either."""
+    with (
+        folder_lock(tmp_path / ".lock", "In use"),
+        pytest.raises(UsageError),
+        folder_lock(tmp_path / ".lock", "In use"),
+    ):
+        pass
+
+
+def test_nothing_but_portable_modules_is_imported():
+    """`fcntl` does not exist on Windows: no module of the core imports it by itself."""
+    root = Path(__file__).parents[2]
+    found = [path for folder in ("harness", "plugins") for path in (root / folder).rglob("*.py")]
+    assert found
+    assert not [path for path in found if "import fcntl" in path.read_text(encoding="utf-8")]

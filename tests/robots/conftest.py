@@ -1,0 +1,10 @@
+"""The state of a MuJoCo model."""
+
+import mujoco
+import pytest
+
+
+@pytest.fixture
+def data(model: mujoco.MjModel) -> mujoco.MjData:
+    """The state of the module's `model`, at the zero pose."""
+    return mujoco.MjData(model)

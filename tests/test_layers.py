@@ -1,0 +1,92 @@
+"""What imports what inside `harness`: no module needs itself, neither when it is imported nor when it is called."""
+
+import ast
+from collections.abc import Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import harness
+
+ROOT = Path(harness.__file__).parent
+
+
+def _name_of(path: Path) -> str:
+    return ".".join(["harness", *path.relative_to(ROOT).with_suffix("").parts]).removesuffix(".__init__")
+
+
+SOURCES = {_name_of(path): path.read_text(encoding="utf-8") for path in sorted(ROOT.rglob("*.py"))}
+
+
+def _imports(tree: ast.AST) -> Iterator[tuple[str, list[str]]]:
+    """Module and names of every import, at whatever depth; those for type checkers alone are left out."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            for other in node.orelse:
+                yield from _imports(other)
+        elif isinstance(node, ast.Import):
+            yield from ((alias.name, []) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute here"
+            yield node.module or "", [alias.name for alias in node.names]
+        else:
+            yield from _imports(node)
+
+
+def import_graph(sources: Mapping[str, str]) -> dict[str, set[str]]:
+    """By module: the modules of `sources` that it imports anywhere."""
+    graph: dict[str, set[str]] = {module: set() for module in sources}
+    for module, source in sources.items():
+        for imported, names in _imports(ast.parse(source)):
+            for name in names or [""]:
+                inner = f"{imported}.{name}"  # a module of a package, or a name in a module
+                graph[module].add(inner if inner in sources else imported)
+        graph[module] &= set(sources)
+    return graph
+
+
+def circle(graph: Mapping[str, set[str]]) -> list[str]:
+    """Modules that import one another, one after the next, the first once more at the end; empty if there are none."""
+    try:
+        tuple(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        return list(reversed(error.args[1]))
+    return []
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    """Imports in functions count: a circle that one of them opens is a circle."""
+    assert circle(import_graph(SOURCES)) == []
+
+
+def test_graph_is_that_of_the_code():
+    """It has the imports of a command: those at its top, those when it runs, and none for type checkers."""
+    found = import_graph(SOURCES)["harness.cli.audit"]
+    assert {"harness.errors", "harness.registry.choice", "harness.audit.verdict"} <= found
+    assert "harness.env" not in import_graph(SOURCES)["harness.authoring.act_without_learning"]
+
+
+CIRCLES = {
+    "at the top": ("from harness.b import f\n", "import harness.a\n"),
+    "in a function": ("from harness import b\n", "def f():\n    from harness.a import g\n"),
+    "in a method's branch": (
+        "import harness.b\n",
+        "class C:\n    def f(self):\n        if 1:\n            import harness.a\n",
+    ),
+    "of one": ("import harness.a\n", ""),
+}
+
+
+@pytest.mark.parametrize(("first", "second"), CIRCLES.values(), ids=CIRCLES)
+def test_circle_is_found(first: str, second: str):
+    """The mutants: whichever way two modules import one another."""
+    found = circle(import_graph({"harness.a": first, "harness.b": second}))
+    assert set(found) <= {"harness.a", "harness.b"}
+    assert found
+
+
+def test_import_for_type_checkers_makes_no_circle():
+    """It is none when the code runs."""
+    lazy = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import harness.a\n"
+    assert circle(import_graph({"harness.a": "import harness.b\n", "harness.b": lazy})) == []
