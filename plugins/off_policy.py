@@ -2,7 +2,7 @@
 
 from pydantic.dataclasses import dataclass
 
-from harness_plugins.hyperparameters import (
+from .hyperparameters import (
     Activation,
     BatchSize,
     BufferSize,

@@ -6,7 +6,8 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.algorithm import ActionSpace
-from harness_plugins.off_policy import OffPolicy
+
+from .off_policy import OffPolicy
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from pydantic.dataclasses import dataclass
 
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.sb3.q_learning import QLearning
+
+from ..sb3.q_learning import QLearning
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -22,6 +23,6 @@ class Ddqn(QLearning):
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
-        from harness_plugins.sb3.double import DoubleDQN
+        from ..sb3.double import DoubleDQN
 
         return self.train_with(DoubleDQN, "ddqn", env, steps, seed, progress)

@@ -6,7 +6,8 @@ from pydantic.dataclasses import dataclass
 
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.sb3.q_learning import QLearning
+
+from ..sb3.q_learning import QLearning
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv

@@ -1,6 +1,6 @@
 """The ceiling: the arm is told where to go by its own kinematics."""
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, cast
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -43,7 +43,7 @@ class Ik:
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> InverseKinematics:
         """See `harness.algorithm.Algorithm`."""
-        motion = env.task.motion(env.robot)
+        motion = cast(MoveJ | MoveJAbsolute | SetJoints, env.task.motion(env.robot))  # see why_not
         policy = InverseKinematics.of(env.robot, motion.limits, MODES[type(motion)], "ik")
         act_for(env, steps, policy, seed, progress)
         return policy

@@ -10,7 +10,8 @@ from pydantic_core import ArgsKwargs
 from harness.algorithm import ActionSpace
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.hyperparameters import Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
+
+from ..hyperparameters import Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -106,8 +107,8 @@ class Ppo:
         from gymnasium.spaces import Discrete
         from stable_baselines3 import PPO
 
-        from harness_plugins.sb3.policies import categorical, gaussian
-        from harness_plugins.sb3.training import network, train
+        from ..sb3.policies import categorical, gaussian
+        from ..sb3.training import network, train
 
         policy_of = categorical if isinstance(env.single_action_space, Discrete) else gaussian
         return train(

@@ -6,7 +6,8 @@ from pydantic.dataclasses import dataclass
 
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.soft_actor_critic import SoftActorCritic
+
+from ..soft_actor_critic import SoftActorCritic
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -23,8 +24,8 @@ class Sac(SoftActorCritic):
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from stable_baselines3 import SAC
 
-        from harness_plugins.sb3.policies import squashed_gaussian
-        from harness_plugins.sb3.training import replay_settings, train
+        from ..sb3.policies import squashed_gaussian
+        from ..sb3.training import replay_settings, train
 
         return train(
             SAC, env, steps, seed, progress,

@@ -6,7 +6,8 @@ from pydantic.dataclasses import dataclass
 
 from harness.policy import SquashedGaussian
 from harness.progress import Progress
-from harness_plugins.soft_actor_critic import SoftActorCritic
+
+from ..soft_actor_critic import SoftActorCritic
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -25,7 +26,7 @@ class SacFast(SoftActorCritic):
         """See `harness.algorithm.Algorithm`."""
         from threadpoolctl import threadpool_limits
 
-        from harness_plugins.fast_sac.training import Training
+        from ..fast_sac.training import Training
 
         # Matrices this small are slower with more threads, and sums come out the same with one.
         with threadpool_limits(1):

@@ -220,7 +220,8 @@ class Learner:
 
     def collect(self, until: int) -> Segment:
         """Let the policy decide, until the next update or until the env has done `until` steps in all."""
-        env, rows = self._env, []
+        env = self._env
+        rows: list[tuple[Float32, Float32, Float32, Mask]] = []
         while len(rows) < self._settings.decisions and env.environment_steps < until:
             action = self._draw(self._observation)
             following, reward, terminated, truncated, _ = env.step(np.clip(action, self._low, self._high))

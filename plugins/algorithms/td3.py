@@ -8,7 +8,8 @@ from pydantic.dataclasses import dataclass
 from harness.algorithm import ActionSpace
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.off_policy import OffPolicy
+
+from ..off_policy import OffPolicy
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -40,10 +41,10 @@ class Td3(OffPolicy):
         from stable_baselines3 import TD3
         from stable_baselines3.common.noise import NormalActionNoise
 
-        from harness_plugins.sb3.policies import deterministic
-        from harness_plugins.sb3.training import replay_settings, train
+        from ..sb3.policies import deterministic
+        from ..sb3.training import replay_settings, train
 
-        dimensions = np.ones(env.single_action_space.shape)
+        dimensions = np.ones(env.single_action_space.shape or ())
         return train(
             TD3, env, steps, seed, progress,
             lambda model: deterministic(model, self.activation, "td3", self.action_noise),

@@ -18,6 +18,9 @@ ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
 class Scale(torch.nn.Module):
     """Observations less their mean, in standard deviations."""
 
+    mean: torch.Tensor
+    std: torch.Tensor
+
     def __init__(self, mean: torch.Tensor, std: torch.Tensor) -> None:
         super().__init__()
         self.register_buffer("mean", mean)
@@ -30,6 +33,10 @@ class Scale(torch.nn.Module):
 
 class Box(torch.nn.Module):
     """Numbers clipped to the action box, squashed into it before or not."""
+
+    low: torch.Tensor
+    high: torch.Tensor
+    half_range: torch.Tensor
 
     def __init__(self, low: torch.Tensor, high: torch.Tensor, half: torch.Tensor, squashes: bool) -> None:
         super().__init__()
@@ -76,7 +83,8 @@ def _steps(policy: Network) -> list[torch.nn.Module]:
         steps += [_linear(policy, f"hidden.{index}"), ACTIVATIONS[policy.activation]()]
     steps.append(_linear(policy, policy.heads[0]))
     if isinstance(policy, ContinuousNetwork):
-        steps.append(Box(*map(torch.tensor, policy.bounds), policy.squashes))
+        low, high, half = (torch.tensor(bound) for bound in policy.bounds)
+        steps.append(Box(low, high, half, policy.squashes))
     else:
         steps.append(First())
     return steps

@@ -37,7 +37,7 @@ def draw(output: Float32, noise: Float32) -> Draw:
     size = noise.shape[-1]
     log_std = np.clip(output[..., size:], LOWEST_LOG_STD, HIGHEST_LOG_STD)
     std = np.exp(log_std)
-    action = np.tanh(output[..., :size] + std * noise)
+    action: Float32 = np.tanh(output[..., :size] + std * noise)
     slope = 1.0 - action * action
     density = 0.5 * noise * noise + log_std + np.log(slope + SMALL)
     log_prob = -density.sum(axis=-1) - size * HALF_LOG_2_PI

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness_plugins.fast_sac.adam import Adam
-from harness_plugins.soft_actor_critic import SoftActorCritic
+from ..soft_actor_critic import SoftActorCritic
+from .adam import Adam
 
 
 class EntropyCoefficient:

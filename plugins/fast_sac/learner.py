@@ -6,10 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float32
-from harness_plugins.fast_sac.actor import Draw, draw, put_error
-from harness_plugins.fast_sac.adam import Adam
-from harness_plugins.fast_sac.coefficient import EntropyCoefficient
-from harness_plugins.fast_sac.network import (
+
+from ..soft_actor_critic import SoftActorCritic
+from .actor import Draw, draw, put_error
+from .adam import Adam
+from .coefficient import EntropyCoefficient
+from .network import (
     Networks,
     Room,
     backward,
@@ -18,8 +20,7 @@ from harness_plugins.fast_sac.network import (
     forward,
     networks_in,
 )
-from harness_plugins.fast_sac.replay import Batch
-from harness_plugins.soft_actor_critic import SoftActorCritic
+from .replay import Batch
 
 
 class Losses(NamedTuple):

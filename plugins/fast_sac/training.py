@@ -7,12 +7,13 @@ import numpy as np
 from harness.arrays import Float32
 from harness.policy import SquashedGaussian
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress
-from harness_plugins.episode_means import EpisodeMeans
-from harness_plugins.fast_sac.actor import draw
-from harness_plugins.fast_sac.learner import Learner, Losses
-from harness_plugins.fast_sac.network import Networks, Room, forward
-from harness_plugins.fast_sac.replay import Replay
-from harness_plugins.soft_actor_critic import SoftActorCritic
+
+from ..episode_means import EpisodeMeans
+from ..soft_actor_critic import SoftActorCritic
+from .actor import draw
+from .learner import Learner, Losses
+from .network import Networks, Room, forward
+from .replay import Replay
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv

@@ -9,7 +9,8 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness_plugins.mujoco_model.meshes import add_meshes, without_meshes
+
+from .meshes import add_meshes, without_meshes
 
 GROUND, TARGET, TOUCH, TIP = "harness_ground", "harness_target", "harness_touch", "harness_tip"
 

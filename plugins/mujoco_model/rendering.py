@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError, one_line
-from harness_plugins.mujoco_model.engine import choices_kept, mujoco
+
+from .engine import choices_kept, mujoco
 
 WITHOUT_DISPLAY = ("egl", "osmesa")
 """What MUJOCO_GL may be on Linux to render without a display."""

@@ -8,9 +8,10 @@ from stable_baselines3.common.callbacks import BaseCallback
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress
-from harness_plugins.episode_means import EpisodeMeans
-from harness_plugins.sb3.entropy import actor_entropy
-from harness_plugins.sb3.scalars import losses
+
+from ..episode_means import EpisodeMeans
+from .entropy import actor_entropy
+from .scalars import losses
 
 
 class SilentProgress(BaseCallback):

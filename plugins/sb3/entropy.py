@@ -13,10 +13,11 @@ def actor_entropy(model: Any) -> float | None:
 
     Estimated from one draw per observation. The training takes no notice: its random numbers stay where they are.
     """
-    actor, buffer = getattr(model, "actor", None), getattr(model, "replay_buffer", None)
-    if not hasattr(actor, "action_log_prob") or buffer is None or buffer.pos == 0:
+    draw = getattr(getattr(model, "actor", None), "action_log_prob", None)
+    buffer = getattr(model, "replay_buffer", None)
+    if draw is None or buffer is None or buffer.pos == 0:
         return None
     newest = buffer.observations[max(buffer.pos - LAST, 0) : buffer.pos].reshape(-1, *buffer.obs_shape)
     with torch.random.fork_rng(devices=[]), torch.no_grad():
-        _, log_prob = actor.action_log_prob(torch.as_tensor(newest))
+        _, log_prob = draw(torch.as_tensor(newest))
     return -float(log_prob.mean())

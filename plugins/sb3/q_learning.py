@@ -8,8 +8,9 @@ from pydantic.dataclasses import dataclass
 from harness.algorithm import ActionSpace
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.hyperparameters import BatchSize, Tau
-from harness_plugins.off_policy import OffPolicy
+
+from ..hyperparameters import BatchSize, Tau
+from ..off_policy import OffPolicy
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -40,8 +41,8 @@ class QLearning(OffPolicy):
         self, library: Any, name: str, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress
     ) -> Policy:
         """Train the library's class; the policy's card says `name`. See `harness.algorithm.Algorithm`."""
-        from harness_plugins.sb3.policies import greedy
-        from harness_plugins.sb3.training import replay_settings, train
+        from .policies import greedy
+        from .training import replay_settings, train
 
         return train(
             library, env, steps, seed, progress,

@@ -8,8 +8,9 @@ import torch
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import Progress
-from harness_plugins.sb3.callback import SilentProgress
-from harness_plugins.sb3.vec_env import VecEnvAdapter
+
+from .callback import SilentProgress
+from .vec_env import VecEnvAdapter
 
 ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
 
@@ -40,7 +41,7 @@ def train(
     torch.set_num_threads(1)
     before = env.environment_steps
 
-    class Model(library):  # type: ignore[misc, valid-type]
+    class Model(library):  # type: ignore[misc]
         def _update_current_progress_remaining(self, num_timesteps: int, total_timesteps: int) -> None:
             """Schedules end with the budget; the library would count decisions."""
             super()._update_current_progress_remaining(env.environment_steps - before, steps)

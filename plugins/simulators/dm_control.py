@@ -14,7 +14,8 @@ from harness.authoring.substeps import Substeps
 from harness.errors import SimulationDiverged
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.mujoco_model import TOUCH, Renderer, build_model, import_engine
+
+from ..mujoco_model import TOUCH, Renderer, build_model, import_engine
 
 engine = import_engine("dm_control.mujoco")
 

@@ -11,7 +11,8 @@ from harness.arrays import Float, Mask
 from harness.authoring.substeps import Substeps
 from harness.robot import Robot
 from harness.simulator import State
-from harness_plugins.mujoco_model import Renderer, build_model, mujoco
+
+from ..mujoco_model import Renderer, build_model, mujoco
 
 Count = Annotated[int, Field(gt=0)]
 

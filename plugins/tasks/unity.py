@@ -187,7 +187,8 @@ class UnityObservation:
         joints = (episodes.qpos - self._middle) / self._half
         last = np.stack([episodes.distance, np.zeros_like(episodes.distance)], axis=1)
         seen = np.concatenate([joints, *map(_unit, vectors), last], axis=1)
-        return np.minimum(np.maximum(seen, self._low), self._high).astype(np.float32)
+        shown: Float32 = np.minimum(np.maximum(seen, self._low), self._high).astype(np.float32)
+        return shown
 
 
 def _unit(vectors: Float) -> Float:

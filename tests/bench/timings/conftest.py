@@ -1,35 +1,104 @@
-"""Timings side by side: what is compared takes turns in one run, and medians are quoted."""
+"""Timings side by side: what is compared takes turns in one run, and every bound is a ratio.
+
+Under ``-m bench`` (make bench) the bounds hold. Elsewhere each timing runs once, on little work and without its bound,
+so that one that no longer works is seen at once.
+"""
 
 import statistics
 import time
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
+SHARED = ("learning_rate", "gamma", "batch_size")
+OFF_POLICY = (*SHARED, "learning_starts", "train_freq", "gradient_steps", "tau")
 
-@pytest.fixture
-def speed_ratio(benchmark):
-    """Speed of `candidate` relative to `reference`; both take no argument and do equal work.
 
-    They take turns, so that a slow moment of the machine meets both. The ratio and both medians go into the
-    benchmark's extra info and onto the terminal.
-    """
+@pytest.fixture(scope="session")
+def is_timed(request: pytest.FixtureRequest) -> bool:
+    """Whether the bounds hold."""
+    option = request.config.getoption
+    return option("markexpr") == "bench" and not option("benchmark_disable")
 
-    def measure(reference: Callable[[], object], candidate: Callable[[], object], rounds: int = 9) -> float:
-        reference()
-        candidate()
-        pairs = [(_seconds(reference), _seconds(candidate)) for _ in range(rounds)]
-        ratio = statistics.median(first / second for first, second in pairs)
-        medians = [statistics.median(column) for column in zip(*pairs, strict=True)]
-        benchmark.extra_info.update(ratio=ratio, reference_s=medians[0], candidate_s=medians[1])
-        benchmark.pedantic(candidate, rounds=1)
-        print(f"\n  speed ratio {ratio:.3f} (reference {medians[0]:.4f} s, candidate {medians[1]:.4f} s)")  # noqa: T201
-        return ratio
+
+@pytest.fixture(scope="session")
+def amount(is_timed: bool) -> Callable[[int, int], int]:
+    """How much work to do: `full` where bounds hold, `little` elsewhere."""
+    return lambda full, little: full if is_timed else little
+
+
+@pytest.fixture(scope="session")
+def seconds() -> Callable[[Callable[[], object]], float]:
+    """How long one call takes, [s]."""
+
+    def measure(function: Callable[[], object]) -> float:
+        start = time.perf_counter()
+        function()
+        return time.perf_counter() - start
 
     return measure
 
 
-def _seconds(function: Callable[[], object]) -> float:
-    start = time.perf_counter()
-    function()
-    return time.perf_counter() - start
+@pytest.fixture
+def require_speed(
+    request: pytest.FixtureRequest, is_timed: bool, seconds: Callable[[Callable[[], object]], float]
+) -> Callable[..., None]:
+    """Hold `candidate` to at least so many times the speed of `reference`; both do the same work.
+
+    They take turns, so that a slow moment of the machine meets both; what counts is the median of the turns' ratios.
+    It and both median times are printed, and stand in the benchmark's extra info.
+    """
+
+    def require(
+        reference: Callable[[], object], candidate: Callable[[], object], at_least: float, rounds: int = 9
+    ) -> None:
+        if not is_timed:
+            reference()
+            candidate()
+            return
+        benchmark, before = request.getfixturevalue("benchmark"), []
+        benchmark.pedantic(
+            candidate, setup=lambda: before.append(seconds(reference)), rounds=rounds, warmup_rounds=1
+        )  # fmt: skip
+        pairs = list(zip(before[1:], benchmark.stats.stats.data, strict=True))  # the first was the warm-up's
+        ratio = statistics.median(first / second for first, second in pairs)
+        medians = [statistics.median(column) for column in zip(*pairs, strict=True)]
+        benchmark.extra_info.update(ratio=ratio, at_least=at_least, reference_s=medians[0], candidate_s=medians[1])
+        times = "reference {:.4g} s, candidate {:.4g} s".format(*medians)
+        print(f"\n  speed ratio {ratio:.3f}, at least {at_least:.3f} ({times})")  # noqa: T201
+        assert ratio >= at_least
+
+    return require
+
+
+@pytest.fixture
+def train_bare() -> Callable[..., int]:
+    """Train by stable-baselines3 alone, on the same env and settings; returns the number of its updates."""
+
+    def train(name: str, settings: Any, steps: int, task: str = "fd100-reach", **others: Any) -> int:
+        import gymnasium
+        import stable_baselines3
+        import torch
+
+        from harness_plugins.off_policy import OffPolicy
+
+        torch.set_num_threads(1)
+        same, buffer = (OFF_POLICY, {"buffer_size": steps}) if isinstance(settings, OffPolicy) else (SHARED, {})
+        model = getattr(stable_baselines3, name.upper())(
+            "MlpPolicy",
+            gymnasium.make("harness/Reach-v0", simulator="mujoco", task=task),
+            policy_kwargs={
+                "net_arch": list(settings.net_arch),
+                "activation_fn": {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}[settings.activation],
+            },
+            seed=0,
+            device="cpu",
+            **{key: getattr(settings, key) for key in same},
+            **buffer,
+            **others,
+        )
+        model.learn(steps)
+        return int(model._n_updates)
+
+    return train

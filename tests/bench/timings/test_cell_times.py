@@ -15,12 +15,13 @@ pytestmark = pytest.mark.bench
 MakeCell = Callable[..., Cell]
 
 
-def test_a_timed_cell_has_nineteen_twentieths_of_an_untimed_one(tmp_path, speed_ratio, make_cell: MakeCell):
+def test_a_timed_cell_has_nineteen_twentieths_of_an_untimed_one(tmp_path, require_speed, amount, make_cell: MakeCell):
     """Where every step is cheap and nothing is learned, a timed cell does at least 0.95 of the steps of another."""
     named = {key: Choice(name, (), name) for key, name in (("simulator", "kinematic"), ("algorithm", "random"))}
-    cell = make_cell(task=Choice("fd100-reach", (), "fd100-reach"), steps=4_000, evaluation_episodes=1, **named)
+    task, steps = Choice("fd100-reach", (), "fd100-reach"), amount(4_000, 40)
+    cell = make_cell(task=task, steps=steps, evaluation_episodes=1, **named)
 
     def run(watch: Watch) -> None:
         assert run_cell(cell, tmp_path / "cell", lambda steps: None, watch=watch).reason == ""
 
-    assert speed_ratio(lambda: run(UNWATCHED), lambda: run(Stopwatch(CLOCK()))) >= 0.95
+    require_speed(lambda: run(UNWATCHED), lambda: run(Stopwatch(CLOCK())), at_least=0.95)

@@ -14,7 +14,7 @@ from harness.record.trace import TraceWriter
 from harness_plugins.mujoco_model import TARGET, TOUCH
 
 pytestmark = pytest.mark.bench
-STEPS, SUBSTEPS = 500, 20
+SUBSTEPS = 20
 
 
 class Reach(base.Task):
@@ -72,11 +72,11 @@ def recorded(arm: control.Environment, run) -> tuple[list[np.ndarray], list[np.n
     return starts, told
 
 
-def test_one_env_keeps_up_with_an_environment_of_dm_control(tmp_path, speed_ratio):
+def test_one_env_keeps_up_with_an_environment_of_dm_control(tmp_path, require_speed, amount):
     """Observation, reward and trace on, one env does at least 0.9 of the steps of `control.Environment`."""
     env = harness.make_env("dm_control")
     env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
-    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (STEPS, 1, 6)).astype(np.float32)
+    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
 
     def through_the_env() -> None:
         env.reset(seed=0)
@@ -95,5 +95,5 @@ def test_one_env_keeps_up_with_an_environment_of_dm_control(tmp_path, speed_rati
         for controls in told:
             _ = bare.reset() if controls is None else bare.step(controls)
 
-    assert speed_ratio(through_dm_control, through_the_env) >= 0.9
+    require_speed(through_dm_control, through_the_env, at_least=0.9)
     np.testing.assert_array_equal(physics.position(), arm.physics.position())

@@ -14,7 +14,7 @@ import pytest
 import harness
 
 pytestmark = pytest.mark.bench
-STEPS, BATCH = 640, 64
+BATCH = 64
 
 
 class _PlainEnums:
@@ -50,10 +50,10 @@ def _require(package: str) -> None:
     gymnasium.register_envs(import_module(package))
 
 
-def _peer_steps(env):
+def _peer_steps(env, steps):
     """Random actions, drawn before; a new episode whenever one ends."""
     env.action_space.seed(0)
-    actions = [env.action_space.sample() for _ in range(STEPS)]
+    actions = [env.action_space.sample() for _ in range(steps)]
 
     def run() -> None:
         for action in actions:
@@ -64,9 +64,9 @@ def _peer_steps(env):
     return run
 
 
-def _our_steps(env):
+def _our_steps(env, steps):
     rng = np.random.default_rng(0)
-    actions = rng.uniform(-1.0, 1.0, (STEPS // env.num_envs, *env.action_space.shape)).astype(np.float32)
+    actions = rng.uniform(-1.0, 1.0, (steps // env.num_envs, *env.action_space.shape)).astype(np.float32)
 
     def run() -> None:
         for action in actions:
@@ -87,8 +87,9 @@ def _our_steps(env):
         pytest.param(_fetch_reach, "mujoco:substeps=20", 1, 3.0, id="FetchReach, one env"),
     ],
 )
-def test_many_times_as_fast_as_a_peer(make_peer, simulator, num_envs, times, speed_ratio, monkeypatch):
+def test_many_times_as_fast_as_a_peer(make_peer, simulator, num_envs, times, require_speed, amount, monkeypatch):
     """At least `times` the env steps per second of the peer."""
+    steps = amount(640, BATCH)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         peer = make_peer(monkeypatch)
@@ -96,7 +97,7 @@ def test_many_times_as_fast_as_a_peer(make_peer, simulator, num_envs, times, spe
         ours = harness.make_env(simulator, num_envs=num_envs)
         ours.reset(seed=0)
         try:
-            assert speed_ratio(_peer_steps(peer), _our_steps(ours), rounds=5) >= times
+            require_speed(_peer_steps(peer, steps), _our_steps(ours, steps), times, rounds=5)
         finally:
             ours.close()
             peer.close()

@@ -1,16 +1,14 @@
 """How long a policy thinks."""
 
-import statistics
-import time
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
 
+from harness.arrays import Float32
 from harness.policy import Deterministic, Gaussian, Greedy, Network, SquashedGaussian
 
 pytestmark = pytest.mark.bench
-LIMIT = 20e-6
 SEEN, WIDTH, ACTIONS = 28, 64, 6
 
 
@@ -27,23 +25,34 @@ def _policy(kind: type[Network], activation: str, is_normalised: bool) -> Networ
     return kind(arrays, activation, *actions)
 
 
-def _median(function: Callable[[], object], calls: int = 5000) -> float:
-    times = []
-    for _ in range(calls):
-        start = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - start)
-    return statistics.median(times[calls // 10 :])
+def _layer(policy: Network, name: str) -> tuple[Float32, Float32]:
+    """Weight, (into, out), and bias, (out,)."""
+    return np.ascontiguousarray(policy.weights[f"{name}.weight"].T), policy.weights[f"{name}.bias"]
 
 
 @pytest.mark.parametrize("kind", [SquashedGaussian, Gaussian, Deterministic, Greedy])
 @pytest.mark.parametrize("activation", ["relu", "tanh"])
 @pytest.mark.parametrize("is_normalised", [False, True])
-def test_policy_acts_within_20_microseconds(benchmark, kind: type[Network], activation: str, is_normalised: bool):
-    """One observation through 64x64 takes less than 20 us, in the median of 4,500 calls."""
-    policy, seen = _policy(kind, activation, is_normalised), np.ones((1, SEEN), np.float32)
-    median = _median(lambda: policy.act(seen))
-    benchmark.extra_info.update(median_s=median)
-    benchmark.pedantic(lambda: policy.act(seen), rounds=1)
-    print(f"\n  {kind.kind}, {activation}, normalised {is_normalised}: {median * 1e6:.1f} us")  # noqa: T201
-    assert median < LIMIT
+def test_policy_keeps_up_with_its_layers_alone(
+    require_speed, amount, kind: type[Network], activation: str, is_normalised: bool
+):
+    """One observation through 64x64 takes at most 2.5 times as long as its three layers, written out in numpy.
+
+    The rest is the scaling of the observation, the box of the actions, and calls of Python. 1.1 to 2 times as long was
+    measured, 11 to 17 us.
+    """
+    policy, seen, calls = _policy(kind, activation, is_normalised), np.ones((1, SEEN), np.float32), amount(5_000, 2)
+    first, second, last = (_layer(policy, name) for name in ("hidden.0", "hidden.1", kind.heads[0]))
+    activate = np.tanh if activation == "tanh" else partial(np.maximum, np.zeros((), np.float32))
+
+    def bare() -> None:
+        for _ in range(calls):
+            values = activate(seen @ first[0] + first[1])
+            values = activate(values @ second[0] + second[1])
+            _ = values @ last[0] + last[1]
+
+    def act() -> None:
+        for _ in range(calls):
+            policy.act(seen)
+
+    require_speed(bare, act, at_least=0.4, rounds=5)

@@ -11,7 +11,7 @@ from harness.record.trace import TraceWriter
 from harness_plugins.simulators.pybullet import Arm, PyBullet, exact_timestep
 
 pytestmark = pytest.mark.bench
-STEPS, SUBSTEPS, PERIOD = 500, 20, 0.1
+SUBSTEPS, PERIOD = 20, 0.1
 
 
 def bare_loop(arm: Arm, starts: dict[int, np.ndarray], speeds: list[list[float]], calls: int) -> Callable[[], None]:
@@ -55,7 +55,7 @@ def recorded(arm: Arm, run: Callable[[], None]) -> tuple[dict[int, np.ndarray], 
 
 
 @pytest.mark.parametrize(("calls", "least"), [(SUBSTEPS, 0.85), (1, 0.8)])
-def test_one_env_keeps_up_with_the_bare_loop(tmp_path, speed_ratio, calls: int, least: float):
+def test_one_env_keeps_up_with_the_bare_loop(tmp_path, require_speed, amount, calls: int, least: float):
     """Observation, reward and trace on, one env does at least 0.85 of the steps of the bare API on the same motion.
 
     That is the loop that calls Bullet for each substep. Of the fastest there is, in which Bullet takes all substeps of
@@ -63,7 +63,7 @@ def test_one_env_keeps_up_with_the_bare_loop(tmp_path, speed_ratio, calls: int, 
     """
     env = harness.make_env("pybullet")
     env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
-    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (STEPS, 1, 6)).astype(np.float32)
+    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
     reference = PyBullet(SUBSTEPS).open(env.robot, 1, PERIOD)
 
     def through_the_env() -> None:
@@ -72,4 +72,4 @@ def test_one_env_keeps_up_with_the_bare_loop(tmp_path, speed_ratio, calls: int, 
             env.step(action)
 
     told = recorded(env.simulation.arms[0], through_the_env)
-    assert speed_ratio(bare_loop(reference.arms[0], *told, calls), through_the_env) >= least
+    require_speed(bare_loop(reference.arms[0], *told, calls), through_the_env, least)

@@ -1,82 +1,106 @@
 """How fast recorded runs are scored again."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
 
+from harness.arrays import Float, Mask
 from harness.record.trace import Trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.score.scorer import Scorer, score_trace
+from harness.reward import Reward
+from harness.score.scorer import BLOCK, Scorer, score_trace
 
-pytestmark = pytest.mark.bench
-ROWS, PIECE, EPISODE = 4_000_000, 65_536, 101
-FLOOR = 20e6
+pytestmark = [
+    pytest.mark.bench,
+    pytest.mark.parametrize("name", ["baseline", "arp"]),
+]
+EPISODE = 101
+AT_LEAST = 0.15
+"""Of the speed of the formula alone; 0.22 to 0.32 was measured, some 100 million rows per second."""
 
 
 @dataclass
 class Rows:
-    """Consecutive rows of one run."""
+    """Consecutive rows of one run, see `harness.score.scorer.Rows`."""
 
-    start: np.ndarray
-    begin_distance: np.ndarray
-    previous_best: np.ndarray
-    distance: np.ndarray
+    start: Mask
+    begin_distance: Float
+    previous_best: Float
+    distance: Float
+    touched: Mask
+
+    def __len__(self) -> int:
+        return len(self.distance)
+
+    def part(self, first: int) -> "Rows":
+        """The block of rows that begins there."""
+        return Rows(*(getattr(self, field.name)[first : first + BLOCK] for field in fields(self)))
 
 
 @pytest.fixture(scope="module", name="rows")
-def _rows() -> Rows:
+def _rows(amount: Callable[[int, int], int]) -> Rows:
     """A long run: episodes of 100 steps after their start row, distances that go up and down."""
     rng = np.random.default_rng(0)
-    episodes = rng.uniform(0.0, 1.0, (ROWS // EPISODE, EPISODE))
+    episodes = rng.uniform(0.0, 1.0, (amount(4_000_000, 2 * BLOCK) // EPISODE, EPISODE))
     begin = np.repeat(episodes[:, :1], EPISODE, axis=1)
     best = np.minimum.accumulate(episodes, axis=1)
     best = np.concatenate([begin[:, :1], best[:, :-1]], axis=1)
     start = np.zeros(episodes.shape, bool)
     start[:, 0] = True
-    return Rows(*(np.ascontiguousarray(column.ravel()) for column in (start, begin, best, episodes)))
+    columns = (start, begin, best, episodes, np.zeros_like(start))
+    return Rows(*(np.ascontiguousarray(column.ravel()) for column in columns))
 
 
-def _reward(name: str):
+@pytest.fixture
+def pieces(rows: Rows) -> list[Rows]:
+    """The same run in blocks, as files are read."""
+    return [rows.part(first) for first in range(0, len(rows), BLOCK)]
+
+
+@pytest.fixture
+def reward(name: str) -> Reward:
+    """By its name."""
     registry = load_registry()
-    return choose(registry, "rewards", name).build(registry, "rewards")
+    built: Reward = choose(registry, "rewards", name).build(registry, "rewards")
+    return built
 
 
-def _require_speed(benchmark, rows: int, work) -> None:
-    benchmark.pedantic(work, rounds=7, warmup_rounds=1)
-    speed = rows / benchmark.stats.stats.median
-    benchmark.extra_info["rows_per_second"] = speed
-    print(f"\n  {speed / 1e6:.0f} million rows per second")  # noqa: T201
-    assert speed >= FLOOR
+@pytest.fixture
+def score_bare(pieces: list[Rows]) -> Callable[[], None]:
+    """The formula alone on all rows, in numpy, block by block: it reads the same columns and writes the same one."""
+
+    def score() -> None:
+        for rows in pieces:
+            lost = rows.distance - rows.previous_best
+            np.where(rows.start, 0.0, np.where(lost > 0.0, -lost, rows.begin_distance - rows.distance))
+
+    return score
 
 
-@pytest.mark.parametrize("name", ["baseline", "arp"])
-def test_pieces_are_scored_at_twenty_million_rows_per_second(benchmark, rows: Rows, name: str):
+def test_pieces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(require_speed, score_bare, pieces, reward):
     """One core, pieces of 65,536 rows, as files are read."""
-    reward = _reward(name)
-    columns = (rows.start, rows.begin_distance, rows.previous_best, rows.distance)
-    pieces = [Rows(*(column[at : at + PIECE] for column in columns)) for at in range(0, len(rows.distance), PIECE)]
 
-    def work() -> None:
+    def score() -> None:
         scorer = Scorer(reward)
         for piece in pieces:
             scorer.score(piece)
 
-    _require_speed(benchmark, len(rows.distance), work)
+    require_speed(score_bare, score, AT_LEAST)
 
 
-@pytest.mark.parametrize("name", ["baseline", "arp"])
-def test_whole_runs_are_scored_at_twenty_million_rows_per_second(benchmark, rows: Rows, name: str):
+def test_whole_runs_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(
+    require_speed, score_bare, rows, reward
+):
     """One core, all rows at once."""
-    reward = _reward(name)
-    _require_speed(benchmark, len(rows.distance), lambda: Scorer(reward).score(rows))
+    require_speed(score_bare, lambda: Scorer(reward).score(rows), AT_LEAST)
 
 
-@pytest.mark.parametrize("name", ["baseline", "arp"])
-def test_traces_are_scored_at_twenty_million_rows_per_second(benchmark, rows: Rows, name: str):
+def test_traces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(require_speed, score_bare, rows, reward):
     """One core, a trace in memory, recorded in one env."""
-    reward = _reward(name)
-    step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows.distance) // EPISODE)
-    columns = {"env": np.zeros_like(step), "step": step, "reward": rows.distance, **vars(rows)}
-    _require_speed(benchmark, len(step), lambda: score_trace(reward, Trace(columns)))
+    step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows) // EPISODE)
+    flags = dict.fromkeys(("reached", "terminated", "truncated"), rows.touched)
+    columns = {"env": np.zeros_like(step), "step": step, "reward": rows.distance, **vars(rows), **flags}
+    require_speed(score_bare, lambda: score_trace(reward, Trace(columns)), AT_LEAST)

@@ -1,0 +1,28 @@
+"""A bound that is missed, in a pytest of its own."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+MISSED = """
+import pytest, time
+
+@pytest.mark.bench
+def test_candidate_is_slow(require_speed):
+    require_speed(lambda: time.sleep(1e-3), lambda: time.sleep(1e-2), at_least=0.5, rounds=3)
+"""
+
+
+@pytest.mark.parametrize(("selected", "status"), [("bench", 1), ("not slow", 0)])
+def test_missed_bound_fails_under_its_mark_alone(tmp_path, selected: str, status: int):
+    """With ``-m bench`` the ratio is printed and the test fails; elsewhere it passes."""
+    shutil.copy(Path(__file__).with_name("conftest.py"), tmp_path)
+    (tmp_path / "test_missed.py").write_text(MISSED)
+    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = bench\n")
+    command = [sys.executable, "-m", "pytest", "-s", "-m", selected, str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == status, done.stdout
+    assert ("at least 0.500" in done.stdout) == bool(status)
