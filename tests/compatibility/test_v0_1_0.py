@@ -1,0 +1,137 @@
+"""An experiment's folder that version 0.1.0 left is reported, scored and resumed as before.
+
+``v0.1.0`` was made by that version with::
+
+    harness run --sim kinematic --algo sac-fast:net_arch=8x8,gamma=0.9,learning_starts=50 --reward arp --seeds 2
+        --task fd100-reach:horizon=25 --steps 120 --evaluation-episodes 2 --evaluate-every 60 --out v0.1.0
+    harness transfer v0.1.0 --to mujoco
+    harness score v0.1.0 --reward dense --all --json > score.json
+    harness report v0.1.0 --json > report.json
+"""
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.cli import main
+from harness.executor import Event
+from harness.experiment.experiment import ExperimentRun, RunOptions, prepare
+from harness.experiment.plan import read_experiment
+from harness.experiment.provenance import describe_machine, versions_behind
+from harness.record.cell import Cell
+from harness.record.folder import MANIFEST, TRACE
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.store import EXPERIMENT, Store
+from harness.record.trace import Trace, read_trace
+
+HERE = Path(__file__).parent
+LEFT = HERE / "v0.1.0"
+CELLS = sorted(path.name for path in (LEFT / "cells").iterdir())
+
+
+@pytest.fixture
+def old(tmp_path: Path) -> Path:
+    """A copy of the folder, to be written into."""
+    return Path(shutil.copytree(LEFT, tmp_path / "old"))
+
+
+def _resume(folder: Path) -> tuple[ExperimentRun, list[Event]]:
+    """Run the folder's own experiment file again, in it."""
+    events: list[Event] = []
+    run = prepare(read_experiment(folder / EXPERIMENT, {}), RunOptions(out=folder, jobs=1))
+    run.run(events.append)
+    return run, events
+
+
+def _leaves(data: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Every number and text of plain data, with where it stands."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from _leaves(value, f"{path}/{key}")
+    elif isinstance(data, list):
+        for index, value in enumerate(data):
+            yield from _leaves(value, f"{path}/{index}")
+    else:
+        yield path, data
+
+
+def _require_equal(found: Any, expected: Any) -> None:
+    """The same keys and texts; numbers up to their last digits, in which another machine may differ."""
+    leaves, before = dict(_leaves(found)), dict(_leaves(expected))
+    assert list(leaves) == list(before)
+    for path, value in before.items():
+        is_number = isinstance(value, float)
+        assert leaves[path] == (pytest.approx(value, rel=1e-9, abs=1e-12) if is_number else value), path
+
+
+def _printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> Any:
+    """The JSON that a command prints."""
+    with pytest.raises(SystemExit) as stopped:
+        main([*map(str, arguments), "--json"])
+    assert not stopped.value.code
+    return json.loads(capsys.readouterr().out)
+
+
+def test_report_says_what_it_said(old: Path, capsys: pytest.CaptureFixture[str]):
+    """Every key, text and number of `harness report --json`, transfer and learning curves included."""
+    _require_equal(_printed(capsys, "report", old), json.loads((HERE / "report.json").read_text()))
+
+
+def test_score_pays_what_it_paid(old: Path, capsys: pytest.CaptureFixture[str]):
+    """Every index of every training under every reward; the columns that were there are kept."""
+    found = _printed(capsys, "score", old, "--reward", "dense", "--all")
+    _require_equal(found, json.loads((HERE / "score.json").read_text()))
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_cell_has_the_id_that_it_had(name: str):
+    """The hash of its content is the name of its folder."""
+    assert read_manifest(LEFT / "cells" / name).cell.id == name
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_manifest_is_written_as_it_was(name: str, tmp_path: Path):
+    """Read and written again it has the same keys and values."""
+    read_manifest(LEFT / "cells" / name).write(tmp_path)
+    [before, after] = [
+        json.loads((folder / "manifest.json").read_text()) for folder in (LEFT / "cells" / name, tmp_path)
+    ]
+    assert after == before
+
+
+def test_nothing_is_run_again(old: Path):
+    """The same experiment finds all of its cells done."""
+    run, events = _resume(old)
+    assert [cell.id for cell in run.done] == [cell.id for cell in run.plan.cells]
+    assert sorted(cell.id for cell in run.done) == CELLS
+    assert events == []
+
+
+def test_missing_cell_is_done_again(old: Path):
+    """With the same rows: bit for bit where machine and numpy are those of then; elsewhere with the same starts."""
+    cell = Store.open(old).read_plan()[2][1]
+    folder = Store.open(old).cell_folder(cell)
+    then, before = read_trace(folder / TRACE), read_manifest(folder)
+    shutil.rmtree(folder)
+    _, events = _resume(old)
+    assert {event.cell for event in events} == {cell}
+    assert read_manifest(folder).status == "done"
+    _require_same_rows(read_trace(folder / TRACE), then, before, cell)
+
+
+def _require_same_rows(found: Trace, then: Trace, before: Manifest, cell: Cell) -> None:
+    machine, versions = before.environment["machine"], before.environment["versions"]
+    is_same = describe_machine()["cpu_flags"] == machine["cpu_flags"] and describe_machine()["cpu"] == machine["cpu"]
+    if is_same and versions_behind([])["numpy"] == versions["numpy"]:
+        assert found.columns.keys() == then.columns.keys()
+        for name, column in then.columns.items():
+            np.testing.assert_array_equal(found[name], column, err_msg=name)
+        return
+    assert len(found) >= cell.steps
+    for name in ("qpos", "target_x", "distance"):
+        np.testing.assert_allclose(found[name][0], then[name][0], rtol=1e-9)
