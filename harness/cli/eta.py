@@ -53,7 +53,7 @@ def eta(
         raise UsageError(f"--plot writes .html, not '{plot}'")
     from harness.registry.registry import load_registry
     from harness.score.compare import compare_recordings
-    from harness.score.recording import match_recordings
+    from harness.score.open_recording import match_recordings
 
     comparison = compare_recordings(
         match_recordings(baseline),

@@ -52,7 +52,7 @@ def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, regist
     from harness.record.folder import SCORES, TRACE
     from harness.results import load_results
     from harness.results.score_matrix import score_matrices
-    from harness.score.recording import open_recording
+    from harness.score.open_recording import open_recording
 
     results = load_results(folder)
     if not results.done_cells:
@@ -73,7 +73,7 @@ def _score_files(
     patterns: Sequence[str], scoring: "list[Choice]", out: Path | None, registry: "Registry", as_json: bool
 ) -> None:
     from harness.record.folder import SCORES
-    from harness.score.recording import match_recordings
+    from harness.score.open_recording import match_recordings
 
     recordings = match_recordings(patterns)
     places = [(out or recording.path.parent) / f"{recording.path.stem}.{SCORES}" for recording in recordings]
