@@ -37,13 +37,14 @@ def audit_table(audit: Audit, title: str, setting: str, against: str) -> Rendera
 
 
 def _payoff_grid(audit: Audit) -> Table:
-    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    """In two lines of headings, so that names and values are whole in 60 columns."""
+    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     grid.add_column("policy", no_wrap=True)
-    for heading in ("return", "shaped alone", f"return, gamma {audit.gamma:g}", "steps", "success"):
-        grid.add_column(heading, justify="right", no_wrap=True)
+    for heading in ("return", "shaped\nalone", f"return\ngamma {audit.gamma:g}", "steps", "success"):
+        grid.add_column(Text(heading), justify="right", no_wrap=True)
     for place, payoff in enumerate(audit.payoffs):
         name = f"{payoff.policy} (best)" if place == 0 else payoff.policy
-        grid.add_row(name, *_cells(payoff), style="bold" if place == 0 else "")
+        grid.add_row(Text(name), *map(Text, _cells(payoff)), style="bold" if place == 0 else "")
     return grid
 
 
@@ -60,10 +61,10 @@ def _answer_grid(audit: Audit, against: str) -> Table:
     grid.add_column(no_wrap=True)
     grid.add_column(overflow="fold")
     for answer in audit.properties:
-        grid.add_row(answer.name, "yes" if answer.holds else "no", Text(answer.evidence))
+        grid.add_row(Text(answer.name), "yes" if answer.holds else "no", Text(answer.evidence))
     ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in audit.workspace.items()]
     evidence = f"shaped return times {', '.join(ratios)}; the event terms stay"
-    grid.add_row(f"all distances times {FACTOR:g}", "", Text(evidence))
+    grid.add_row(Text(f"all distances times {FACTOR:g}"), "", Text(evidence))
     grid.add_row(Text(f"distance to {against}"), _distance_value(audit.distance), Text(_distance_note(audit.distance)))
     return grid
 

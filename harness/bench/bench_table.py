@@ -5,7 +5,7 @@ from rich.text import Text
 
 from harness.bench.bench import Bench, Timing
 from harness.bench.cell_times import PARTS, TRAINING
-from harness.report.comparison_table import show_grid
+from harness.report.grid_table import show_grid
 from harness.report.rows import Grid
 
 LABELS = {"start_up": "start-up", "env": "rest of the env", "saving": "saving, end"}

@@ -9,8 +9,6 @@ import typer
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from harness.registry.choice import Choice
     from harness.registry.registry import Registry
     from harness.results import Results
@@ -52,7 +50,7 @@ def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, regist
     from harness.record.folder import SCORES, TRACE
     from harness.results import load_results
     from harness.results.score_matrix import score_matrices
-    from harness.score.recording import open_recording
+    from harness.score.open_recording import open_recording
 
     results = load_results(folder)
     if not results.done_cells:
@@ -66,14 +64,14 @@ def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, regist
     if as_json:
         _print_json({"matrices": [matrix.to_json() for matrix in matrices]})
     else:
-        _print_tables(matrices, results)
+        _print_table(matrices, results)
 
 
 def _score_files(
     patterns: Sequence[str], scoring: "list[Choice]", out: Path | None, registry: "Registry", as_json: bool
 ) -> None:
     from harness.record.folder import SCORES
-    from harness.score.recording import match_recordings
+    from harness.score.open_recording import match_recordings
 
     recordings = match_recordings(patterns)
     places = [(out or recording.path.parent) / f"{recording.path.stem}.{SCORES}" for recording in recordings]
@@ -104,27 +102,10 @@ def _print_json(data: object) -> None:
     typer.echo(json.dumps(data, indent=1, allow_nan=False))
 
 
-def _print_tables(matrices: "Iterable[ScoreMatrix]", results: "Results") -> None:
+def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:
     from rich.console import Console
 
-    console = Console()
-    for matrix in matrices:
-        for name in ("I_N", "I_P"):
-            console.print(_table(matrix, name))
-    console.print(f"Columns: scores.parquet in each folder of {results.store.folder / 'cells'}", soft_wrap=True)
+    from harness.report.score_table import score_table
 
-
-def _table(matrix: "ScoreMatrix", name: str) -> "RenderableType":
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
-
-    group = matrix.group
-    title = f"{name} · {group.simulator.label} · {group.algorithm.label} · {group.task.label}"
-    table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD)
-    table.add_column(Text("scored by \\ trained on"))
-    for label in matrix.seeds:
-        table.add_column(Text(label), justify="right")
-    for scoring, row in matrix.indices.items():
-        table.add_row(Text(scoring), *(f"{getattr(row[label], name):,.1f}" for label in matrix.seeds))
-    return table
+    Console().print(score_table(matrices))
+    typer.echo(f"Columns: scores.parquet in each folder of {results.store.folder / 'cells'}")

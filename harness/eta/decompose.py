@@ -17,7 +17,14 @@ import numpy as np
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve
 from harness.eta.index import Index, Ratio
-from harness.eta.statistics import FEW_SEEDS, draw_shares, p_value, percentile_interval, seeds_to_decide, split_halves
+from harness.eta.statistics import (
+    draw_shares,
+    interval_notes,
+    p_value,
+    percentile_interval,
+    seeds_to_decide,
+    split_halves,
+)
 
 Who: TypeAlias = Literal["baseline", "proposed"]
 Pair: TypeAlias = tuple[Who, Who]
@@ -59,14 +66,44 @@ class Split(NamedTuple):
     behaviour: Ratio
     other_ruler: Ratio
     other_behaviour: Ratio
-    disagreement: str
-    """Why the paths cannot be put together; empty where they agree."""
+    is_scored: bool
+    """Whether each training was scored by the other's reward: without that there is nothing but the eta."""
     noise: Ratio
     """What halves of the baseline's own seeds give against each other; 1 with its A/A interval."""
     p: float | None
     """That eta is 1; before correction for several comparisons."""
     seeds_needed: int | None
     """How many seeds would show that eta is not 1."""
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all parts of both paths have a value."""
+        return None not in (part.value for part in self[1:5])
+
+    @property
+    def paths_disagree(self) -> bool:
+        """Whether the two paths of scored runs cannot be put together."""
+        first, second = self.ruler.value, self.other_ruler.value
+        if not self.is_complete or first is None or second is None:
+            return self.is_scored
+        return min(first, second) <= 0.0 or max(first, second) > DISAGREEMENT * min(first, second)
+
+    @property
+    def disagreement(self) -> str:
+        """Why they cannot; empty where they can."""
+        if not self.paths_disagree:
+            return ""
+        if not self.is_complete:
+            return "a path has no value"
+        return (
+            f"the two paths disagree: ruler {self.ruler.value:.3g} and behaviour {self.behaviour.value:.3g} on the "
+            f"proposed runs, ruler {self.other_ruler.value:.3g} and behaviour {self.other_behaviour.value:.3g} on the "
+            "baseline's"
+        )
+
+
+Splits: TypeAlias = Mapping[str, Split]
+"""By ``eta_N`` and ``eta_P``."""
 
 
 @dataclass(frozen=True)
@@ -95,21 +132,32 @@ class Decomposition:
         """NOTE eq. 44; above 1 is called better."""
         return self.positive.eta
 
+    @property
+    def is_split(self) -> bool:
+        """Whether each training was scored by the other's reward."""
+        return self.negative.is_scored
+
+    @property
+    def splits(self) -> Splits:
+        """Both splits."""
+        return {"eta_N": self.negative, "eta_P": self.positive}
+
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         indices = {"baseline": self.baseline.to_json(), "proposed": self.proposed.to_json()}
-        return indices | splits_to_json(self.negative, self.positive)
+        return indices | splits_to_json(self.splits)
 
 
-def no_split(reason: str) -> Split:
+def no_splits(reason: str) -> Splits:
     """Where there is nothing to compare."""
-    nothing = Ratio(None, note=reason)
-    return Split(nothing, nothing, nothing, nothing, nothing, "", nothing, None, None)
+    nothing = Ratio(None, notes=(reason,))
+    empty = Split(nothing, nothing, nothing, nothing, nothing, False, nothing, None, None)
+    return {"eta_N": empty, "eta_P": empty}
 
 
-def splits_to_json(negative: Split, positive: Split) -> dict[str, Any]:
+def splits_to_json(given: Splits) -> dict[str, Any]:
     """Plain data of eta_N's split and eta_P's."""
-    splits = {"n": negative, "p": positive}
+    splits = {"n": given["eta_N"], "p": given["eta_P"]}
     data: dict[str, Any] = {
         f"{name}_{letter}": getattr(split, name).to_json()
         for letter, split in splits.items()
@@ -135,14 +183,14 @@ class _Sums(NamedTuple):
     draws: Float
 
 
-def decompose(curves: Mapping[Pair, GroupCurve], paired: bool = True, missing: str = "") -> Decomposition:
+def decompose(curves: Mapping[Pair, GroupCurve], paired: bool = True, missing: str | None = None) -> Decomposition:
     """Both etas with intervals, and how they split.
 
     Args:
         curves: S_r(tau_q) by (r, q); at least (baseline, baseline) and (proposed, proposed). With the other two the
             etas are split; runs of one training have the same order under both scorings.
         paired: Run i of both trainings has the same seed.
-        missing: Why the other two are not there.
+        missing: Why the other two are not there; None where they are, or nobody asked.
     """
     paired = paired and curves[BB].count == curves[KK].count
     streams = {"baseline": 0, "proposed": 0 if paired else 1}
@@ -175,69 +223,54 @@ class _Splitter:
         self._why_zero = ZERO[curves[BB].kind, name]
         self._is_scored = BK in sums and KB in sums
         compared = ((BB, BK), (KB, KK)) if self._is_scored else ((BB, KK),)
-        self._near_zero = dict(note for pairs in compared for note in self._near_zero_notes(*pairs))
-        self._near_zero.update(self._negligible_notes())
+        self._near_zero = dict(found for pairs in compared for found in self._small_beside_another(*pairs))
+        self._near_zero.update(self._small_beside_its_counterpart())
 
-    def split(self, noise: Ratio, missing: str) -> Split:
+    def split(self, noise: Ratio, missing: str | None) -> Split:
         """See `decompose`."""
         eta = self._ratio(KK, BB)
         p, needed = self._decision(eta)
         if not self._is_scored:
-            nothing = Ratio(None, note=missing or "not re-scored")
-            return Split(eta, nothing, nothing, nothing, nothing, "", noise, p, needed)
+            nothing = Ratio(None, notes=("not re-scored" if missing is None else missing,))
+            return Split(eta, nothing, nothing, nothing, nothing, False, noise, p, needed)
         parts = (self._ratio(KK, BK), self._ratio(BK, BB), self._ratio(KB, BB), self._ratio(KK, KB))
-        return Split(eta, *parts, _disagreement(*parts), noise, p, needed)
+        return Split(eta, *parts, True, noise, p, needed)
 
     def _ratio(self, numerator: Pair, denominator: Pair) -> Ratio:
         """One ratio with its interval, or with the reason why there is none."""
         owner, divisor = f"{self._name} of {OWNER[denominator]}", self._sums[denominator].value
         if divisor == 0.0:
-            return Ratio(None, note=f"{owner} is 0: {self._why_zero}")
+            return Ratio(None, notes=(f"{owner} is 0: {self._why_zero}",))
         value = self._sums[numerator].value / divisor + 0.0  # no -0.0
         if not math.isfinite(value):
-            return Ratio(None, note=f"{owner} is as good as 0: the ratio is no number any more")
-        near = self._near_zero.get(denominator) or self._near_zero.get(numerator, "")
+            return Ratio(None, notes=(f"{owner} is as good as 0: the ratio is no number any more",))
+        near = self._near_zero.get(denominator, self._near_zero.get(numerator))
         if self._seeds < 2:
-            return Ratio(value, note=_join(near, "one seed: no interval"))
+            return Ratio(value, notes=interval_notes(self._seeds), near_zero=near)
         draws = _divide(self._sums[numerator].draws, self._sums[denominator].draws)
         undefined = np.count_nonzero(~np.isfinite(draws))
         if undefined:
             of = f"in {undefined:,} of {len(draws):,} resamples"
-            return Ratio(value, note=_join(near, f"no interval: {owner} is 0 {of}"))
-        few = f"{self._seeds} seeds: the interval is rough below {FEW_SEEDS}" if self._seeds < FEW_SEEDS else ""
-        return Ratio(value, *percentile_interval(draws), _join(near, few))
+            return Ratio(value, notes=(f"no interval: {owner} is 0 {of}",), near_zero=near)
+        return Ratio(value, *percentile_interval(draws), interval_notes(self._seeds), near)
 
-    def _near_zero_notes(self, one: Pair, other: Pair) -> Iterator[tuple[Pair, str]]:
+    def _small_beside_another(self, one: Pair, other: Pair) -> Iterator[tuple[Pair, str]]:
         for small, large in ((one, other), (other, one)):
             if abs(self._sums[small].value) < NEAR_ZERO * abs(self._sums[large].value):
-                beside = f"{self._name} of {OWNER[small]} is near zero beside that of {OWNER[large]}"
-                yield small, f"{beside}: the ratio says little"
+                yield small, f"{self._name} of {OWNER[small]} is near zero beside that of {OWNER[large]}"
 
-    def _negligible_notes(self) -> Iterator[tuple[Pair, str]]:
+    def _small_beside_its_counterpart(self) -> Iterator[tuple[Pair, str]]:
         """A curve that is hardly ever of this sign: its few values decide nothing."""
         other = "I_P" if self._name == "I_N" else "I_N"
         for pair, sums in self._sums.items():
             if abs(sums.value) < NEGLIGIBLE * abs(self._counterparts[pair].value):
-                beside = f"{self._name} of {OWNER[pair]} is near zero beside {other} of the same runs"
-                yield pair, f"{beside}: the ratio says little"
+                yield pair, f"{self._name} of {OWNER[pair]} is near zero beside {other} of the same runs"
 
     def _decision(self, eta: Ratio) -> tuple[float | None, int | None]:
         if eta.value is None or eta.low is None:
             return None, None
         draws = self._sums[KK].draws / self._sums[BB].draws
         return p_value(draws, 1.0), seeds_to_decide(draws, eta.value, self._seeds)
-
-
-def _disagreement(ruler: Ratio, behaviour: Ratio, other_ruler: Ratio, other_behaviour: Ratio) -> str:
-    first, second = ruler.value, other_ruler.value
-    if first is None or second is None or behaviour.value is None or other_behaviour.value is None:
-        return "a path has no value"
-    if min(first, second) <= 0.0 or max(first, second) > DISAGREEMENT * min(first, second):
-        return (
-            f"the two paths disagree: ruler {first:.3g} and behaviour {behaviour.value:.3g} on the proposed runs, "
-            f"ruler {second:.3g} and behaviour {other_behaviour.value:.3g} on the baseline's"
-        )
-    return ""
 
 
 def _divide(numerator: Float, denominator: Float) -> Float:
@@ -250,14 +283,10 @@ def _divide(numerator: Float, denominator: Float) -> Float:
 def _noise(curve: GroupCurve, which: int) -> Ratio:
     """What eta would be between halves of one group's own seeds: the noise floor."""
     if curve.count < 4:
-        return Ratio(None, note=f"{curve.count} seeds: halves of them need at least 4")
+        return Ratio(None, notes=(f"{curve.count} seeds: halves of them need at least 4",))
     first, second = split_halves(curve.count)
     a, b = curve.resample(first)[which], curve.resample(second)[which]
     ratios = _divide(a, b)
     if not np.isfinite(ratios).all():
-        return Ratio(None, note="a half of the baseline's seeds has an index of 0")
-    return Ratio(1.0, *percentile_interval(ratios), f"halves of {curve.count} seeds against each other")
-
-
-def _join(*notes: str) -> str:
-    return "; ".join(note for note in notes if note)
+        return Ratio(None, notes=("a half of the baseline's seeds has an index of 0",))
+    return Ratio(1.0, *percentile_interval(ratios), (f"halves of {curve.count} seeds against each other",))

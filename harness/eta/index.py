@@ -3,7 +3,7 @@
 As they were computed for the published table (NOTE eq. 38-44 with r_1 the accumulated reward).
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 DECIMALS = 1
@@ -57,14 +57,27 @@ class Ratio:
         value: None where the ratio is not defined.
         low: Lower end of the 95 % interval; None where there is none.
         high: Upper end.
-        note: Why something is None, or what to keep in mind; may be empty.
+        notes: Why something is None, or what to keep in mind.
+        near_zero: Which of its indices is near zero, and beside what: the ratio then says little. None where none is.
     """
 
     value: float | None
     low: float | None = None
     high: float | None = None
-    note: str = ""
+    notes: tuple[str, ...] = ()
+    near_zero: str | None = None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """All there is to say beside the numbers; that an index is near zero comes first."""
+        weak = () if self.near_zero is None else (f"{self.near_zero}: the ratio says little",)
+        return (*weak, *self.notes)
+
+    @property
+    def note(self) -> str:
+        """All remarks as one text; may be empty."""
+        return "; ".join(self.remarks)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return asdict(self)
+        return {"value": self.value, "low": self.low, "high": self.high, "note": self.note}

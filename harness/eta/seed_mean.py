@@ -1,14 +1,12 @@
 """The mean of one value over seeds, and how far it can be trusted."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from harness.eta.statistics import FEW_SEEDS, draw_shares, percentile_interval
-
-ONE_SEED = "one seed: no interval"
+from harness.eta.statistics import draw_shares, interval_notes, percentile_interval
 
 
 @dataclass(frozen=True)
@@ -20,36 +18,39 @@ class SeedMean:
         low: Lower end; None where there is no interval.
         high: Upper end.
         seeds: How many seeds it rests on.
-        note: Why something is missing, or what to keep in mind; empty if nothing.
+        notes: Why something is missing, or what to keep in mind.
     """
 
     mean: float | None
     low: float | None = None
     high: float | None = None
     seeds: int = 0
-    note: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def note(self) -> str:
+        """All notes as one text; may be empty."""
+        return "; ".join(self.notes)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return asdict(self)
+        data = {"mean": self.mean, "low": self.low, "high": self.high, "seeds": self.seeds}
+        return {**data, "note": self.note}
 
 
-def mean_over_seeds(values: Sequence[float], missing: str = "") -> SeedMean:
+def mean_over_seeds(values: Sequence[float], missing: str | None = None) -> SeedMean:
     """The mean of one value per seed.
 
     Args:
         values: Finite, in the order of the seeds: means whose seeds are the same are drawn the same.
-        missing: Why there is not a value of every seed; becomes part of the note.
+        missing: Why there is not a value of every seed; becomes the last note. None if there is.
     """
+    reasons = () if missing is None else (missing,)
     if not values:
-        return SeedMean(None, note=missing)
-    mean = float(np.mean(values))
-    if len(values) == 1:
-        return SeedMean(mean, seeds=1, note=_join(ONE_SEED, missing))
-    low, high = percentile_interval(draw_shares(len(values)) @ np.array(values))
-    rough = f"{len(values)} seeds: the interval is rough below {FEW_SEEDS}" if len(values) < FEW_SEEDS else ""
-    return SeedMean(mean, low, high, len(values), _join(rough, missing))
-
-
-def _join(*parts: str) -> str:
-    return "; ".join(part for part in parts if part)
+        return SeedMean(None, notes=reasons)
+    mean, seeds = float(np.mean(values)), len(values)
+    notes = (*interval_notes(seeds), *reasons)
+    if seeds == 1:
+        return SeedMean(mean, seeds=1, notes=notes)
+    low, high = percentile_interval(draw_shares(seeds) @ np.array(values))
+    return SeedMean(mean, low, high, seeds, notes)

@@ -33,6 +33,13 @@ def percentile_interval(values: Float) -> tuple[float, float]:
     return float(low), float(high)
 
 
+def interval_notes(seeds: int) -> tuple[str, ...]:
+    """What to keep in mind of an interval over so many seeds, at least 1; nothing from FEW_SEEDS on."""
+    if seeds == 1:
+        return ("one seed: no interval",)
+    return (f"{seeds} seeds: the interval is rough below {FEW_SEEDS}",) if seeds < FEW_SEEDS else ()
+
+
 def p_value(values: Float, null: float) -> float:
     """Two-sided bootstrap p-value of `null`, in (0, 1]: twice the share of resamples on its far side."""
     smaller = min(int((values <= null).sum()), int((values >= null).sum()))

@@ -24,20 +24,17 @@ def verdict(decomposition: Decomposition, changes: Sequence[Change] = (), correc
         corrected: p-value of the change in success, corrected for all comparisons of the experiment.
     """
     parts = [_behaviour(changes, corrected)] if changes else []
-    parts += [_split("eta_N", decomposition.negative), _split("eta_P", decomposition.positive)]
-    return " ".join(part for part in parts if part)
+    return " ".join([*parts, *(_split(name, split) for name, split in decomposition.splits.items())])
 
 
 def basis(decomposition: Decomposition, changes: Sequence[Change], episodes: int) -> str:
     """What the verdict rests on, and what would make it firmer."""
     seeds = max((change.seeds for change in changes), default=0)
-    ruler, behaviour = decomposition.positive.ruler, decomposition.positive.behaviour
-    is_scored = ruler.value is not None or ruler != behaviour  # what was not has one reason for all its parts
     evaluated = "1 evaluation episode" if episodes == 1 else f"{episodes} evaluation episodes"
     each = "" if seeds == 1 else " each"
-    traces = "re-scored" if is_scored else "as recorded"
+    traces = "re-scored" if decomposition.is_split else "as recorded"
     parts = [f"Rests on {_count(seeds, 'paired ')}, {evaluated}{each}, and the training traces {traces}."]
-    for name, split in (("eta_N", decomposition.negative), ("eta_P", decomposition.positive)):
+    for name, split in decomposition.splits.items():
         if split.seeds_needed is not None and split.seeds_needed > seeds:
             parts.append(f"About {split.seeds_needed} seeds would decide whether {name} differs from 1.")
     return " ".join(parts)
@@ -51,7 +48,7 @@ def _behaviour(changes: Sequence[Change], corrected: float | None) -> str:
         return "How the robot behaves was not measured."
     rates = f"success {success.proposed:.0%} against {success.baseline:.0%}"
     if success.direction:
-        return f"The robot {_seems(success, corrected)} {success.direction} ({rates}{_doubt(success, corrected)})."
+        return _clear_success(success, rates, corrected)
     if success.low is None and not others:
         return f"Whether the robot behaves differently cannot be told from {_count(success.seeds)} ({rates})."
     if not others:
@@ -64,17 +61,14 @@ def _behaviour(changes: Sequence[Change], corrected: float | None) -> str:
     return f"The robot succeeds as often as far as {_count(success.seeds)} tell ({rates}); {told}."
 
 
-def _seems(change: Change, corrected: float | None) -> str:
-    return "seems to behave" if _doubt(change, corrected) else "behaves"
-
-
-def _doubt(change: Change, corrected: float | None) -> str:
-    """Why a direction is not sure; empty if it is."""
-    if not change.sure:
-        return f", {_count(change.seeds)} only"
+def _clear_success(success: Change, rates: str, corrected: float | None) -> str:
+    """A success rate with a direction, and why that is not sure where it is not."""
+    if not success.sure:
+        return f"The robot seems to behave {success.direction} ({rates}, {_count(success.seeds)} only)."
     if corrected is None or corrected >= ALPHA:
-        return ", which among all comparisons may be chance"
-    return ""
+        doubt = "which among all comparisons may be chance"
+        return f"The robot seems to behave {success.direction} ({rates}, {doubt})."
+    return f"The robot behaves {success.direction} ({rates})."
 
 
 def _count(seeds: int, kind: str = "") -> str:
@@ -85,8 +79,8 @@ def _split(name: str, split: Split) -> str:
     eta = split.eta
     if eta.value is None:
         return f"{name} n/a: {eta.note}."
-    if _near_zero(eta):
-        return f"{name} says little: {eta.note.split(': ')[0]}."
+    if eta.near_zero is not None:
+        return f"{name} says little: {eta.near_zero}."
     told = f"{name} {eta.value:.3g}"
     if split.ruler.value is None and split.other_ruler.value is None:
         return f"{told}: not split, {split.ruler.note}."
@@ -104,13 +98,14 @@ def _parts(split: Split) -> str:
     if not usable:
         return "not split, its parts rest on indices near zero or of unlike sign"
     shares = [_share(split.eta, ruler) for ruler, _ in usable]
-    words = next((words for words, low, high in WORDS if low <= min(shares) and max(shares) <= high), "")
-    if not words:
-        return f"not split, {split.disagreement or 'the two paths give the ruler unlike shares'}"
+    words = next((words for words, low, high in WORDS if low <= min(shares) and max(shares) <= high), None)
+    if words is None:
+        unlike = split.disagreement if split.paths_disagree else "the two paths give the ruler unlike shares"
+        return f"not split, {unlike}"
     told = words + _opposition(shares[0], *usable[0])
     if len(usable) == 1:
         return f"{told}; the other path rests on an index near zero"
-    return f"{told}; the two paths disagree on how much" if split.disagreement else told
+    return f"{told}; the two paths disagree on how much" if split.paths_disagree else told
 
 
 WORDS = (
@@ -135,7 +130,7 @@ def _opposition(share: float, ruler: Ratio, behaviour: Ratio) -> str:
 def _is_usable(eta: Ratio, ruler: Ratio, behaviour: Ratio) -> bool:
     """Whether a path says something: no part missing, not positive, or near zero."""
     parts = (eta, ruler, behaviour)
-    return all(part.value is not None and part.value > 0.0 and not _near_zero(part) for part in parts)
+    return all(part.value is not None and part.value > 0.0 and part.near_zero is None for part in parts)
 
 
 def _share(eta: Ratio, ruler: Ratio) -> float:
@@ -147,12 +142,8 @@ def _share(eta: Ratio, ruler: Ratio) -> float:
 
 def _hidden_ruler(ruler: Ratio) -> str:
     """What an eta of next to 1 may hide."""
-    if ruler.value is None or ruler.value <= 0.0 or _near_zero(ruler):
+    if ruler.value is None or ruler.value <= 0.0 or ruler.near_zero is not None:
         return ""
     if abs(math.log(ruler.value)) < math.log(NO_CHANGE):
         return ""
     return f", though the ruler alone gives {ruler.value:.3g}"
-
-
-def _near_zero(ratio: Ratio) -> bool:
-    return "near zero" in ratio.note

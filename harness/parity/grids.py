@@ -72,12 +72,14 @@ def pair_grids(parity: Parity) -> list[Grid]:
     return full
 
 
-def remarks(parity: Parity) -> list[str]:
-    """Who failed, and who is not installed."""
-    return [
-        *(f"failed: {name}: {failure.reason}" for name, failure in parity.failed.items()),
-        *(f"not installed: {missing.name}: {missing.remedy}" for missing in parity.missing),
-    ]
+def failures(parity: Parity) -> list[str]:
+    """Who failed, and why."""
+    return [f"failed: {name}: {failure.reason}" for name, failure in parity.failed.items()]
+
+
+def not_installed(parity: Parity) -> list[str]:
+    """Who is not there, and what to type."""
+    return [f"not installed: {missing.name}: {missing.remedy}" for missing in parity.missing]
 
 
 def reference_pairs(parity: Parity) -> list[Pair]:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from harness.parity.figure import draw_joints, draw_tips
-from harness.parity.grids import pair_grids, remarks, setting_text, simulator_grid, title, verdict
+from harness.parity.grids import failures, not_installed, pair_grids, setting_text, simulator_grid, title, verdict
 from harness.parity.parity import Parity
 from harness.report.page import render_page, write_page
 
@@ -26,6 +26,7 @@ def write_parity(parity: Parity, path: Path) -> None:
         verdict=verdict(parity),
         panels=panels,
         grids=grids,
-        remarks=remarks(parity),
+        failures=failures(parity),
+        not_installed=not_installed(parity),
     )
     write_page(page, path, "The page")

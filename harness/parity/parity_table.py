@@ -3,9 +3,9 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.parity.grids import pair_grids, remarks, setting_text, simulator_grid, title, verdict
+from harness.parity.grids import failures, not_installed, pair_grids, setting_text, simulator_grid, title, verdict
 from harness.parity.parity import Parity
-from harness.report.comparison_table import show_grid
+from harness.report.grid_table import show_grid
 
 
 def parity_table(parity: Parity) -> RenderableType:
@@ -17,5 +17,5 @@ def parity_table(parity: Parity) -> RenderableType:
     ]
     for grid in (*pair_grids(parity), simulator_grid(parity)):
         parts += show_grid(grid)
-    told = remarks(parity)
+    told = [*failures(parity), *not_installed(parity)]
     return Group(*parts, *([Text()] if told else []), *map(Text, told))

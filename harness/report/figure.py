@@ -29,17 +29,17 @@ def draw_panels(combination: Combination) -> tuple[Figure, Figure] | None:
 def _draw_panel(panel: Panel, ranges: dict[str, list[float]]) -> Figure:
     stride, colour = panel.stride, panel.colour
     thin = [
-        _curve(run, stride, f"seed {seed}", {"color": colour, "width": 1}, opacity=0.45)
+        draw_curve(run, stride, f"seed {seed}", {"color": colour, "width": 1}, opacity=0.45)
         for run, seed in zip(panel.runs, panel.seeds, strict=True)
     ]
-    thick = _curve(panel.mean, stride, "mean", {"color": colour, "width": 3.5})
+    thick = draw_curve(panel.mean, stride, "mean", {"color": colour, "width": 3.5})
     layout = _layout(ranges)
     layout["shapes"] = [_vertical_line(step) for step in panel.marks.values()]
     layout["annotations"] = [_label(name, step, ranges["x"][1]) for name, step in panel.marks.items()]
     return {"data": [*thin, thick, _markers(panel)], "layout": layout}
 
 
-def _curve(values: Float, stride: int, name: str, line: dict[str, Any], opacity: float = 1.0) -> Figure:
+def draw_curve(values: Float, stride: int, name: str, line: dict[str, Any], opacity: float = 1.0) -> Figure:
     """A line through every `stride`-th step's value."""
     points = select_points(values)
     return {

@@ -13,7 +13,7 @@ from harness.report.page import render_page, write_page
 from harness.report.question import question
 from harness.report.return_rows import EXPLANATION as RETURNS
 from harness.report.return_rows import TITLE as RETURN_TITLE
-from harness.report.return_rows import return_grids, return_title
+from harness.report.return_rows import return_grid
 from harness.report.rows import (
     NOTHING,
     PATHS,
@@ -22,20 +22,16 @@ from harness.report.rows import (
     BehaviourRow,
     Grid,
     behaviour_grid,
-    behaviour_rows,
-    combination_title,
+    behaviour_row,
     corrected_text,
     count_cells,
     index_grid,
     interval_text,
-    is_near_zero,
-    is_split,
     ratio_grid,
     ratio_text,
     rewards_text,
     seeds_text,
     split_grid,
-    splits,
 )
 from harness.report.split_figure import draw_split
 from harness.report.split_rows import describe_split
@@ -64,9 +60,9 @@ def describe_comparison(combination: Combination) -> str:
     if not seeds:
         return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
     sentences = [
-        f"The robot {group.robot} learned {group.task.label} in {group.simulator.label} with {group.algorithm.label}, "
-        f"{group.steps:,} environment steps per run, {seeds_text(seeds)}: once paid by {combination.baseline}, "
-        f"once by {combination.proposed}.",
+        f"The robot {group.robot} learned {group.task.label} in {group.labels['simulator']} with "
+        f"{group.algorithm.label}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: once paid by "
+        f"{combination.baseline}, once by {combination.proposed}.",
         f"Of the reward accumulated while learning, {_read_out(combination)}.",
         SCALES,
     ]
@@ -103,19 +99,19 @@ def _section(results: Results, combination: Combination) -> dict[str, Any]:
     """What the template shows of a combination."""
     corrected = corrected_text(combination, len(results.combinations))
     return {
-        "title": combination_title(combination),
+        "title": combination.group.title,
         "rewards": rewards_text(combination),
         "proposed": combination.proposed,
         "verdict": combination.verdict,
         "basis": [line for line in (combination.basis, corrected) if line],
-        "ratios": [(ratio_text(ratio), interval_text(ratio)) for ratio in (combination.eta_n, combination.eta_p)],
+        "ratios": [(ratio_text(eta), interval_text(eta, missing="")) for eta in (combination.eta_n, combination.eta_p)],
         "success": _success(combination),
         "summary": describe_comparison(combination),
         "split_panels": _split_panels(combination),
-        "eta_grids": _full([ratio_grid(combination), split_grid(combination)]),
+        "eta_grids": _full([ratio_grid(combination.splits), split_grid(combination.splits)]),
         "panels": _label_panels(combination),
         "learning": _learning_panels(results, combination),
-        "grids": _full([index_grid(combination), behaviour_grid(combination)]),
+        "grids": _full([index_grid(combination.decomposition), behaviour_grid(combination)]),
     }
 
 
@@ -132,7 +128,7 @@ def _returns(matrices: list[ReturnMatrix]) -> dict[str, Any] | None:
     """What the template shows of returns under every reward; None before a cell is done."""
     if not matrices:
         return None
-    blocks = [(return_title(matrix), return_grids(matrix, len(matrix.trained_with))) for matrix in matrices]
+    blocks = [(matrix.group.title, return_grid(matrix)) for matrix in matrices]
     return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks}
 
 
@@ -154,9 +150,9 @@ def _full(grids: list[Grid]) -> list[Grid]:
 
 def _split_panels(combination: Combination) -> list[dict[str, Any]]:
     """eta_N and eta_P, each with its parts, and the same in words."""
-    if not is_split(combination):
+    if not combination.is_split:
         return []
-    drawn = [(name, split, draw_split(name, split)) for name, split in splits(combination).items()]
+    drawn = [(name, split, draw_split(name, split)) for name, split in combination.splits.items()]
     return [
         {"heading": f"{name} = ruler x behaviour", "figure": figure, "caption": describe_split(name, split)}
         for name, split, figure in drawn
@@ -169,7 +165,7 @@ def _label_panels(combination: Combination) -> list[dict[str, Any]]:
     panels = draw_panels(combination)
     if panels is None:
         return []
-    first, crossover = index_grid(combination).rows[:2]
+    first, crossover = index_grid(combination.decomposition).rows[:2]
     return [
         {
             "heading": f"{role}: {reward}",
@@ -185,18 +181,16 @@ def _label_panels(combination: Combination) -> list[dict[str, Any]]:
 
 def _success(combination: Combination) -> BehaviourRow | None:
     """The row of the success rate, if it was measured."""
-    return next((row for row in behaviour_rows(combination) if row.name == SUCCESS.replace("_", " ")), None)
+    return behaviour_row(combination.success) if combination.success else None
 
 
 def _read_out(combination: Combination) -> str:
     """Both ratios in a sentence."""
-    return " and ".join(
-        _told(name, ratio) for name, ratio in (("eta_N", combination.eta_n), ("eta_P", combination.eta_p))
-    )
+    return " and ".join(_told(name, split.eta) for name, split in combination.splits.items())
 
 
 def _told(name: str, ratio: Ratio) -> str:
-    if is_near_zero(ratio):
+    if ratio.near_zero is not None:
         return f"{name} says little, as an index is near zero"
-    interval = interval_text(ratio)
-    return f"{name} is {ratio_text(ratio)}" + (f" (95% interval {interval})" if interval != NOTHING else "")
+    interval = interval_text(ratio, missing="")
+    return f"{name} is {ratio_text(ratio)}" + (f" (95% interval {interval})" if interval else "")

@@ -1,11 +1,10 @@
 """One HTML file that opens anywhere, offline."""
 
-import os
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
+from harness.record.whole_file import write_whole
 
 
 def render_page(template: Path, noun: str, **values: Any) -> str:
@@ -35,12 +34,7 @@ def write_page(page: str, path: Path, noun: str) -> None:
     Raises:
         UsageError: `path` cannot be written.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        temporary.write_text(page, encoding="utf-8")
-        os.replace(temporary, path)
+        write_whole(path, page)
     except OSError as error:
         raise UsageError(f"{noun} '{path}' cannot be written: {error.strerror}") from error
-    finally:
-        with suppress(OSError):  # gone if it was renamed, never there if it could not be written
-            temporary.unlink()

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 from harness.eta.index import Ratio
-from harness.report.rows import is_near_zero
 
 FARTHEST = 1_000.0
 """An interval is drawn no farther than this factor beyond the outermost ratio."""
@@ -14,7 +13,7 @@ TICKS = ((0.45, (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)), (1.0, (1, 1.5, 2, 3
 
 def is_drawable(ratio: Ratio) -> bool:
     """A logarithm has no place for 0, and a ratio that says little would stretch the axis."""
-    return ratio.value is not None and ratio.value > 0.0 and not is_near_zero(ratio)
+    return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
 
 
 def ratio_range(ratios: Sequence[Ratio], farthest: float = FARTHEST) -> tuple[float, float]:

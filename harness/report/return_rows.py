@@ -1,6 +1,6 @@
 """Returns under every reward, as text."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from harness.eta.seed_mean import SeedMean
 from harness.report.rows import NOTHING, Grid, format_number
@@ -13,32 +13,17 @@ EXPLANATION = (
     "behaviour."
 )
 SCORED_BY = "evaluation return, scored by"
-COLUMNS = 3
-"""Trainings side by side in a terminal."""
 
 
-def return_title(matrix: ReturnMatrix) -> str:
-    """Where it was: simulator, algorithm, robot and task."""
-    group = matrix.group
-    return " · ".join([group.simulator.label, group.algorithm.label, group.robot, group.task.label])
-
-
-def return_grids(matrix: ReturnMatrix, columns: int = COLUMNS) -> list[Grid]:
-    """The matrix in pieces of so many trainings, each interval under its mean; notes below the last piece."""
-    starts = range(0, len(matrix.trained_with), columns)
-    grids = [_grid(matrix, matrix.trained_with[start : start + columns]) for start in starts]
-    return [*grids[:-1], grids[-1]._replace(notes=_notes(matrix))]
-
-
-def _grid(matrix: ReturnMatrix, trainings: Sequence[str]) -> Grid:
-    headings = (SCORED_BY, *trainings)
+def return_grid(matrix: ReturnMatrix) -> Grid:
+    """A row per scoring reward, each interval under its mean; a column per training."""
     rows: list[tuple[str, ...]] = []
     for name, row in _named(matrix).items():
-        rows.append((name, *(format_number(row[label].mean) for label in trainings)))
-        intervals = [_interval(row[label]) for label in trainings]
-        if any(intervals):
-            rows.append(("  95% interval", *intervals))
-    return Grid(headings, rows, [])
+        means = [row[label] for label in matrix.trained_with]
+        rows.append((name, *(format_number(mean.mean) for mean in means)))
+        if any(mean.low is not None for mean in means):
+            rows.append(("  95% interval", *map(_interval, means)))
+    return Grid((SCORED_BY, *matrix.trained_with), rows, _notes(matrix))
 
 
 def _named(matrix: ReturnMatrix) -> dict[str, Mapping[str, SeedMean]]:
@@ -57,9 +42,7 @@ def _notes(matrix: ReturnMatrix) -> list[str]:
 
 
 def _parts(mean: SeedMean) -> list[str]:
-    if mean.mean is None and mean.note:
-        return [f"{NOTHING}: {mean.note}"]
-    return mean.note.split("; ") if mean.note else []
+    return [f"{NOTHING}: {note}" for note in mean.notes] if mean.mean is None else list(mean.notes)
 
 
 def _interval(mean: SeedMean) -> str:

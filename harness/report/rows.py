@@ -2,13 +2,14 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
-from harness.eta.decompose import Split
+from harness.eta.curve import Kind
+from harness.eta.decompose import Decomposition, Split, Splits
 from harness.eta.index import Index, Ratio
-from harness.eta.statistics import FEW_SEEDS
+from harness.eta.statistics import interval_notes
 from harness.eta.verdict import SUCCESS
 from harness.results import Results
 from harness.results.combination import Combination
@@ -51,12 +52,6 @@ class BehaviourRow(NamedTuple):
 BEHAVIOUR_HEADINGS = ("behaviour", "baseline", "proposed", "difference", "random", "better", "result")
 
 
-def combination_title(combination: Combination) -> str:
-    """Where the two rewards were compared: simulator, algorithm, robot and task."""
-    group = combination.group
-    return " · ".join([group.simulator.label, group.algorithm.label, group.robot, group.task.label])
-
-
 def rewards_text(combination: Combination) -> str:
     """Which rewards were compared."""
     told = f"{combination.proposed} against {combination.baseline}"
@@ -69,66 +64,50 @@ def seeds_text(seeds: Sequence[int]) -> str:
     return f"{len(seeds)} {noun} ({', '.join(map(str, seeds))})" if seeds else "no seed"
 
 
-def splits(combination: Combination) -> dict[str, Split]:
-    """Both splits by the name of their eta; none without a seed."""
-    decomposition = combination.decomposition
-    return {"eta_N": decomposition.negative, "eta_P": decomposition.positive} if decomposition else {}
-
-
-def is_split(combination: Combination) -> bool:
-    """Whether the runs could be scored by the other reward."""
-    return len(combination.curves) == 4
-
-
-def ratio_grid(combination: Combination) -> Grid:
+def ratio_grid(splits: Splits) -> Grid:
     """eta_N and eta_P with their intervals, beside what the baseline's own seeds give against each other."""
-    etas = _etas(combination)
     rows: list[tuple[str, ...]] = [
-        (name, ratio_text(ratio), interval_text(ratio), BETTER[name]) for name, ratio in etas.items()
+        (name, ratio_text(split.eta), interval_text(split.eta), BETTER[name]) for name, split in splits.items()
     ]
     headings: tuple[str, ...] = ("proposed / baseline", "ratio", "95% interval", "better")
-    notes = _notes(_parts(etas.items()))
-    noises = {name: split.noise for name, split in splits(combination).items()}
-    if any(noise.value is not None for noise in noises.values()):
-        rows = [(*row[:3], interval_text(noises[row[0]]), row[3]) for row in rows]
+    notes = _lines(_remarks((name, split.eta) for name, split in splits.items()))
+    if any(split.noise.value is not None for split in splits.values()):
+        rows = [(*row[:3], interval_text(splits[row[0]].noise), row[3]) for row in rows]
         headings = (*headings[:3], "A/A noise", headings[3])
-        notes += [f"A/A noise of {note}" for note in _notes(_parts(noises.items()))]
+        noises = _remarks((name, split.noise) for name, split in splits.items())
+        notes += [f"A/A noise of {line}" for line in _lines(noises)]
     return Grid(headings, rows, notes)
 
 
-def split_grid(combination: Combination) -> Grid:
-    """Both etas as ruler x behaviour, on both paths."""
+def split_grid(splits: Splits) -> Grid:
+    """Both etas as ruler x behaviour, on both paths; what is said of the etas themselves is not said again."""
     headings = ("eta = ruler x behaviour", "ruler", "95% interval", "behaviour", "95% interval")
-    if not is_split(combination):
-        reasons = dict.fromkeys(split.ruler.note for split in splits(combination).values())
+    known = {note for split in splits.values() for note in split.eta.notes}
+    if not all(split.is_scored for split in splits.values()):
+        reasons = dict.fromkeys(split.ruler.note for split in splits.values() if split.ruler != split.eta)
         return Grid(headings, [], [f"Not split into ruler x behaviour: {reason}" for reason in reasons])
-    rows, said, disagreements = [], [], []
-    known = {part for _, part in _parts(_etas(combination).items())}
-    for name, split in splits(combination).items():
+    rows: list[tuple[str, ...]] = []
+    remarks: list[tuple[str, str]] = []
+    for name, split in splits.items():
         first, other = (split.ruler, split.behaviour), (split.other_ruler, split.other_behaviour)
         rows += [
             (f"{name} = {ratio_text(split.eta)}", *_cells(first)),
             ("  other path", *_cells(other)),
         ]
-        named = zip((f"{name} ruler", f"{name} behaviour"), first, strict=True)
-        others = zip((f"{name} other ruler", f"{name} other behaviour"), other, strict=True)
-        said += [
-            (who, part)
-            for who, part in _parts([*named, *others])
-            if part not in known or NEAR_ZERO in part or NOTHING in who
-        ]
-        disagreements += _disagreement(name, split)
-    return Grid(headings, rows, disagreements + _notes(said))
+        parts = (f"{name} ruler", f"{name} behaviour", f"{name} other ruler", f"{name} other behaviour")
+        remarks += _remarks(zip(parts, (*first, *other), strict=True), known)
+    disagreements = [_disagreement(name, split) for name, split in splits.items() if split.paths_disagree]
+    return Grid(headings, rows, disagreements + _lines(remarks))
 
 
-def index_grid(combination: Combination) -> Grid:
-    """The indices of both mean curves; no rows without a seed."""
-    headings = ("accumulated reward", "baseline", "proposed")
-    baseline, proposed = combination.baseline_index, combination.proposed_index
-    if baseline is None or proposed is None:
+def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") -> Grid:
+    """The indices of both mean curves of that kind; no rows without any."""
+    headings = (f"{kind} reward", "baseline", "proposed")
+    if decomposition is None:
         return Grid(headings, [], [])
     names = ("first negative step", "cross-over step", "steps of the mean curve", "I_N", "I_P")
-    return Grid(headings, list(zip(names, _texts(baseline), _texts(proposed), strict=True)), [])
+    columns = _texts(decomposition.baseline), _texts(decomposition.proposed)
+    return Grid(headings, list(zip(names, *columns, strict=True)), [])
 
 
 def behaviour_grid(combination: Combination) -> Grid:
@@ -136,19 +115,14 @@ def behaviour_grid(combination: Combination) -> Grid:
     rows = behaviour_rows(combination)
     if not rows:
         return Grid(BEHAVIOUR_HEADINGS, [], [])
-    count = len(combination.seeds)
-    notes = ["difference: 95% interval of proposed - baseline; a result only where it leaves out 0"]
-    if count < FEW_SEEDS:
-        notes.append(
-            f"{count} seeds: the interval is rough below {FEW_SEEDS}" if count > 1 else "one seed: no interval"
-        )
-    return Grid(BEHAVIOUR_HEADINGS, list(rows), notes)
+    note = "difference: 95% interval of proposed - baseline; a result only where it leaves out 0"
+    return Grid(BEHAVIOUR_HEADINGS, list(rows), [note, *interval_notes(len(combination.seeds))])
 
 
 def behaviour_rows(combination: Combination) -> list[BehaviourRow]:
     """One row per measure."""
     ordered = sorted(combination.changes, key=lambda change: change.name != SUCCESS)
-    return [_behaviour_row(change) for change in ordered]
+    return [behaviour_row(change) for change in ordered]
 
 
 def corrected_text(combination: Combination, combinations: int) -> str:
@@ -178,19 +152,19 @@ def unfinished_cells(results: Results) -> list[str]:
 
 def ratio_text(ratio: Ratio) -> str:
     """The ratio, unless it says little because an index is near zero beside the other."""
-    return NEAR_ZERO if is_near_zero(ratio) else format_number(ratio.value)
+    return format_number(ratio.value) if ratio.near_zero is None else NEAR_ZERO
 
 
-def interval_text(ratio: Ratio) -> str:
-    """Its interval, under the same condition."""
-    if is_near_zero(ratio) or ratio.low is None or ratio.high is None:
-        return NOTHING
+def interval_text(ratio: Ratio, missing: str = NOTHING) -> str:
+    """Its interval, under the same condition; `missing` where there is none."""
+    if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
+        return missing
     return f"[{format_number(ratio.low)}, {format_number(ratio.high)}]"
 
 
-def is_near_zero(ratio: Ratio) -> bool:
-    """Whether the ratio has a value, which rests on an index near zero beside its counterpart."""
-    return ratio.value is not None and NEAR_ZERO in ratio.note
+def ratio_with_interval(ratio: Ratio) -> str:
+    """The ratio, and its interval if there is one to show."""
+    return f"{ratio_text(ratio)} {interval_text(ratio, missing='')}".rstrip()
 
 
 def format_number(value: float | None) -> str:
@@ -204,35 +178,36 @@ def format_number(value: float | None) -> str:
     return f"{rounded:,.{max(0, 2 - size)}f}"
 
 
-def _etas(combination: Combination) -> dict[str, Ratio]:
-    return {"eta_N": combination.eta_n, "eta_P": combination.eta_p}
-
-
 def _cells(path: tuple[Ratio, Ratio]) -> tuple[str, ...]:
     return tuple(text for ratio in path for text in (ratio_text(ratio), interval_text(ratio)))
 
 
-def _parts(ratios: Iterable[tuple[str, Ratio]]) -> Iterator[tuple[str, str]]:
-    """Of each ratio: its name, with n/a if it has no value, and one thing to keep in mind."""
+def _remarks(ratios: Iterable[tuple[str, Ratio]], known: Collection[str] = ()) -> Iterator[tuple[str, str]]:
+    """Of each ratio: its name, with n/a if it has no value, and one thing to keep in mind.
+
+    What is `known` already is left out, unless it is why there is no value.
+    """
     for name, ratio in ratios:
-        for part in ratio.note.split("; ") if ratio.note else []:
-            yield (name if ratio.value is not None else f"{name} {NOTHING}", part)
+        for remark in ratio.remarks:
+            if ratio.value is None:
+                yield f"{name} {NOTHING}", remark
+            elif remark not in known:
+                yield name, remark
 
 
-def _notes(parts: Iterable[tuple[str, str]]) -> list[str]:
+def _lines(remarks: Iterable[tuple[str, str]]) -> list[str]:
     """One line for each thing to keep in mind, with all that it holds for."""
     subjects: dict[str, list[str]] = {}
-    for name, part in parts:
-        subjects.setdefault(part, []).append(name)
-    return [f"{', '.join(names)}: {part}" for part, names in subjects.items()]
+    for name, remark in remarks:
+        subjects.setdefault(remark, []).append(name)
+    return [f"{', '.join(names)}: {remark}" for remark, names in subjects.items()]
 
 
-def _disagreement(name: str, split: Split) -> list[str]:
-    if not split.disagreement:
-        return []
-    if any(map(is_near_zero, (split.ruler, split.behaviour, split.other_ruler, split.other_behaviour))):
-        return [f"{name}: the two paths cannot be compared, a part is near zero"]  # its number would be a big one
-    return [f"{name}: {split.disagreement}"]
+def _disagreement(name: str, split: Split) -> str:
+    parts = (split.ruler, split.behaviour, split.other_ruler, split.other_behaviour)
+    if any(part.near_zero is not None for part in parts):  # its number would be a big one
+        return f"{name}: the two paths cannot be compared, a part is near zero"
+    return f"{name}: {split.disagreement}"
 
 
 def _texts(index: Index) -> Iterator[str]:
@@ -243,7 +218,8 @@ def _texts(index: Index) -> Iterator[str]:
         yield f"{total:,.1f}"
 
 
-def _behaviour_row(change: Change) -> BehaviourRow:
+def behaviour_row(change: Change) -> BehaviourRow:
+    """One measure."""
     values = (change.baseline, change.proposed, change.random)
     # A metric without a unit is a number like any other; as a percentage it reads best while it is a share.
     is_share = not change.unit and all(value is None or 0.0 <= value <= 1.0 for value in values)

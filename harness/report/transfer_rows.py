@@ -1,6 +1,6 @@
 """Transfer between simulators as text: what the terminal and the page share."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from harness.eta.seed_mean import SeedMean
@@ -9,8 +9,6 @@ from harness.transfer.matrix import Failure, TransferMatrix
 
 TITLE = "Transfer between simulators"
 HOME = "*"
-PLACES = 4
-"""Simulators side by side in a terminal, at most."""
 EXPLANATION = (
     "The policies of one simulator, evaluated in another: same task, robot, reward, starts and targets. "
     "Mean over seeds, with its 95% interval over seeds; drop: success where trained minus success here, the same seeds "
@@ -32,6 +30,8 @@ class TransferCell(NamedTuple):
     """The success again, in [0, 1], for its colour; 0 where there is none."""
     home: bool
     """Whether they were trained there."""
+    is_known: bool
+    """Whether there is a success."""
 
 
 class TransferRow(NamedTuple):
@@ -54,9 +54,8 @@ class TransferBlock(NamedTuple):
 
 def transfer_block(matrix: TransferMatrix) -> TransferBlock:
     """A matrix as text."""
-    series = matrix.series
     return TransferBlock(
-        " · ".join([series.algorithm.label, series.reward.label, series.robot, series.task.label]),
+        matrix.group.title,
         tuple(simulator.label for simulator in matrix.evaluated_in),
         tuple(
             TransferRow(home.label, tuple(_cell(matrix, row, column) for column in range(len(matrix.evaluated_in))))
@@ -67,11 +66,10 @@ def transfer_block(matrix: TransferMatrix) -> TransferBlock:
     )
 
 
-def transfer_grids(block: TransferBlock) -> list[Grid]:
-    """A block as tables for a terminal, `PLACES` simulators each; the words stand under the last."""
-    starts = range(0, len(block.evaluated_in), PLACES)
-    grids = [_grid(block, slice(start, start + PLACES)) for start in starts]
-    return [*grids[:-1], grids[-1]._replace(notes=[*block.summary, *block.notes])]
+def transfer_grid(block: TransferBlock) -> Grid:
+    """A block as a table for a terminal, the words under it."""
+    headings = ("trained in \\ evaluated in", *block.evaluated_in)
+    return Grid(headings, [line for row in block.rows for line in _lines(row)], [*block.summary, *block.notes])
 
 
 def failure_lines(failed: Iterable[Failure]) -> list[str]:
@@ -79,24 +77,18 @@ def failure_lines(failed: Iterable[Failure]) -> list[str]:
     return [f"failed: {cell.title} in {record.simulator.label}: {record.reason}" for cell, record in failed]
 
 
-def _grid(block: TransferBlock, places: slice) -> Grid:
-    headings = ("trained in \\ evaluated in", *block.evaluated_in[places])
-    return Grid(headings, [line for row in block.rows for line in _lines(row, row.cells[places])], [])
-
-
-def _lines(row: TransferRow, cells: Sequence[TransferCell]) -> list[tuple[str, ...]]:
+def _lines(row: TransferRow) -> list[tuple[str, ...]]:
     """Each value under the other, an interval under its mean; without the intervals if there is none."""
-    named = {
-        f"{row.trained_in}: success": [
-            f"{cell.success} {HOME}" if cell.home else f"{cell.success}  " for cell in cells
-        ],
-        "  95% interval ": [f"{cell.success_interval}  " for cell in cells],
-        "  drop": [f"{cell.drop}  " for cell in cells],
-        "  95% interval  ": [f"{cell.drop_interval}  " for cell in cells],
-        "  return": [f"{cell.paid}  " for cell in cells],
-        "  95% interval": [f"{cell.paid_interval}  " for cell in cells],
-    }
-    return [(name.rstrip(), *values) for name, values in named.items() if any(value.strip() for value in values)]
+    cells = row.cells
+    lines = [
+        (f"{row.trained_in}: success", [f"{cell.success} {HOME if cell.home else ' '}" for cell in cells]),
+        ("  95% interval", [f"{cell.success_interval}  " for cell in cells]),
+        ("  drop", [f"{cell.drop}  " for cell in cells]),
+        ("  95% interval", [f"{cell.drop_interval}  " for cell in cells]),
+        ("  return", [f"{cell.paid}  " for cell in cells]),
+        ("  95% interval", [f"{cell.paid_interval}  " for cell in cells]),
+    ]
+    return [(name, *values) for name, values in lines if any(value.strip() for value in values)]
 
 
 def _cell(matrix: TransferMatrix, row: int, column: int) -> TransferCell:
@@ -111,6 +103,7 @@ def _cell(matrix: TransferMatrix, row: int, column: int) -> TransferCell:
         _interval(paid, format_number),
         success.mean or 0.0,
         home,
+        success.mean is not None,
     )
 
 
@@ -131,10 +124,10 @@ def _notes(matrix: TransferMatrix) -> list[str]:
     where: dict[str, list[str]] = {}
     for home, row in zip(matrix.trained_in, matrix.success, strict=True):
         for place, mean in zip(matrix.evaluated_in, row, strict=True):
-            for part in mean.note.split("; ") if mean.note else []:
-                where.setdefault(part, []).append(f"{home.label} in {place.label}")
+            for note in mean.notes:
+                where.setdefault(note, []).append(f"{home.label} in {place.label}")
     everywhere = len(matrix.trained_in) * len(matrix.evaluated_in)
-    return [part if len(places) == everywhere else f"{', '.join(places)}: {part}" for part, places in where.items()]
+    return [note if len(places) == everywhere else f"{', '.join(places)}: {note}" for note, places in where.items()]
 
 
 def _drop_text(drop: SeedMean) -> str:

@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.comparison_table import show_grid
+from harness.report.grid_table import show_grid
 from harness.report.transfer_rows import (
     EXPLANATION,
     HOME,
@@ -11,7 +11,7 @@ from harness.report.transfer_rows import (
     TransferBlock,
     failure_lines,
     transfer_block,
-    transfer_grids,
+    transfer_grid,
 )
 from harness.transfer.matrix import Transfers
 
@@ -24,5 +24,4 @@ def transfer_table(transfers: Transfers) -> RenderableType:
 
 
 def _show(block: TransferBlock) -> RenderableType:
-    parts = [part for grid in transfer_grids(block) for part in show_grid(grid)]
-    return Group(Text(block.title, style="bold"), *parts, Text())
+    return Group(Text(block.title, style="bold"), *show_grid(transfer_grid(block)), Text())

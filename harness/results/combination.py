@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from harness.eta.behaviour_change import Change
 from harness.eta.curve import GroupCurve
-from harness.eta.decompose import Decomposition, Pair, no_split, splits_to_json
+from harness.eta.decompose import Decomposition, Pair, Splits, no_splits, splits_to_json
 from harness.eta.index import Index, Ratio
 from harness.eta.verdict import SUCCESS, basis, verdict
 from harness.record.cell import Cell
@@ -14,9 +14,11 @@ from harness.registry.choice import Choice
 
 
 class Group(NamedTuple):
-    """What the cells of one combination share, their rewards and seeds apart."""
+    """What cells share that are compared: all that decides a result, but for the seed and what is compared.
 
-    simulator: Choice
+    Rewards are compared with one another, or the simulators that policies were trained in.
+    """
+
     robot: str
     task: Choice
     algorithm: Choice
@@ -24,11 +26,28 @@ class Group(NamedTuple):
     evaluation_episodes: int
     evaluate_every: int = 0
     deterministic: bool = True
+    simulator: Choice | None = None
+    """None where simulators are compared."""
+    reward: Choice | None = None
+    """None where rewards are."""
 
     @classmethod
-    def of(cls, cell: Cell) -> "Group":
-        """The group that a cell belongs to."""
-        return cls(*(getattr(cell, name) for name in cls._fields))
+    def of(cls, cell: Cell, compared: Literal["reward", "simulator"] = "reward") -> "Group":
+        """The group that a cell belongs to where rewards, or simulators, are compared."""
+        fields: dict[str, Any] = {name: getattr(cell, name) for name in cls._fields}
+        return cls(**{**fields, compared: None})
+
+    @property
+    def labels(self) -> dict[str, str]:
+        """Of what was chosen, by kind; what is compared is left out."""
+        chosen = {"simulator": self.simulator, "algorithm": self.algorithm, "reward": self.reward}
+        labels = {kind: choice.label for kind, choice in chosen.items() if choice is not None}
+        return {**labels, "robot": self.robot, "task": self.task.label}
+
+    @property
+    def title(self) -> str:
+        """All labels in a line."""
+        return " · ".join(self.labels.values())
 
     @property
     def manner(self) -> str:
@@ -37,14 +56,7 @@ class Group(NamedTuple):
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, by label."""
-        return {
-            "simulator": self.simulator.label,
-            "algorithm": self.algorithm.label,
-            "robot": self.robot,
-            "task": self.task.label,
-            "steps": self.steps,
-            "deterministic": self.deterministic,
-        }
+        return {**self.labels, "steps": self.steps, "deterministic": self.deterministic}
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +85,24 @@ class Combination:
     corrected: Mapping[str, float | None] = field(default_factory=dict)
 
     @property
+    def splits(self) -> Splits:
+        """Both etas and their parts; without a seed the reason why there are none."""
+        return self.decomposition.splits if self.decomposition else no_splits(self._empty)
+
+    @property
     def eta_n(self) -> Ratio:
         """NOTE eq. 43."""
-        return self.decomposition.eta_n if self.decomposition else Ratio(None, note=self._empty)
+        return self.splits["eta_N"].eta
 
     @property
     def eta_p(self) -> Ratio:
         """NOTE eq. 44."""
-        return self.decomposition.eta_p if self.decomposition else Ratio(None, note=self._empty)
+        return self.splits["eta_P"].eta
+
+    @property
+    def is_split(self) -> bool:
+        """Whether there are runs, and each training was scored by the other's reward."""
+        return self.decomposition is not None and self.decomposition.is_split
 
     @property
     def baseline_index(self) -> Index | None:
@@ -113,15 +135,12 @@ class Combination:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the curves left out."""
-        nothing = no_split(self._empty)
-        negative = self.decomposition.negative if self.decomposition else nothing
-        positive = self.decomposition.positive if self.decomposition else nothing
         return {
             **self.group.to_json(),
             "baseline": self.baseline,
             "proposed": self.proposed,
             "seeds": list(self.seeds),
-            **splits_to_json(negative, positive),
+            **splits_to_json(self.splits),
             "baseline_index": self.baseline_index and self.baseline_index.to_json(),
             "proposed_index": self.proposed_index and self.proposed_index.to_json(),
             "success": {who: self.success and getattr(self.success, who) for who in ("baseline", "proposed", "random")},

@@ -9,10 +9,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, evaluation_files
 from harness.record.trace import read_trace
 from harness.results.combination import Combination, Group
-from harness.results.results import Results
-
-Values = Mapping[str, float | None]
-"""By metric; None where it is not defined."""
+from harness.results.results import Results, Values
 
 
 class Moment(NamedTuple):
@@ -135,7 +132,7 @@ def learning_points(runs: Sequence[LearningRun], metric: str, group: Group) -> t
 
 def _point(moments: list[Moment], metric: str, seeds: int) -> Point:
     values = [value for moment in moments if (value := moment.values[metric]) is not None]
-    missing = "" if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
+    missing = None if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
     return Point(round(sum(moment.steps for moment in moments) / len(moments)), mean_over_seeds(values, missing))
 
 
@@ -154,11 +151,7 @@ def _curve(results: Results, combination: Combination, label: str) -> LearningCu
 def _moments(results: Results, cell: Cell) -> tuple[Moment, ...]:
     folder = results.store.cell_folder(cell)
     files = {**evaluation_files(folder), cell.steps: folder / EVALUATION}
-    moments = []
-    for steps, path in files.items():
-        trace = read_trace(path)
-        moments.append(Moment(steps, {name: metric(trace) for name, metric in results.metrics.items()}))
-    return tuple(moments)
+    return tuple(Moment(steps, results.measure(read_trace(path))) for steps, path in files.items())
 
 
 def _point_to_json(point: Point) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.record.manifest import Manifest
 from harness.record.store import RESULTS, Store
 from harness.record.trace import Trace, read_trace
+from harness.record.whole_file import whole_file
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
 from harness.results.combination import Combination, Group
@@ -26,6 +27,7 @@ from harness.score.scored_runs import score_runs
 from harness.score.scorer import SCORED
 
 Values = dict[str, float | None]
+"""By metric; None where it is not defined."""
 CORRECTED = ("eta_n", "eta_p", "success")
 
 
@@ -63,6 +65,10 @@ class Results:
         )
         return _correct([self._combine(group, reward) for group, reward in compared])
 
+    def measure(self, trace: Trace) -> Values:
+        """Every metric of an evaluation."""
+        return {name: metric(trace) for name, metric in self.metrics.items()}
+
     @property
     def failed(self) -> list[Manifest]:
         """Cells that failed."""
@@ -97,7 +103,8 @@ class Results:
         numbers = {name: table.schema.get_field_index(name) for name in names}
         for name, index in numbers.items():  # a column without a value would have no type
             table = table.set_column(index, name, table.column(name).cast(pa.float64()))
-        pq.write_table(table, path)
+        with whole_file(path) as partial:
+            pq.write_table(table, partial)
         return path
 
     @property
@@ -106,11 +113,8 @@ class Results:
 
     def _evaluate(self, cell: Cell) -> Values:
         folder = self.store.cell_folder(cell)
-        values: Values = {}
-        for prefix, file in (("", EVALUATION), ("random_", RANDOM)):
-            trace = read_trace(folder / file)
-            values.update({prefix + name: metric(trace) for name, metric in self.metrics.items()})
-        return values
+        trained, random = (self.measure(read_trace(folder / file)) for file in (EVALUATION, RANDOM))
+        return {**trained, **{f"random_{name}": value for name, value in random.items()}}
 
     def _combine(self, group: Group, proposed: Choice) -> Combination:
         members = [manifest.cell for manifest in self._done if Group.of(manifest.cell) == group]
@@ -125,15 +129,15 @@ class Results:
         split = decompose(curves, missing=missing)
         return Combination(group, self.baseline, proposed.label, seeds, split, changes, curves)
 
-    def _score(self, baseline: list[Cell], proposed: list[Cell]) -> tuple[dict[Pair, GroupCurve], str]:
+    def _score(self, baseline: list[Cell], proposed: list[Cell]) -> tuple[dict[Pair, GroupCurve], str | None]:
         """The curves of both trainings under both rewards; under their own alone, with the reason, if need be."""
         traces_b, traces_k = self._traces(baseline), self._traces(proposed)
         curves = {BB: _recorded_curve(traces_b), KK: _recorded_curve(traces_k)}
         by_b = score_runs(baseline[0].reward, self.registry, traces_b[0], traces_k)
         by_k = score_runs(proposed[0].reward, self.registry, traces_k[0], traces_b)
-        if by_b.reason or by_k.reason:
+        if by_b.values is None or by_k.values is None:
             return curves, by_b.reason or by_k.reason
-        return {**curves, BK: curve_of(by_b.values), KB: curve_of(by_k.values)}, ""
+        return {**curves, BK: curve_of(by_b.values), KB: curve_of(by_k.values)}, None
 
     def _traces(self, cells: list[Cell]) -> list[Trace]:
         return [read_trace(self.store.cell_folder(cell) / TRACE, [*SCORED, "reward"]) for cell in cells]
@@ -183,8 +187,7 @@ def _p(combination: Combination, name: str) -> float | None:
         return None  # A/A asks nothing: it must not make the others' corrections stricter
     if name == "success":
         return combination.success.p if combination.success else None
-    split = combination.decomposition.negative if name == "eta_n" else combination.decomposition.positive
-    return split.p
+    return combination.splits["eta_N" if name == "eta_n" else "eta_P"].p
 
 
 def _cell_to_json(manifest: Manifest) -> dict[str, Any]:

@@ -77,8 +77,8 @@ def _row(results: Results, scoring: Choice, trainings: Trainings) -> dict[str, S
     row = {}
     for training, traces in trainings.items():
         scored = score_runs(scoring, results.registry, own, traces)
-        if scored.reason:
-            row[training.label] = SeedMean(None, note=scored.reason)
+        if scored.values is None:
+            row[training.label] = SeedMean(None, notes=(scored.reason,))
         else:
             pairs = zip(scored.values, traces, strict=True)
             row[training.label] = _mean([mean_over_episodes(values, trace) for values, trace in pairs])
@@ -87,7 +87,7 @@ def _row(results: Results, scoring: Choice, trainings: Trainings) -> dict[str, S
 
 def _mean(values: list[float | None]) -> SeedMean:
     known = [value for value in values if value is not None]
-    return mean_over_seeds(known, "" if len(known) == len(values) else UNFINISHED)
+    return mean_over_seeds(known, None if len(known) == len(values) else UNFINISHED)
 
 
 def _to_json(row: Mapping[str, SeedMean]) -> dict[str, Any]:

@@ -44,6 +44,11 @@ class Comparison:
     with_events: bool
 
     @property
+    def kind(self) -> Kind:
+        """Which curve the indices are taken from."""
+        return self.curves[BB].kind
+
+    @property
     def verdict(self) -> str:
         """What it comes to, in one line."""
         return verdict(self.decomposition)
@@ -55,7 +60,7 @@ class Comparison:
             "rewards": self.rewards,
             "runs": self.runs,
             "rows_left_out": self.rows_left_out,
-            "curve": self.curves[BB].kind,
+            "curve": self.kind,
             "with_events": self.with_events,
             "verdict": self.verdict,
         }
@@ -100,16 +105,16 @@ def compare_recordings(
     given = (baseline_reward, proposed_reward)
     guesses = [_reward_of(group, name, registry) for group, name in zip(groups, given, strict=True)]
     missing = _why_not_split([*baseline, *proposed], guesses)
-    others = [None, None] if missing else [_build(guess, registry) for guess in reversed(guesses)]
+    others = [None, None] if missing is not None else [_build(guess, registry) for guess in reversed(guesses)]
     streamed = [_stream(group, other, kind, with_events) for group, other in zip(groups, others, strict=True)]
     curves: dict[Pair, GroupCurve] = {BB: streamed[0].own, KK: streamed[1].own}
     if streamed[0].other is not None and streamed[1].other is not None:
         curves |= {KB: streamed[0].other, BK: streamed[1].other}
-    elif not missing:
+    elif missing is None:
         missing = "one group's reward is not finite on the other group's runs"
     names = ("baseline", "proposed")
     return Comparison(
-        decompose(curves, paired=_are_paired(*groups), missing=missing),
+        decompose(curves, _are_paired(*groups), missing),
         curves,
         {name: guess.choice for name, guess in zip(names, guesses, strict=True)},
         {name: len(group) for name, group in zip(names, groups, strict=True)},
@@ -129,20 +134,20 @@ def _reward_of(group: Sequence[Recording], given: str | None, registry: Registry
     if guess.choice is None:
         return guess
     for recording in group:
-        problem = misfit(recording, guess.choice, registry) if recording.has_distances else ""
-        if problem and given is not None:
+        problem = misfit(recording, guess.choice, registry) if recording.has_distances else None
+        if problem is not None and given is not None:
             raise UsageError(f"The runs were not paid by {given}: {problem}")
-        if problem:
+        if problem is not None:
             return Guess(None, f"no one reward pays all runs of a group: {problem}")
     return guess
 
 
-def _why_not_split(recordings: Sequence[Recording], guesses: Sequence[Guess]) -> str:
-    """Why the runs cannot be scored again; empty if they can."""
+def _why_not_split(recordings: Sequence[Recording], guesses: Sequence[Guess]) -> str | None:
+    """Why the runs cannot be scored again; None if they can."""
     bare = next((recording for recording in recordings if not recording.has_distances), None)
     if bare is not None:
         return f"{bare.path} has no distances to score again"
-    return next((guess.reason for guess in guesses if guess.choice is None), "")
+    return next((guess.reason for guess in guesses if guess.choice is None), None)
 
 
 def _build(guess: Guess, registry: Registry) -> Reward:

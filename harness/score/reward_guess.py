@@ -42,7 +42,7 @@ def guess_reward(recording: Recording, registry: Registry) -> Guess:
         return Guess(None, f"{recording.path} pays nothing in its first {len(head.reward):,} rows, as many rewards may")
     for text in dict.fromkeys(_candidates(recording, head, registry)):
         try:
-            if not _misfit_of(text, head, registry):
+            if _misfit_of(text, head, registry) is None:
                 return Guess(text)
         except Exception:
             continue
@@ -50,8 +50,8 @@ def guess_reward(recording: Recording, registry: Registry) -> Guess:
     return Guess(None, f"no registered reward pays what {recording.path} recorded{declared}")
 
 
-def misfit(recording: Recording, text: str, registry: Registry) -> str:
-    """Where the reward `text` does not pay a run's first rows as recorded; empty if it does.
+def misfit(recording: Recording, text: str, registry: Registry) -> str | None:
+    """Where the reward `text` does not pay a run's first rows as recorded; None if it does.
 
     Raises:
         UsageError: There is no such reward.
@@ -59,7 +59,7 @@ def misfit(recording: Recording, text: str, registry: Registry) -> str:
     if not recording.has_distances:
         return f"{recording.path} has no distances to score again"
     problem = _misfit_of(text, next(recording.chunks(HEAD)), registry)
-    return problem and f"{recording.path}, {problem}"
+    return None if problem is None else f"{recording.path}, {problem}"
 
 
 def _candidates(recording: Recording, head: Chunk, registry: Registry) -> Iterator[str]:
@@ -89,8 +89,8 @@ def _gain(value: Float, metres: Float, rows: Mask) -> float | None:
     return float(np.median(value[large] / metres[large]))
 
 
-def _misfit_of(text: str, head: Chunk, registry: Registry) -> str:
-    """The first row that the reward pays otherwise; empty without one."""
+def _misfit_of(text: str, head: Chunk, registry: Registry) -> str | None:
+    """The first row that the reward pays otherwise; None without one."""
     choice = choose(registry, "rewards", text)
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
         paid = RecordingScorer(choice.build(registry, "rewards")).score(head)
@@ -99,7 +99,7 @@ def _misfit_of(text: str, head: Chunk, registry: Registry) -> str:
     if unsure.sum() <= max(1.0, LOST_SIGNS * len(paid)):
         misses &= ~unsure
     if not misses.any():
-        return ""
+        return None
     row = int(np.argmax(misses))
     return f"line {head.line + row}: recorded {head.reward[row]:.7g}, {choice.label} pays {paid[row]:.7g}"
 

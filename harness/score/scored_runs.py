@@ -17,10 +17,10 @@ from harness.score.scorer import score_trace
 class ScoredRuns(NamedTuple):
     """What a reward pays for runs."""
 
-    values: list[Float]
-    """Of every run, one value per row, (rows,); empty where there is a reason."""
+    values: list[Float] | None
+    """Of every run, one value per row, (rows,); None where the runs could not be scored."""
     reason: str = ""
-    """Why the runs could not be scored; empty if they were."""
+    """Why they could not; empty if they were."""
 
 
 def score_runs(choice: Choice, registry: Registry, own: Trace | None, runs: Sequence[Trace]) -> ScoredRuns:
@@ -36,9 +36,9 @@ def score_runs(choice: Choice, registry: Registry, own: Trace | None, runs: Sequ
     try:
         return ScoredRuns(_score(choice, registry, own, runs))
     except HarnessError as error:  # a reward that is not installed any more: the rest can still be said
-        return ScoredRuns([], str(error))
+        return ScoredRuns(None, str(error))
     except Exception as error:  # one that is, and cannot any more: a plugin may raise anything
-        return ScoredRuns([], f"a reward could not score the runs: {one_line(error)}")
+        return ScoredRuns(None, f"a reward could not score the runs: {one_line(error)}")
 
 
 def _score(choice: Choice, registry: Registry, own: Trace | None, runs: Sequence[Trace]) -> list[Float]:

@@ -12,6 +12,7 @@ from harness.record.returns import mean_return
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.results import Results
+from harness.results.combination import Group
 from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_transfer, simulator_id
 
 FORMAT = 1
@@ -20,24 +21,6 @@ Pair: TypeAlias = tuple[Choice, Choice]
 """Trained in, evaluated in."""
 Grid: TypeAlias = tuple[tuple[SeedMean, ...], ...]
 """A row per simulator trained in, a column per simulator evaluated in."""
-
-
-class Series(NamedTuple):
-    """What the cells of one matrix share, their simulators and seeds apart."""
-
-    robot: str
-    task: Choice
-    algorithm: Choice
-    steps: int
-    evaluation_episodes: int
-    reward: Choice
-    evaluate_every: int = 0
-    deterministic: bool = True
-
-    @classmethod
-    def of(cls, cell: Cell) -> "Series":
-        """The series that a cell belongs to."""
-        return cls(*(getattr(cell, name) for name in cls._fields))
 
 
 class Evaluation(NamedTuple):
@@ -54,7 +37,7 @@ class TransferMatrix:
     """Policies of one algorithm and reward, by the simulators that they were trained and evaluated in.
 
     Attributes:
-        series: What the policies share.
+        group: What the policies share.
         trained_in: One per row.
         evaluated_in: One per column.
         success: Share of the episodes that reach the target, mean over seeds.
@@ -62,7 +45,7 @@ class TransferMatrix:
         drop: Success where trained minus success here, the same seeds in both; no mean where that is the same place.
     """
 
-    series: Series
+    group: Group
     trained_in: tuple[Choice, ...]
     evaluated_in: tuple[Choice, ...]
     success: Grid
@@ -71,15 +54,11 @@ class TransferMatrix:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, by label."""
-        series = self.series
         return {
-            "algorithm": series.algorithm.label,
-            "reward": series.reward.label,
-            "robot": series.robot,
-            "task": series.task.label,
-            "steps": series.steps,
-            "evaluation_episodes": series.evaluation_episodes,
-            "deterministic": series.deterministic,
+            **self.group.labels,
+            "steps": self.group.steps,
+            "evaluation_episodes": self.group.evaluation_episodes,
+            "deterministic": self.group.deterministic,
             "trained_in": [simulator.label for simulator in self.trained_in],
             "evaluated_in": [simulator.label for simulator in self.evaluated_in],
             **{name: _to_json(grid) for name, grid in self._grids().items()},
@@ -131,12 +110,12 @@ def load_transfers(results: Results) -> Transfers:
         SchemaError: A file is damaged or written by a newer version.
     """
     records = {cell: _records(results, cell) for cell in results.done_cells}
-    series: dict[Series, list[Cell]] = {}
+    groups: dict[Group, list[Cell]] = {}
     for cell in records:
-        series.setdefault(Series.of(cell), []).append(cell)
+        groups.setdefault(Group.of(cell, compared="simulator"), []).append(cell)
     matrices = [
-        _matrix(results, shared, {cell: records[cell] for cell in cells})
-        for shared, cells in series.items()
+        _matrix(results, group, {cell: records[cell] for cell in cells})
+        for group, cells in groups.items()
         if any(records[cell] for cell in cells)
     ]
     failed = [Failure(cell, record) for cell, found in records.items() for record in found if record.status == "failed"]
@@ -150,13 +129,13 @@ def _records(results: Results, cell: Cell) -> list[TransferRecord]:
     return [record for record in found if record is not None and record.is_of(digest)]
 
 
-def _matrix(results: Results, series: Series, records: Mapping[Cell, list[TransferRecord]]) -> TransferMatrix:
+def _matrix(results: Results, group: Group, records: Mapping[Cell, list[TransferRecord]]) -> TransferMatrix:
     trained_in = tuple(dict.fromkeys(cell.simulator for cell in records))
     visited = sorted((record.simulator for found in records.values() for record in found), key=lambda it: it.label)
     evaluated_in = tuple(dict.fromkeys([*trained_in, *visited]))
     table = _Table(results, records)
     return TransferMatrix(
-        series,
+        group,
         trained_in,
         evaluated_in,
         *(
@@ -167,7 +146,7 @@ def _matrix(results: Results, series: Series, records: Mapping[Cell, list[Transf
 
 
 class _Table:
-    """The evaluations of one series, by simulators and seed."""
+    """The evaluations of one group, by simulators and seed."""
 
     def __init__(self, results: Results, records: Mapping[Cell, list[TransferRecord]]) -> None:
         self._seeds: dict[Choice, list[int]] = {}
@@ -192,7 +171,7 @@ class _Table:
 
     def drop(self, home: Choice, place: Choice) -> SeedMean:
         if home == place:
-            return SeedMean(None, note="evaluated where it was trained")
+            return SeedMean(None, notes=("evaluated where it was trained",))
 
         def lost(seed: int) -> float | None:
             there, here = self._known[home, home][seed].success, self._known[home, place][seed].success
@@ -204,15 +183,15 @@ class _Table:
         """Over the seeds that were evaluated; says why there are not all."""
         known = self._known.get((home, place), {})
         values = [number for number in map(value, known) if number is not None]
-        missing = self._missing(home, place) or ("" if len(values) == len(known) else "not defined for every seed")
-        return mean_over_seeds(values, missing)
+        missing = None if len(values) == len(known) else "not defined for every seed"
+        return mean_over_seeds(values, self._missing(home, place) or missing)
 
-    def _missing(self, home: Choice, place: Choice) -> str:
-        """How many seeds have no evaluation, and why; empty if all have one."""
+    def _missing(self, home: Choice, place: Choice) -> str | None:
+        """How many seeds have no evaluation, and why; None if all have one."""
         count, failed = len(self._seeds[home]), self._failed.get((home, place), 0)
         waiting = count - failed - len(self._known.get((home, place), {}))
-        told = [f"{failed} of {count} failed"] * bool(failed) + [f"{waiting} of {count} not evaluated"] * bool(waiting)
-        return ", ".join(told)
+        told = {"failed": failed, "not evaluated": waiting}
+        return ", ".join(f"{number} of {count} {what}" for what, number in told.items() if number) or None
 
 
 def _evaluation(results: Results, cell: Cell, record: TransferRecord | None) -> Evaluation:
@@ -222,8 +201,7 @@ def _evaluation(results: Results, cell: Cell, record: TransferRecord | None) -> 
     else:
         folder = results.folder / FOLDER / cell.id / simulator_id(record.simulator)
     trace = read_trace(folder / EVALUATION)
-    metric = results.metrics.get(SUCCESS)
-    return Evaluation(metric(trace) if metric else None, mean_return(trace))
+    return Evaluation(results.measure(trace).get(SUCCESS), mean_return(trace))
 
 
 def _to_json(grid: Grid) -> list[list[dict[str, Any]]]:

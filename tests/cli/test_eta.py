@@ -37,18 +37,9 @@ def test_json_is_all_that_goes_to_standard_output(harness, recorded):
 def test_the_table_is_the_default(harness, recorded):
     """Verdict, ratios, parts and indices go to standard output."""
     answer = harness("eta", *recorded)
-    assert answer.status == 0
-    for told in (
-        "proposed arp:k1=1,k2=1.5 against baseline",
-        "eta_N",
-        "eta_P",
-        "ruler",
-        "other path",
-        "cross-over step",
-    ):
+    assert (answer.status, answer.err) == (0, "")
+    for told in ("arp:k1=1,k2=1.5", "baseline 2 runs", "eta_N", "eta_P", "other path", "accumulated reward", "I_N"):
         assert told in answer.out
-    assert "baseline 2 runs, proposed 2 runs" in answer.out
-    assert "accumulated reward" in answer.out
 
 
 def test_the_per_step_curve_is_told_as_such(harness, recorded):
@@ -69,19 +60,18 @@ def test_rows_behind_the_shortest_run_are_told(harness, recorded, tmp_path: Path
     """A reader sees that not all of every file was compared."""
     with (tmp_path / "base" / "1.csv").open("a") as file:
         file.write(",1,0.25,0.25,,0.75\n")
-    assert "baseline 2 runs (1 row behind the shortest run left out), proposed 2 runs" in harness("eta", *recorded).out
+    out = harness("eta", *recorded).out
+    assert "baseline 2 runs (1 row " in out
+    assert "proposed 2 runs\n" in out
 
 
-def test_plot_writes_a_page_that_needs_nothing_else(harness, recorded, tmp_path: Path):
-    """Both means and every run are in the page, and so is what draws them."""
+def test_plot_writes_a_page(harness, recorded, tmp_path: Path):
+    """Where it is told, and says so on standard error; the table goes to standard output as ever."""
     pytest.importorskip("plotly")
     answer = harness("eta", *recorded, "--plot", "curves.html")
-    page = (tmp_path / "curves.html").read_text()
     assert (answer.status, answer.err) == (0, "Figure: curves.html\n")
     assert "eta_N" in answer.out
-    assert page.count('"type": "scatter", "mode": "lines"') == 2 * (2 + 1)
-    assert '"baseline, mean of 2"' in page
-    assert '<script src="' not in page
+    assert "<html" in (tmp_path / "curves.html").read_text()
 
 
 @pytest.mark.parametrize(

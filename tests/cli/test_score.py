@@ -40,11 +40,13 @@ def test_the_paid_reward_is_reproduced_exactly(harness, experiment, tmp_path):
         assert (pq.read_table(cell / "scores.parquet")[reward].to_numpy() == paid).all()
 
 
-def test_the_table_names_both_indices(harness, experiment):
-    """Without --json there is a table of I_N and one of I_P."""
-    out = harness("score", experiment, "--reward", "arp").out
+def test_the_table_names_both_indices(harness, experiment, tmp_path):
+    """Without --json there is a table of I_N and one of I_P; brackets in the folder's name are no markup."""
+    (tmp_path / experiment).rename(tmp_path / "mine [report]")
+    out = harness("score", "mine [report]", "--reward", "arp").out
     assert "I_N" in out
     assert "I_P" in out
+    assert "mine [report]/cells\n" in out
 
 
 def test_files_are_scored_beside_themselves(harness, experiment, tmp_path):

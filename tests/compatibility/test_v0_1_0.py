@@ -24,7 +24,7 @@ from harness.experiment.experiment import ExperimentRun, RunOptions, prepare
 from harness.experiment.plan import read_experiment
 from harness.experiment.provenance import describe_machine, versions_behind
 from harness.record.cell import Cell
-from harness.record.folder import MANIFEST, TRACE
+from harness.record.folder import TRACE
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.store import EXPERIMENT, Store
 from harness.record.trace import Trace, read_trace

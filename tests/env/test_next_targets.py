@@ -10,7 +10,7 @@ import pytest
 import harness
 from harness.record.trace import Trace, TraceWriter, read_trace
 from harness.robot.inverse_kinematics import reach_position
-from harness.score.recording import open_recording
+from harness.score.open_recording import open_recording
 from harness.task import Targets
 from harness.testing.trainings import NegativeDistance
 from harness_plugins.tasks.unity import Arp2021, UnityReach

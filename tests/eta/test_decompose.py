@@ -185,7 +185,9 @@ def test_zero_denominator_is_none_with_the_reason(name: str, given_runs: tuple[A
     runs, which, why = given_runs
     other = [[-1.0, 2.0]]
     split = getattr(decompose(curves_of(runs, other, other, other)), which)
-    assert split.eta == split.behaviour == split.other_ruler == Ratio(None, note=f"{name} of the baseline is 0: {why}")
+    assert (
+        split.eta == split.behaviour == split.other_ruler == Ratio(None, notes=(f"{name} of the baseline is 0: {why}",))
+    )
     assert split.ruler.value == split.other_behaviour.value == 1.0
     assert split.disagreement == "a path has no value"
 
@@ -221,18 +223,18 @@ def test_eta_of_nothing_to_something_is_zero():
     assert str(eta.value) == "0.0"
     ends_of_many = ends(eta_of(dip_and_climb(5), np.ones((5, 4))).eta_n)
     assert str(ends_of_many) == "[0.0, 0.0]"
-    assert "near zero" in eta.note
+    assert eta.near_zero is not None
 
 
 def test_index_near_zero_beside_the_other_trainings_says_so():
     """The proposed runs hardly pay under the baseline reward: the value stays, every ratio with that index is noted."""
     split = decompose(curves_of([[1000.0]], [[1.0]], [[46_000.0]], [[25_000.0]])).positive
-    note = (
-        "I_P of the proposed runs under the baseline reward is near zero beside that of the baseline: "
-        "the ratio says little; one seed: no interval"
-    )
-    assert (split.ruler, split.behaviour) == (Ratio(25_000.0, note=note), Ratio(0.001, note=note))
-    assert "near zero" not in split.eta.note + split.other_ruler.note + split.other_behaviour.note
+    weak = {
+        "notes": ("one seed: no interval",),
+        "near_zero": "I_P of the proposed runs under the baseline reward is near zero beside that of the baseline",
+    }
+    assert (split.ruler, split.behaviour) == (Ratio(25_000.0, **weak), Ratio(0.001, **weak))
+    assert split.eta.near_zero is split.other_ruler.near_zero is split.other_behaviour.near_zero is None
 
 
 @pytest.mark.parametrize("scale", [1000.0, 0.001])
@@ -248,7 +250,7 @@ def test_near_zero_begins_at_its_share():
     """An index of NEAR_ZERO of its counterpart is none yet."""
     for share, noted in ((1.01 * NEAR_ZERO, False), (0.99 * NEAR_ZERO, True)):
         split = decompose(curves_of([[1.0]], [[share]], [[1.0]], [[1.0]])).positive
-        assert ("near zero" in split.behaviour.note) == noted
+        assert (split.behaviour.near_zero is not None) == noted
 
 
 def test_recorded_indices_are_compared_where_nothing_was_scored_again():
@@ -256,13 +258,13 @@ def test_recorded_indices_are_compared_where_nothing_was_scored_again():
     scored = curves_of([[1.0]], [[1.0]], [[1.0]], [[1000.0]])
     eta = decompose({pair: scored[pair] for pair in (BB, KK)}).eta_p
     assert eta.value == 1000.0
-    assert eta.note.startswith("I_P of the baseline is near zero beside that of the proposed reward")
+    assert eta.near_zero == "I_P of the baseline is near zero beside that of the proposed reward"
 
 
 def test_ratio_too_large_for_a_number_is_none():
     """A denominator next to nothing at all gives a reason, not infinity."""
     split = decompose(curves_of([[1e-310]], [[1.0]], [[1.0]], [[1e10]])).positive
-    assert split.eta == Ratio(None, note="I_P of the baseline is as good as 0: the ratio is no number any more")
+    assert split.eta == Ratio(None, notes=("I_P of the baseline is as good as 0: the ratio is no number any more",))
 
 
 # Paths that disagree, splits that are missing
@@ -271,7 +273,7 @@ def test_ratio_too_large_for_a_number_is_none():
 def test_paths_that_disagree_say_so_with_their_numbers():
     """One path calls it ruler, the other behaviour."""
     found = decompose(curves_of([[1.0]], [[1.0]], [[8.0]], [[8.0]])).positive
-    assert found.disagreement == ""
+    assert not found.paths_disagree
     found = decompose(curves_of([[1.0]], [[8.0]], [[4.0]], [[8.0]])).positive
     said = "ruler 1 and behaviour 8 on the proposed runs, ruler 4 and behaviour 2 on the baseline's"
     assert found.disagreement == f"the two paths disagree: {said}"
@@ -281,7 +283,7 @@ def test_paths_that_disagree_say_so_with_their_numbers():
 def test_paths_disagree_beyond_a_factor(ruler: float, disagree: bool):
     """Rulers may differ by half."""
     split = decompose(curves_of([[1.0]], [[1.0]], [[ruler]], [[1.0]])).positive
-    assert bool(split.disagreement) == disagree
+    assert split.paths_disagree == disagree
 
 
 def test_rulers_of_unlike_sign_disagree():
@@ -289,7 +291,7 @@ def test_rulers_of_unlike_sign_disagree():
     scored = curves_of([[-1.0, 0.0, 1.0]], [[-1.0, 0.0, -1.0]], [[-1.0, 0.0, 2.0]], [[-1.0, 0.0, 2.0]], "per-step")
     split = decompose(scored).positive
     assert (split.ruler.value, split.other_ruler.value) == (-2.0, 2.0)
-    assert split.disagreement.startswith("the two paths disagree")
+    assert split.paths_disagree
 
 
 @pytest.mark.parametrize("scored", [(), (BK,), (KB,)])
@@ -299,8 +301,9 @@ def test_without_both_rulers_nothing_is_split(scored: tuple[Pair, ...]):
     found = decompose({pair: curves[pair] for pair in (BB, KK, *scored)}, missing="no distances in a.csv")
     for split in (found.negative, found.positive):
         assert split.eta.value == 1.0
-        assert parts(split)[1:] == [Ratio(None, note="no distances in a.csv")] * 4
-        assert split.disagreement == ""
+        assert parts(split)[1:] == [Ratio(None, notes=("no distances in a.csv",))] * 4
+        assert not split.is_scored
+        assert not split.paths_disagree
 
 
 def test_missing_reason_is_never_empty():
@@ -444,7 +447,7 @@ def test_one_seed_has_a_value_and_no_interval():
     """Nothing can be said about the spread of one run."""
     runs = dip_and_climb(1)
     found = eta_of(runs, 2.0 * runs)
-    assert found.eta_n == found.eta_p == Ratio(2.0, note="one seed: no interval")
+    assert found.eta_n == found.eta_p == Ratio(2.0, notes=("one seed: no interval",))
     assert (found.positive.p, found.positive.seeds_needed) == (None, None)
 
 
@@ -469,9 +472,9 @@ def test_denominator_that_vanishes_in_some_draws_leaves_no_interval():
 def test_several_notes_stand_side_by_side():
     """Near zero and few seeds are both said."""
     note = decompose(curves_of(*([[size], [size]] for size in (1.0, 0.001, 1.0, 1.0)))).positive.ruler.note
-    assert note.count("; ") == 1
-    assert "near zero" in note
-    assert "2 seeds" in note
+    near_zero, rough = note.split("; ")
+    assert "near zero" in near_zero
+    assert "2 seeds" in rough
 
 
 # What else is told
@@ -506,7 +509,9 @@ def test_noise_floor_agrees_with_all_halves():
 
 def test_noise_floor_needs_four_seeds():
     """Halves of fewer are single runs."""
-    assert eta_of(*[dip_and_climb(3)] * 2).positive.noise == Ratio(None, note="3 seeds: halves of them need at least 4")
+    assert eta_of(*[dip_and_climb(3)] * 2).positive.noise == Ratio(
+        None, notes=("3 seeds: halves of them need at least 4",)
+    )
 
 
 def test_noise_floor_of_halves_without_an_index_is_none():

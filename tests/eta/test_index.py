@@ -38,13 +38,20 @@ def test_index_as_json():
 
 def test_ratio_as_json():
     """A ratio is its value, the ends of its interval and a note."""
-    ratio = Ratio(2.0, 1.5, 2.5, "five seeds")
+    ratio = Ratio(2.0, 1.5, 2.5, ("five seeds",))
     assert json.loads(json.dumps(ratio.to_json())) == {"value": 2.0, "low": 1.5, "high": 2.5, "note": "five seeds"}
+
+
+def test_index_near_zero_is_told_before_every_note():
+    """In the note of the JSON; a reader of the ratio finds each by itself."""
+    ratio = Ratio(2.0, 1.5, 2.5, ("2 seeds",), near_zero="I_P of the baseline is near zero beside I_N")
+    assert ratio.notes == ("2 seeds",)
+    assert ratio.note == f"{ratio.near_zero}: the ratio says little; 2 seeds"
 
 
 def test_ratio_need_not_have_an_interval():
     """A value alone, or a reason alone, is a ratio."""
-    assert Ratio(None, note="nothing to divide by").to_json() == {
+    assert Ratio(None, notes=("nothing to divide by",)).to_json() == {
         "value": None,
         "low": None,
         "high": None,

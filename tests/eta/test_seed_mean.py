@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.eta.seed_mean import ONE_SEED, SeedMean, mean_over_seeds
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
 
 numbers = st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=12)
 
@@ -29,12 +29,12 @@ def test_more_seeds_give_a_narrower_interval():
 
 def test_one_seed_has_no_interval():
     """And says so."""
-    assert mean_over_seeds([0.5]) == SeedMean(0.5, None, None, 1, ONE_SEED)
+    assert mean_over_seeds([0.5]) == SeedMean(0.5, None, None, 1, ("one seed: no interval",))
 
 
 def test_no_value_has_the_reason():
     """n/a, never a number that is none."""
-    assert mean_over_seeds([], "1 of 1 failed") == SeedMean(None, note="1 of 1 failed")
+    assert mean_over_seeds([], "1 of 1 failed") == SeedMean(None, notes=("1 of 1 failed",))
 
 
 def test_few_seeds_are_rough():
@@ -48,5 +48,5 @@ def test_few_seeds_are_rough():
 def test_json_is_plain():
     """Field by field."""
     assert json.loads(json.dumps(mean_over_seeds([0.5]).to_json())) == {
-        "mean": 0.5, "low": None, "high": None, "seeds": 1, "note": ONE_SEED,
+        "mean": 0.5, "low": None, "high": None, "seeds": 1, "note": "one seed: no interval",
     }  # fmt: skip

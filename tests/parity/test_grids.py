@@ -8,7 +8,15 @@ import pytest
 from rich.console import Console
 
 from harness.parity.contenders import Missing
-from harness.parity.grids import pair_grids, remarks, setting_text, simulator_grid, title, verdict
+from harness.parity.grids import (
+    failures,
+    not_installed,
+    pair_grids,
+    setting_text,
+    simulator_grid,
+    title,
+    verdict,
+)
 from harness.parity.parity_table import parity_table
 
 
@@ -62,7 +70,8 @@ def test_failed_and_missing_are_told(compare, toolbox):
     """Why, and what to type; a reference that failed is said to have."""
     missing = [Missing("far", "away", "pip install far")]
     broken = compare(missing, bad=toolbox.closed, one=toolbox.ideal, two=toolbox.late)
-    assert remarks(broken) == ["failed: bad: MemoryError", "not installed: far: pip install far"]
+    assert failures(broken) == ["failed: bad: MemoryError"]
+    assert not_installed(broken) == ["not installed: far: pip install far"]
     assert verdict(broken) == "The reference bad failed; the others are compared with one another"
     assert [grid.headings[0] for grid in pair_grids(broken)] == ["the others"]
 

@@ -18,6 +18,8 @@ from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceW
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import load_registry
 from harness.results import Results, load_results
+from harness.score.compare import Comparison, compare_recordings
+from harness.score.open_recording import match_recordings
 from harness.score.scorer import score_trace
 
 BASELINE = "baseline"
@@ -179,3 +181,28 @@ def _trace(rows: np.ndarray) -> Trace:
     """The rows as a trace in memory, whole numbers and flags among them as such."""
     types = {**dict.fromkeys(SCALARS, float), **dict.fromkeys(INTEGERS, int), **dict.fromkeys(FLAGS, bool)}
     return Trace({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})
+
+
+HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
+RECORDED = {
+    "base": ("0,1,1,1,0,0", "1,1,1,2,1,-1", "2,1,0.5,0.5,-0.5,0.5", "3,1,0.5,0.5,0,0.5", "4,1,0.25,0.25,-0.25,0.75"),
+    "k2": ("0,1,1,1,0,0", "1,1,1,1.5,0.5,-0.5", "2,1,0.5,0.5,-0.5,0.75", "3,1,0.25,0.25,-0.25,1.125"),
+}
+"""Paid by the baseline, and by ARP with k2 = 1.5."""
+
+
+@pytest.fixture
+def compare(tmp_path: Path) -> Callable[..., Comparison]:
+    """Compares two groups of two recorded runs each, of which the last `columns` columns are recorded."""
+
+    def compare_files(columns: int = 6, **flags: Any) -> Comparison:
+        groups = []
+        for name, rows in RECORDED.items():
+            (tmp_path / name).mkdir(exist_ok=True)
+            for number in range(2):
+                lines = [",".join(line.split(",")[-columns:]) for line in (HEADER, *rows)]
+                (tmp_path / name / f"{number}.csv").write_text("\n".join(lines) + "\n")
+            groups.append(match_recordings(str(tmp_path / name / "*.csv")))
+        return compare_recordings(groups[0], groups[1], load_registry(), **flags)
+
+    return compare_files

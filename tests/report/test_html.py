@@ -1,4 +1,5 @@
 import json
+import re
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -8,6 +9,8 @@ import pytest
 from harness.errors import UsageError
 from harness.report.html import describe_comparison, write_html
 from harness.report.question import question
+from harness.report.rows import SCALES, SPLIT
+from harness.report.split_rows import describe_split
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
 
@@ -77,31 +80,33 @@ def test_plotly_is_there_once(build, tmp_path):
 
 def test_title_is_the_question(build, write):
     """The heading asks what the report answers, naming the proposed rewards."""
-    asked = "Does the reward arp make the robot behave better, or only the numbers bigger?"
-    assert write(build()).text.count(asked) == 2  # <title> and <h1>
+    results = build()
+    assert "arp" in question(results)
+    assert write(results).text.count(question(results)) == 2  # <title> and <h1>
 
 
 def test_question_names_every_proposed_reward(build):
     """Several proposed rewards are all named, each once."""
     proposed = dict.fromkeys(("arp", "arp:k2=2", "relative"), (0, 39))
-    results = build(seeds=1, simulators=("mujoco", "pybullet"), proposed=proposed)
-    assert question(results).startswith("Do the rewards arp, arp:k2=2 and relative make")
+    asked = question(build(seeds=1, simulators=("mujoco", "pybullet"), proposed=proposed))
+    assert "arp, arp:k2=2 and relative" in asked
+    assert asked.count("relative") == 1
 
 
 def test_paragraph_says_what_eta_does_not(build):
     """The paragraph names what was compared and says that eta is no measure of behaviour."""
     (combination,) = build().combinations
     text = describe_comparison(combination)
-    assert "once paid by baseline, once by arp" in text
-    assert "eta_P is 1.89 (95% interval [1.84, 1.95])" in text
-    assert "each on its own scale: it does not yet say how the robot behaves" in text
-    assert "random actions in 0.0%" in text
+    for fact in ("baseline", "arp", "fd100-reach", "mujoco", "sac", "40 environment steps", SCALES):
+        assert fact in text
+    assert re.search(r"eta_P\D+1\.89\D+95%\D+\[1\.84, 1\.95\]", text)
+    assert re.search(r"random actions\D+0\.0%", text)
 
 
 def test_labels_are_escaped(build, write):
     """A label that looks like HTML is shown, not interpreted."""
     page = write(build(proposed={"arp<b>bold</b>": (0, 39)}))
-    assert "arp<b>bold</b> against baseline" in page.text
+    assert "arp<b>bold</b>" in page.text
     assert "b" not in page.tags
 
 
@@ -119,7 +124,7 @@ def test_crossover_is_marked(build, write):
     labels = [label["text"] for figure in page.json for label in figure["layout"]["annotations"]]
     for step in (18, 15):  # of the baseline, and of arp
         assert labels.count(f"cross-over: step {step}") == 1
-        assert page.text.count(f"First negative step: 1. Cross-over step: {step}.") == 1
+        assert page.text.count(f"Cross-over step: {step}.") == 1
 
 
 def test_verdict_comes_first(build, write):
@@ -127,37 +132,40 @@ def test_verdict_comes_first(build, write):
     results = build()
     (combination,) = results.combinations
     text = write(results).text
-    parts = ["arp against baseline", combination.verdict, combination.basis, "The robot fd100 learned", "eta_N = ruler"]
+    parts = [combination.verdict, combination.basis, describe_comparison(combination), "eta_N = ruler"]
     places = [text.index(" ".join(part.split())) for part in parts]
     assert places == sorted(places)
 
 
 def test_split_is_drawn_told_and_explained(build, write):
     """eta_N and eta_P have a figure each, with the same in words, and a sentence says what the parts are."""
-    page = write(build())
+    results = build()
+    page = write(results)
     assert [figure["layout"]["xaxis"].get("type") for figure in page.json] == ["log", "log", None, None]
-    assert "eta_P 1.89 = ruler 1.89 x behaviour 1.00; other path: ruler 1.89 x behaviour 1.00." in page.text
-    assert page.text.count("the ruler is the same runs scored by the two rewards") == 1
+    assert all(describe_split(*named) in page.text for named in results.combinations[0].splits.items())
+    assert page.text.count(SPLIT) == 1
 
 
 def test_what_cannot_be_scored_is_not_drawn(build, write):
     """A reward whose plugin is gone leaves the curves, and the reason instead of the split."""
     page = write(build(proposed={"gone": (9, 30)}))
     assert [figure["layout"]["xaxis"].get("type") for figure in page.json] == [None, None]
-    assert "Not split into ruler x behaviour: No reward 'gone'" in page.text
+    assert "No reward 'gone'" in page.text
 
 
 def test_paths_that_disagree_say_so(build, write):
     """The reader of the page is told, with both paths."""
-    page = write(build(baseline=(9, 12), proposed={"arp": (1, 20)}))
-    assert "eta_P: the two paths disagree: ruler 1.55 and behaviour 20.7" in page.text
+    results = build(baseline=(9, 12), proposed={"arp": (1, 20)})
+    text = write(results).text
+    assert f"eta_P: {results.combinations[0].decomposition.positive.disagreement}" in text
+    assert {"1.55", "20.7"} <= set(text.split())
 
 
 def test_near_zero_is_no_big_number(build, write):
     """A ratio with an index near zero is a word, in the table, the sentences and the figure."""
     page = write(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
     assert "eta_P near zero n/a above 1" in page.text
-    assert "eta_P says little, as an index is near zero" in page.text
+    assert re.search(r"eta_P says little\D+near zero", page.text)
     assert "e+" not in page.text
 
 
@@ -171,7 +179,7 @@ def test_one_seed_has_a_page(build, write):
     """One seed gives ratios and figures without intervals."""
     page = write(build(seeds=1))
     assert len(page.json) == 4
-    assert "eta_N, eta_P: one seed: no interval" in page.text
+    assert "eta_N, eta_P: one seed" in page.text
 
 
 def test_failed_cell_has_its_reason(build, write):
@@ -183,15 +191,17 @@ def test_failed_cell_has_its_reason(build, write):
 
 def test_missing_ratio_has_its_reason(build, write):
     """A ratio that is not defined is n/a, and the page says why."""
-    page = write(build(baseline=(39, 0)))
+    results = build(baseline=(39, 0))
+    page = write(results)
     assert "eta_P n/a n/a above 1" in page.text
-    assert "eta_P n/a: I_P of the baseline is 0: its mean accumulated reward is never positive" in page.text
+    assert f"eta_P n/a: {results.combinations[0].eta_p.note}" in page.text
 
 
 def test_no_finished_pair_is_said(build, write):
     """Without a finished pair the page says so, draws nothing and carries no plotly."""
-    page = write(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
-    assert "arp was to be compared with baseline, but no seed is done under both baseline and arp." in page.text
+    results = build(seeds=1, ended={("arp", 0): ("failed", "it broke")})
+    page = write(results)
+    assert results.combinations[0].eta_n.note in page.text
     assert page.json == []
     assert "script" not in page.tags
 
@@ -199,9 +209,10 @@ def test_no_finished_pair_is_said(build, write):
 def test_skipped_experiment_has_a_page(build, write):
     """An experiment whose combinations were all skipped still has a page with the reasons."""
     skipped = {(reward, 0): ("skipped", "sac cannot") for reward in ("baseline", "arp")}
-    page = write(build(seeds=1, ended=skipped))
-    assert "Does a reward make the robot behave better" in page.text
-    assert "No cell has run yet." in page.text
+    results = build(seeds=1, ended=skipped)
+    page = write(results)
+    assert question(results) in page.text
+    assert "No cell has run" in page.text
     assert page.text.count("sac cannot") == 2
 
 
@@ -219,14 +230,14 @@ def test_overview_has_every_verdict(build, write):
     text = write(results).text
     assert results.combinations[0].verdict == results.combinations[1].verdict
     assert text.count(results.combinations[0].verdict) == 4
-    assert text.count("p of no change, corrected for 2 combinations:") == 2
+    assert text.count("corrected for 2 combinations:") == 2
 
 
 def test_null_control_is_no_question(build, write):
     """The baseline against itself has a section, marked as A/A, and is not asked about."""
     results = build(a_a=True)
-    assert question(results).startswith("Does the reward arp make")
-    assert "baseline against baseline (A/A, the null control)" in write(results).text
+    assert "baseline" not in question(results)
+    assert "baseline against baseline (A/A" in write(results).text
 
 
 def test_failed_write_leaves_the_old_page(build, tmp_path, monkeypatch):
@@ -272,7 +283,7 @@ def test_import_is_light():
 def test_learning_is_drawn_where_it_was_recorded(build, write):
     """With a caption in words; nothing of it where policies were evaluated at the end alone."""
     page = write(build(learned={10: 1, 20: 2}))
-    assert "Success rate while learning baseline 25.0% after 10 steps, 75.0% after 40 steps" in page.text
+    assert re.search(r"Success rate while learning baseline 25\.0% after 10 \D+75\.0% after 40 ", page.text)
     assert [curve["name"] for curve in page.json[-1]["data"] if "name" in curve] == [
         "baseline",
         "arp",

@@ -5,7 +5,7 @@ import pytest
 from harness.eta.index import Ratio
 from harness.report.ratio_axis import interval_ends, is_drawable, ratio_range, ticks
 
-NEAR_ZERO = "I_N of the baseline is near zero beside I_P of the same runs: the ratio says little"
+NEAR_ZERO = "I_N of the baseline is near zero beside I_P of the same runs"
 
 
 @pytest.mark.parametrize("span", [(0.8, 1.2), (0.5, 2.0), (0.1, 3.0), (0.01, 40.0), (1e-9, 1e9), (0.97, 1.03)])
@@ -21,12 +21,12 @@ def test_ticks_are_few_and_hold_one(span):
 def test_what_has_no_logarithm_is_not_drawn():
     """Neither is what says little, and what is not there."""
     assert is_drawable(Ratio(0.2))
-    assert not any(map(is_drawable, (Ratio(0.0), Ratio(-1.0), Ratio(None), Ratio(2.0, note=NEAR_ZERO))))
+    assert not any(map(is_drawable, (Ratio(0.0), Ratio(-1.0), Ratio(None), Ratio(2.0, near_zero=NEAR_ZERO))))
 
 
 def test_range_holds_what_is_drawn_and_one():
     """A ratio that says little does not stretch it; without any it is an axis around 1."""
-    low, high = ratio_range([Ratio(3.0, 2.0, 9.0), Ratio(1e9, note=NEAR_ZERO)])
+    low, high = ratio_range([Ratio(3.0, 2.0, 9.0), Ratio(1e9, near_zero=NEAR_ZERO)])
     assert low < 1.0
     assert 9.0 < high < 20.0
     low, high = ratio_range([])

@@ -1,6 +1,6 @@
 """Returns under every reward, as text."""
 
-from harness.report.return_rows import return_grids, return_title
+from harness.report.return_rows import return_grid
 from harness.results.return_matrix import return_matrices
 
 
@@ -9,14 +9,9 @@ def _matrix(results):
     return matrix
 
 
-def test_title_says_where(build):
-    """Simulator, algorithm, robot, task."""
-    assert return_title(_matrix(build())) == "mujoco · sac · fd100 · fd100-reach"
-
-
 def test_grid_has_a_row_per_ruler_and_the_events(build):
     """Each with its interval below; a column per training."""
-    (grid,) = return_grids(_matrix(build()))
+    grid = return_grid(_matrix(build()))
     assert grid.headings == ("evaluation return, scored by", "baseline", "arp")
     names = [row[0] for row in grid.rows]
     assert names == ["baseline", "  95% interval", "arp", "  95% interval", "events, paid on top", "  95% interval"]
@@ -25,23 +20,15 @@ def test_grid_has_a_row_per_ruler_and_the_events(build):
 
 def test_one_seed_has_no_rows_of_intervals(build):
     """And a note says why."""
-    (grid,) = return_grids(_matrix(build(seeds=1)))
+    grid = return_grid(_matrix(build(seeds=1)))
     assert [row[0] for row in grid.rows] == ["baseline", "arp", "events, paid on top"]
     assert grid.notes == ["one seed: no interval"]
 
 
 def test_reward_that_cannot_score_is_na_with_the_reason(build):
     """Its row says n/a, a note says why; the others are scored."""
-    (grid,) = return_grids(_matrix(build(proposed={"gone": (9, 30)})))
+    grid = return_grid(_matrix(build(proposed={"gone": (9, 30)})))
     rows = {row[0]: row[1:] for row in grid.rows}
     assert rows["gone"] == ("n/a", "n/a")
     assert "n/a" not in rows["baseline"]
     assert any(note.startswith("gone: n/a: No reward 'gone'") for note in grid.notes)
-
-
-def test_many_trainings_stand_below_one_another(build):
-    """Three side by side, so that nothing is cut in a terminal; notes come once."""
-    proposed = dict.fromkeys(["arp", "relative", "adaptive", "sparse"], (9, 30))
-    grids = return_grids(_matrix(build(proposed=proposed)))
-    assert [grid.headings[1:] for grid in grids] == [("baseline", "arp", "relative"), ("adaptive", "sparse")]
-    assert [bool(grid.notes) for grid in grids] == [False, True]

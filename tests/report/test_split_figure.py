@@ -3,7 +3,6 @@ import math
 import numpy as np
 import plotly.graph_objects as go
 
-from harness.report.rows import splits
 from harness.report.split_figure import draw_split
 from harness.report.split_rows import describe_split
 
@@ -11,7 +10,7 @@ from harness.report.split_rows import describe_split
 def figures(results):
     """The splits of the only combination, and their figures."""
     (combination,) = results.combinations
-    both = splits(combination)
+    both = combination.splits
     return both, {name: draw_split(name, split) for name, split in both.items()}
 
 

@@ -5,8 +5,9 @@ import pytest
 
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.registry.choice import Choice
-from harness.report.transfer_rows import PLACES, failure_lines, transfer_block, transfer_grids
-from harness.transfer.matrix import Series, TransferMatrix
+from harness.report.transfer_rows import failure_lines, transfer_block, transfer_grid
+from harness.results.combination import Group
+from harness.transfer.matrix import TransferMatrix
 
 NAMES = ("ideal", "mujoco", "stuck", "gone", "far")
 FIVE = "2 seeds: the interval is rough below 5"
@@ -20,9 +21,9 @@ def choice(name):
 def matrix_of(rows, drops, homes=("ideal",)):
     """A matrix of these means; returns are ten times the success."""
     places = tuple(choice(name) for name in NAMES[: len(rows[0])])
-    series = Series("fd100", choice("fd100-reach"), choice("sac"), 100, 10, choice("arp"))
+    group = Group("fd100", choice("fd100-reach"), choice("sac"), 100, 10, reward=choice("arp"))
     paid = tuple(tuple(SeedMean(mean.mean and 10 * mean.mean, None, None, mean.seeds) for mean in row) for row in rows)
-    return TransferMatrix(series, tuple(map(choice, homes)), places, rows, paid, drops)
+    return TransferMatrix(group, tuple(map(choice, homes)), places, rows, paid, drops)
 
 
 @pytest.fixture
@@ -72,7 +73,7 @@ def test_no_minus_zero():
 
 def test_terminal_has_a_line_for_each_thing(matrix):
     """Success first, the home marked, each interval under its mean; lines without a value are left out."""
-    (grid,) = transfer_grids(transfer_block(matrix))
+    grid = transfer_grid(transfer_block(matrix))
     assert grid.headings == ("trained in \\ evaluated in", "ideal", "mujoco", "stuck")
     assert [row[0].strip() for row in grid.rows] == [
         "ideal: success", "95% interval", "drop", "95% interval", "return",
@@ -80,14 +81,10 @@ def test_terminal_has_a_line_for_each_thing(matrix):
     assert [value.strip() for value in grid.rows[0][1:]] == ["75.0% *", "25.0%", "n/a"]
 
 
-def test_many_simulators_are_several_tables():
-    """So that each fits into a terminal; the words come once, under the last."""
-    row = tuple(mean_over_seeds([0.5]) for _ in NAMES)
-    block = transfer_block(matrix_of((row,), (tuple(SeedMean(None) for _ in NAMES),)))
-    grids = transfer_grids(block)
-    assert [len(grid.headings) - 1 for grid in grids] == [PLACES, 1]
-    assert not grids[0].notes
-    assert grids[1].notes
+def test_words_stand_under_the_table(matrix):
+    """The largest drops, then what is to be kept in mind."""
+    block = transfer_block(matrix)
+    assert transfer_grid(block).notes == [*block.summary, *block.notes]
 
 
 def test_failure_names_cell_simulator_and_reason():

@@ -35,7 +35,7 @@ def transferred(build):
     return results
 
 
-@pytest.mark.parametrize("width", [80, 100])
+@pytest.mark.parametrize("width", [60, 80, 100])
 def test_terminal_has_every_number_whole(transferred, width):
     """Success at home and away, the drop, the return, what failed, and how rough it is."""
     output = StringIO()

@@ -17,8 +17,8 @@ from harness.registry.choice import Choice
 from harness.results.combination import Combination, Group
 
 GROUP = Group(
-    Choice("ideal", (), "ideal"), "fd100", Choice("fd100-reach"), Choice("wander", (), "wander"), steps=12,
-    evaluation_episodes=20,
+    "fd100", Choice("fd100-reach", (), "fd100-reach"), Choice("wander", (), "wander"), steps=12, evaluation_episodes=20,
+    simulator=Choice("ideal", (), "ideal"),
 )  # fmt: skip
 CURVES = {pair: curve_of([np.array([-1.0, 3.0 * factor])] * 5) for pair, factor in ((BB, 1), (BK, 1), (KB, 2), (KK, 2))}
 CHANGES = (
@@ -58,6 +58,31 @@ def test_rewards_and_seeds_share_a_group(make_cell: Callable[..., Cell]):
     assert Group.of(make_cell()) == Group.of(make_cell(seed=7, reward=Choice("arp")))
 
 
+def test_rewards_are_what_is_compared_in_a_combination(make_cell: Callable[..., Cell]):
+    """So its group has a simulator and no reward; that of policies from several simulators has it the other way."""
+    cell = make_cell()
+    group, policies = Group.of(cell), Group.of(cell, compared="simulator")
+    assert (group.simulator, group.reward) == (cell.simulator, None)
+    assert (policies.simulator, policies.reward) == (None, cell.reward)
+    assert policies == Group.of(make_cell(simulator=Choice("other")), compared="simulator")
+
+
+def test_title_names_all_that_is_shared():
+    """In one line, what is compared left out; JSON has the same names by kind."""
+    assert GROUP.title == "ideal · wander · fd100 · fd100-reach"
+    policies = GROUP._replace(simulator=None, reward=Choice("arp", (), "arp"))
+    assert policies.title == "wander · arp · fd100 · fd100-reach"
+    assert list(GROUP.to_json()) == ["simulator", "algorithm", "robot", "task", "steps", "deterministic"]
+
+
+def test_runs_are_split_where_both_were_scored(combination: Combination, empty: Combination):
+    """By the other's reward; without it, or without a seed, they are not."""
+    alone = decompose({pair: CURVES[pair] for pair in (BB, KK)})
+    assert combination.is_split
+    assert not replace(combination, decomposition=alone).is_split
+    assert not empty.is_split
+
+
 def test_etas_and_indices_are_the_decompositions(combination: Combination):
     """They are at hand without it."""
     found = combination.decomposition
@@ -85,7 +110,7 @@ def test_basis_names_the_evaluation_episodes(combination: Combination):
 def test_without_a_seed_the_reason_stands_everywhere(empty: Combination):
     """In both ratios, in the verdict, and nowhere a number."""
     reason = "no seed is done under both baseline and arp"
-    assert empty.eta_n == empty.eta_p == Ratio(None, note=reason)
+    assert empty.eta_n == empty.eta_p == Ratio(None, notes=(reason,))
     assert (empty.baseline_index, empty.proposed_index, empty.basis) == (None, None, "")
     assert empty.verdict == f"Nothing to compare: {reason}."
 

@@ -12,7 +12,7 @@ from harness.results import Results
 from harness.results.combination import Group
 from harness.results.learning import Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
 
-GROUP = Group(Choice("ideal"), "fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30)
+GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))
 
 RunHere = Callable[..., Results]
 

@@ -20,7 +20,7 @@ from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
 from harness.score.compare import Comparison, compare_recordings
-from harness.score.recording import match_recordings, open_recording
+from harness.score.open_recording import match_recordings, open_recording
 
 Pay = Callable[[float, float, float], float]
 Run = list[tuple[float, ...]]

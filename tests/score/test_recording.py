@@ -12,7 +12,8 @@ from harness.errors import SchemaError, UsageError
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
-from harness.score.recording import Chunk, Recording, match_recordings, open_recording
+from harness.score.open_recording import match_recordings, open_recording
+from harness.score.recording import Chunk, Recording
 
 Write = Callable[..., Path]
 

@@ -5,7 +5,7 @@ import pytest
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
-from harness.score.recording import open_recording
+from harness.score.open_recording import open_recording
 from harness.score.rescore import rescore
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"

@@ -15,7 +15,8 @@ from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
-from harness.score.recording import Recording, open_recording
+from harness.score.open_recording import open_recording
+from harness.score.recording import Recording
 from harness.score.reward_guess import guess_reward, misfit
 
 Pay = Callable[[float, float, float], float]
@@ -83,7 +84,7 @@ def test_the_reward_is_told_from_its_rows(
 def test_digits_that_printing_cut_are_no_other_reward(tmp_path: Path, registry: Registry):
     """A gain that differs in the fourth digit is another reward; one in the ninth is the same."""
     recording = write_run(tmp_path / "run.csv", arp(1.0, 1.5))
-    assert misfit(recording, "arp:k2=1.500000001", registry) == ""
+    assert misfit(recording, "arp:k2=1.500000001", registry) is None
     assert "arp:k2=1.501 pays" in misfit(recording, "arp:k2=1.501", registry)
 
 

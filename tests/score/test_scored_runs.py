@@ -47,7 +47,7 @@ def test_runs_are_scored(run: Trace, registry: Registry):
 def test_reward_that_has_changed_says_so(run: Trace, registry: Registry):
     """It does not pay what is recorded."""
     scored = score_runs(choose(registry, "rewards", "arp"), registry, run, [run])
-    assert scored.values == []
+    assert scored.values is None
     assert scored.reason == "reward arp pays its own recorded steps otherwise than then: it has changed"
 
 
@@ -59,5 +59,5 @@ def test_reward_without_a_record_is_taken_as_it_is(run: Trace, registry: Registr
 def test_reward_that_is_gone_says_so(run: Trace, registry: Registry):
     """With the message of the registry."""
     scored = score_runs(Choice("gone", (), "gone"), registry, None, [run])
-    assert scored.values == []
+    assert scored.values is None
     assert scored.reason.startswith("No reward 'gone'")

@@ -23,7 +23,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.reward import Reward, Sample
 from harness.robot.inverse_kinematics import reach_position
-from harness.score.recording import open_recording
+from harness.score.open_recording import open_recording
 from harness.score.rescore import RecordingScorer
 from harness.score.scorer import TOUCHED, Scorer, score_trace, targets_touched
 from harness.testing import IdealSimulator

@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -12,7 +11,6 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError, UsageError
@@ -117,32 +115,9 @@ def test_home_is_what_was_recorded(train: Train, here: list[Order]):
     rates = [
         results.evaluations[cell.id]["success_rate"]
         for cell in results.done_cells
-        if cell.reward.label == transfers.matrices[0].series.reward.label
+        if cell.reward.label == transfers.matrices[0].group.reward.label
     ]
     assert success(transfers, "ideal", "ideal") == pytest.approx(np.mean(rates))
-
-
-def test_return_is_all_that_an_episode_was_paid(train: Train, here: list[Order]):
-    """Shaped reward and event terms, summed over an episode, mean over episodes and seeds: by hand."""
-    results = train()
-    matrix = transfer(results.folder, "stuck").matrices[0]
-    sums = []
-    for cell in (cell for cell in results.done_cells if cell.reward == matrix.series.reward):
-        table = pq.read_table(folder_of(results, cell, "stuck") / EVALUATION)
-        paid = [table[name].to_numpy().sum() for name in table.column_names if name.startswith("reward")]
-        assert len(paid) == 4
-        sums.append(sum(paid) / 12)  # episodes
-    assert matrix.paid[0][1].mean == pytest.approx(np.mean(sums))
-
-
-def test_drop_is_success_at_home_minus_success_here(train: Train, here: list[Order]):
-    """Seed by seed: stuck arms lose all of it; at home there is nothing to compare."""
-    matrix = transfer(train().folder, "stuck").matrices[0]
-    assert matrix.drop[0][1].mean == pytest.approx(matrix.success[0][0].mean)
-    assert (matrix.drop[0][1].low, matrix.drop[0][1].high) == pytest.approx(
-        (matrix.success[0][0].low, matrix.success[0][0].high)
-    )
-    assert matrix.drop[0][0].mean is None
 
 
 def test_second_call_does_only_what_is_missing(train: Train, here: list[Order]):
@@ -243,25 +218,6 @@ def test_default_is_every_simulator_that_can_be_used(train: Train, distant: None
     assert not {"stuck:note=x", "distant"} & labels
     (line,) = (line for line in plan.left_out if line.startswith("distant"))
     assert "pip install 'far-away[engine]'" in line
-
-
-def test_seed_that_was_not_evaluated_is_said(train: Train, here: list[Order]):
-    """The mean is over those that were, and the note says how many were not."""
-    results = train(seeds=3)
-    transfer(results.folder, "stuck")
-    shutil.rmtree(results.folder / FOLDER / results.done_cells[0].id)
-    data = load_transfers(results).matrices[0].to_json()["success"][0]
-    assert [mean["seeds"] for mean in data] == [3, 2]
-    assert "1 of 3 not evaluated" in data[1]["note"]
-    assert "not evaluated" not in data[0]["note"]
-
-
-def test_one_seed_has_no_interval(train: Train, here: list[Order]):
-    """Anywhere, and the reason stands beside each number."""
-    data = transfer(train(seeds=1).folder, "stuck").matrices[0].to_json()
-    for mean in (*data["success"][0], *data["return"][0], data["drop"][0][1]):
-        assert (mean["low"], mean["high"], mean["seeds"]) == (None, None, 1)
-        assert mean["note"] == "one seed: no interval"
 
 
 @pytest.mark.parametrize(

@@ -65,8 +65,7 @@ def _label(combination: Combination) -> Iterator[tuple[dict[str, Any], GroupCurv
     group, seeds = combination.group, " ".join(map(str, combination.seeds))
     rewards = {"baseline": combination.baseline, "proposed": combination.proposed}
     for (scorer, taught), curve in combination.curves.items():
-        labels = (group.simulator.label, group.algorithm.label, group.robot, group.task.label)
-        values = (*labels, rewards[taught], rewards[scorer], seeds)
+        values = (*group.labels.values(), rewards[taught], rewards[scorer], seeds)
         yield {**dict(zip(LABELS, values, strict=True)), "training_steps": group.steps}, curve
 
 

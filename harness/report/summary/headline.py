@@ -3,7 +3,7 @@
 import textwrap
 from typing import TYPE_CHECKING
 
-from harness.report.rows import combination_title, rewards_text, seeds_text
+from harness.report.rows import rewards_text, seeds_text
 from harness.results.combination import Combination
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ LINE = 0.17
 def headline(combination: Combination, missing: str) -> str:
     """Where the two rewards were compared, which, over how many seeds, and what is missing."""
     seeds = seeds_text(combination.seeds) + (f"; {missing}" if missing else "")
-    lines = [combination_title(combination), f"{rewards_text(combination)}, {seeds}"]
+    lines = [combination.group.title, f"{rewards_text(combination)}, {seeds}"]
     return "\n".join(textwrap.fill(line, CHARACTERS) for line in lines)
 
 

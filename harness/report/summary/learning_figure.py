@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from harness.eta.verdict import SUCCESS
 from harness.report.palette import BLUE, GREY, VERMILION
-from harness.report.rows import combination_title, rewards_text
+from harness.report.rows import rewards_text
 from harness.report.summary.headline import WIDTH, headline, height_of, put_headline
 from harness.report.summary.svg import draw_svg
 from harness.results.combination import Combination
@@ -19,7 +19,7 @@ def draw_learning(combination: Combination, learning: Learning, missing: str = "
     """Means as lines, intervals as bands, random actions as a dotted line, as SVG; None where success has no metric."""
     if SUCCESS not in learning.random:
         return None
-    title = f"Success rate while learning: {combination_title(combination)}: {rewards_text(combination)}"
+    title = f"Success rate while learning: {combination.group.title}: {rewards_text(combination)}"
     text = headline(combination, missing)
     return draw_svg(title, WIDTH, 3.7 + height_of(text), lambda figure: _fill(figure, learning, text))
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 from harness.eta.behaviour_change import Change
-from harness.eta.index import Ratio
 from harness.record.store import EXPERIMENT
 from harness.report.facts import Fact, shared_facts
 from harness.report.question import question
@@ -13,15 +12,13 @@ from harness.report.rows import (
     NOTHING,
     SCALES,
     SPLIT,
-    combination_title,
     corrected_text,
     count_cells,
-    interval_text,
     ratio_grid,
     ratio_text,
+    ratio_with_interval,
     rewards_text,
     split_grid,
-    splits,
     unfinished_cells,
 )
 from harness.report.summary.effort import duration_text, effort_of
@@ -87,22 +84,17 @@ def _overview(results: Results, path: str) -> list[str]:
 
 
 def _row(number: int, combination: Combination, missing: str) -> tuple[str, ...]:
-    title, success = combination_title(combination), combination.success
-    etas = {"eta_N": combination.eta_n, "eta_P": combination.eta_p}
-    parts = [text for name, eta in etas.items() for text in (_ratio(eta), _parts(combination, name))]
+    title, success = combination.group.title, combination.success
+    etas = {name: split.eta for name, split in combination.splits.items()}
+    parts = [text for name, eta in etas.items() for text in (ratio_with_interval(eta), _parts(combination, name))]
     shares = [_share(success, who) for who in ("baseline", "proposed", "random")]
     return (str(number), title, rewards_text(combination), *parts, *shares, str(len(combination.seeds)), missing)
 
 
-def _ratio(ratio: Ratio) -> str:
-    interval = interval_text(ratio)
-    return f"{ratio_text(ratio)} {interval}" if interval != NOTHING else ratio_text(ratio)
-
-
 def _parts(combination: Combination, name: str) -> str:
     """Of the first path; the other one is in the section."""
-    split = splits(combination).get(name)
-    if split is None or (split.ruler.value is None and split.behaviour.value is None):
+    split = combination.splits[name]
+    if split.ruler.value is None and split.behaviour.value is None:
         return NOTHING
     return f"{ratio_text(split.ruler)} x {ratio_text(split.behaviour)}"
 
@@ -114,9 +106,9 @@ def _share(success: Change | None, who: str) -> str:
 
 def _section(number: int, combination: Combination, combinations: int, paths: Pictures) -> list[str]:
     """The verdict, what it rests on, every remark, and the figures."""
-    title = f"## {number}. {combination_title(combination)}: {rewards_text(combination)}"
+    title = f"## {number}. {combination.group.title}: {rewards_text(combination)}"
     told = [combination.basis, corrected_text(combination, combinations)]
-    grids = (ratio_grid(combination), split_grid(combination)) if combination.seeds else ()
+    grids = (ratio_grid(combination.splits), split_grid(combination.splits)) if combination.seeds else ()
     notes = [f"* {_escape(note)}" for grid in grids for note in grid.notes]
     images = [f"![{SHOWN[what]}]({path})" for what, path in paths.items()]
     parts = [_escape(title), f"**{_escape(combination.verdict)}**", _escape(" ".join(filter(None, told)))]

@@ -23,9 +23,8 @@ def figure_stems(combinations: Sequence[Combination]) -> list[str]:
 
 
 def _stem(combination: Combination) -> str:
-    group = combination.group
-    parts = [group.simulator.label, group.algorithm.label, group.robot.rsplit("/")[-1], group.task.label]
-    text = " ".join([*parts, combination.proposed, "against", combination.baseline])
+    labels = {**combination.group.labels, "robot": combination.group.robot.rsplit("/")[-1]}
+    text = " ".join([*labels.values(), combination.proposed, "against", combination.baseline])
     stem = re.sub(r"[^a-z0-9.]+", "-", text.lower()).strip("-.")
     if len(stem) <= LONGEST:
         return stem

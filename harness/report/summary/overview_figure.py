@@ -4,9 +4,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from harness.eta.decompose import no_split
 from harness.report.palette import GREEN, GREY, GRID, INK
-from harness.report.rows import BETTER, SCALES, splits
+from harness.report.rows import BETTER, SCALES
 from harness.report.split_rows import SplitRow
 from harness.report.summary.headline import height_of, put_headline
 from harness.report.summary.ratio_marks import ENDLESS, draw_marks
@@ -51,10 +50,9 @@ def name_apart(combinations: Sequence[Combination]) -> tuple[str, list[str]]:
 
 def _parts(combination: Combination) -> tuple[str, ...]:
     group = combination.group
-    places = (group.simulator.label, group.algorithm.label, group.robot, group.task.label)
     manner = f"{group.steps:,} steps, evaluated {group.manner}"
     proposed = combination.proposed + " (A/A)" * (combination.proposed == combination.baseline)
-    return (*places, proposed, f"against {combination.baseline}", manner)
+    return (*group.labels.values(), proposed, f"against {combination.baseline}", manner)
 
 
 def _label(name: str, combination: Combination, missing: str) -> str:
@@ -80,7 +78,7 @@ def _fill(figure: "Figure", combinations: Sequence[Combination], labels: list[st
 
 def _rows(combination: Combination, name: str, place: int) -> list[SplitRow]:
     """The first path alone: the other one is in the combination's own figure."""
-    split = splits(combination).get(name) or no_split(combination.eta_n.note)
+    split = combination.splits[name]
     return [
         SplitRow(name, split.eta, place - 0.27, INK, "circle"),
         SplitRow("ruler", split.ruler, place, GREY, "square"),

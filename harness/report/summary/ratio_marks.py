@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from harness.eta.index import Ratio
 from harness.report.palette import INK
 from harness.report.ratio_axis import interval_ends, is_drawable, ratio_range, ticks
-from harness.report.rows import NOTHING, interval_text, ratio_text
+from harness.report.rows import ratio_text, ratio_with_interval
 from harness.report.split_rows import SplitRow
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def draw_marks(axes: "Axes", rows: Iterable[SplitRow], with_intervals: bool) -> 
     for row in rows:
         if is_drawable(row.ratio):
             _mark(axes, row, low, high)
-        text = _number(row.ratio, with_intervals)
+        text = ratio_with_interval(row.ratio) if with_intervals else ratio_text(row.ratio)
         axes.annotate(
             text,
             (1.0, row.place),
@@ -86,8 +86,3 @@ def _touch(left: float, right: float, span: float) -> bool:
 def _name(mark: float) -> str:
     """The number; a power of ten that is long in digits as 1e-4 or 1e5."""
     return f"{mark:,g}" if 0.001 <= mark <= 1_000 else f"1e{math.log10(mark):.0f}"
-
-
-def _number(ratio: Ratio, with_interval: bool) -> str:
-    interval = interval_text(ratio)
-    return f"{ratio_text(ratio)} {interval}" if with_interval and interval != NOTHING else ratio_text(ratio)

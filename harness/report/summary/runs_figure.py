@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from harness.report.palette import GREY, INK
 from harness.report.panel import Panel, panels_of, reward_range, step_range
 from harness.report.points import select_points
-from harness.report.rows import combination_title, rewards_text
+from harness.report.rows import rewards_text
 from harness.report.summary.headline import WIDTH, headline, height_of, put_headline
 from harness.report.summary.svg import draw_svg
 from harness.results.combination import Combination
@@ -29,7 +29,7 @@ def draw_runs(combination: Combination, missing: str = "") -> bytes | None:
     panels = panels_of(combination)
     if panels is None:
         return None
-    title = f"Accumulated reward: {combination_title(combination)}: {rewards_text(combination)}"
+    title = f"Accumulated reward: {combination.group.title}: {rewards_text(combination)}"
     text = headline(combination, missing)
     names = height_of(max((_name(panel) for panel in panels), key=len))
     return draw_svg(title, WIDTH, 3.7 + names + height_of(text), lambda figure: _fill(figure, panels, text))

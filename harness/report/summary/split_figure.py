@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from harness.report.rows import BETTER, combination_title, is_split, rewards_text, splits
+from harness.report.rows import BETTER, rewards_text
 from harness.report.split_rows import SplitRow, has_parts, split_rows
 from harness.report.summary.headline import WIDTH, headline, height_of, put_headline
 from harness.report.summary.ratio_marks import ENDLESS, draw_marks
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 def draw_splits(combination: Combination, missing: str = "") -> bytes | None:
     """eta_N and eta_P, each with both of its paths, as SVG; None where no part of either can be drawn."""
-    rows = {name: split_rows(name, split) for name, split in splits(combination).items()}
-    if not is_split(combination) or not any(map(has_parts, rows.values())):
+    rows = {name: split_rows(name, split) for name, split in combination.splits.items()}
+    if not combination.is_split or not any(map(has_parts, rows.values())):
         return None
-    title = f"Ruler x behaviour: {combination_title(combination)}: {rewards_text(combination)}"
+    title = f"Ruler x behaviour: {combination.group.title}: {rewards_text(combination)}"
     text = headline(combination, missing)
     return draw_svg(title, WIDTH, 3.3 + height_of(text), lambda figure: _fill(figure, rows, text))
 

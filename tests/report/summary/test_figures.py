@@ -5,7 +5,6 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from harness.report.palette import BLUE, VERMILION
-from harness.report.rows import is_near_zero, splits
 from harness.report.split_rows import split_rows
 from harness.report.summary.learning_figure import draw_learning
 from harness.report.summary.overview_figure import draw_overview, name_apart
@@ -72,8 +71,8 @@ def test_split_has_every_number_with_its_interval(build):
 def test_near_zero_is_a_word_in_the_split(build):
     """A ratio that says little is no number, as in the page."""
     (combination,) = build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2).combinations
-    ratios = [row.ratio for name, split in splits(combination).items() for row in split_rows(name, split)]
-    count = sum(map(is_near_zero, ratios))
+    ratios = [row.ratio for name, split in combination.splits.items() for row in split_rows(name, split)]
+    count = sum(ratio.near_zero is not None for ratio in ratios)
     assert count > 4
     assert words(draw_splits(combination)).count("near zero") == count
 

@@ -1,0 +1,55 @@
+"""A trace of this project as a recording."""
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from harness.errors import SchemaError, UsageError
+from harness.record.cell import Cell
+from harness.record.folder import MANIFEST
+from harness.record.manifest import read_manifest
+from harness.record.trace import FORMAT, FORMAT_KEY
+from harness.score.recording import ROWS, Recording, choose_columns
+from harness.score.scorer import TOUCHED
+
+
+def open_trace(path: Path) -> Recording:
+    """A recorded run in a Parquet file; what paid it stands in the manifest beside it, if there is one.
+
+    Raises:
+        SchemaError: It is no trace that this version reads.
+    """
+    try:
+        with pq.ParquetFile(path) as file:
+            schema = file.schema_arrow
+        version = int((schema.metadata or {}).get(FORMAT_KEY, b"0"))
+    except (OSError, pa.ArrowInvalid) as error:
+        raise SchemaError(f"{path} is no readable trace: {error}") from error
+    if not 0 < version <= FORMAT:
+        raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
+    columns = choose_columns(schema.names)
+    if "distance" in columns and set(TOUCHED) <= set(schema.names):
+        columns = (*columns, *TOUCHED)
+    cell = _read_cell(path.with_name(MANIFEST))
+    declared, seed = (cell.reward.label, cell.seed) if cell else (None, None)
+    report = partial(_report_trace, path)
+    return Recording(path, columns, declared, seed, partial(_trace_batches, path, columns), report, 1)
+
+
+def _read_cell(manifest: Path) -> Cell | None:
+    return read_manifest(manifest.parent).cell if manifest.is_file() else None
+
+
+def _trace_batches(path: Path, columns: tuple[str, ...]) -> Iterator[pa.RecordBatch]:
+    try:
+        with pq.ParquetFile(path) as file:
+            yield from file.iter_batches(batch_size=ROWS, columns=list(columns))
+    except (OSError, pa.ArrowInvalid) as error:
+        raise SchemaError(f"{path} is no readable trace: {error}") from error
+
+
+def _report_trace(path: Path, problem: str) -> UsageError:
+    return UsageError(f"{path}: {problem}")

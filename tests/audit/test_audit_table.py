@@ -1,0 +1,44 @@
+"""An audit, as a terminal shows it."""
+
+from dataclasses import asdict
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from harness.audit.audit import audit_reward
+from harness.audit.audit_table import audit_table
+from harness.audit.number import number
+from harness_plugins.rewards.arp import Arp
+from harness_plugins.rewards.baseline import Baseline
+
+
+@pytest.fixture(scope="module")
+def found(rollouts):
+    """ARP beside the baseline."""
+    return audit_reward(Arp(), Baseline(), rollouts, 0.95)
+
+
+def printed(found, width=80, title="arp", against="baseline"):
+    """What goes to a terminal of that width."""
+    output = StringIO()
+    Console(file=output, width=width).print(audit_table(found, title, "no engine", against))
+    return output.getvalue()
+
+
+@pytest.mark.parametrize("width", [60, 80])
+def test_every_policy_and_number_is_whole(found, width):
+    """Also in a narrow terminal."""
+    text = printed(found, width)
+    assert "…" not in text
+    for payoff in found.payoffs:
+        (line,) = (line for line in text.splitlines() if line.startswith(f"{payoff.policy} ") and line.endswith("%"))
+        numbers = asdict(payoff)
+        assert all(number(numbers[name]) in line for name in ("total", "shaped", "total_discounted"))
+
+
+def test_labels_are_no_markup(found):
+    """They may hold brackets."""
+    text = printed(found, title="[bold]arp[/bold]", against="[b]")
+    assert "[bold]arp[/bold]" in text
+    assert "distance to [b]" in text
