@@ -1,6 +1,5 @@
 """Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +10,7 @@ import pyarrow.parquet as pq
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
+from harness.record.whole_file import whole_file
 from harness.reward import Reward
 from harness.score.recording import Chunk, Recording
 from harness.score.scorer import Scorer
@@ -61,11 +61,10 @@ def _write(into: Path, columns: Mapping[str, Float]) -> None:
         if earlier.num_rows != rows:
             raise UsageError(f"{into} has {earlier.num_rows} rows, the recording {rows}: it belongs to another one")
         kept = dict(zip(earlier.column_names, earlier.columns, strict=True))
-    partial = into.with_name(f".{into.name}.partial")
     try:
         into.parent.mkdir(parents=True, exist_ok=True)
-        pq.write_table(pa.table({**kept, **columns}), partial, compression="zstd")
-        os.replace(partial, into)
+        with whole_file(into) as partial:
+            pq.write_table(pa.table({**kept, **columns}), partial, compression="zstd")
     except OSError as error:
         raise UsageError(f"'{into}' cannot be written: {error.strerror}. Name another folder with --out") from None
 
