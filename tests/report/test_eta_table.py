@@ -39,7 +39,7 @@ def test_title_names_both_rewards(compare):
 
 def test_runs_without_distances_are_not_split(compare):
     """The etas and the indices stand, and the file that has none is named."""
-    text = printed(compare(columns=1))
+    text = printed(compare(columns=1), width=400)  # no path is broken
     assert "eta_N" in text
     assert "other path" not in text
     assert "0.csv has no distances" in " ".join(text.split())

@@ -249,9 +249,10 @@ def test_failed_write_leaves_the_old_page(build, tmp_path, monkeypatch):
     def refuse(source, target):
         raise OSError(28, "No space left on device")
 
+    results = build()
     monkeypatch.setattr("os.replace", refuse)
     with pytest.raises(UsageError, match=r"report\.html' cannot be written: No space left on device"):
-        write_html(build(), path)
+        write_html(results, path)
     assert [file.name for file in path.parent.iterdir()] == ["report.html"]
     assert path.read_text() == "old"
 

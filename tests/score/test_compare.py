@@ -338,7 +338,9 @@ def write_trace(
     with TraceWriter(folder / "trace.parquet", 1, 1) as writer:
         writer.append(rows)
     name, _, k2 = reward.partition(":k2=")
-    Manifest(make_cell(reward=Choice(name, (("k2", k2),) if k2 else (), reward), seed=seed), "done").write(folder)
+    Manifest(make_cell(reward=Choice(name, (("k2", k2),) if k2 else (), reward), seed=seed), status="done").write(
+        folder
+    )
 
 
 def test_traces_and_csv_files_mix(tmp_path: Path, groups: Path, make_cell):

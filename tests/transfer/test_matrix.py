@@ -38,7 +38,7 @@ def train(make_cell: Callable[..., Cell], make_plan: Callable[..., Any], tmp_pat
             (folder / POLICY).mkdir(parents=True)
             (folder / POLICY / WEIGHTS).write_bytes(bytes([cell.seed]))
             write_evaluation(folder, reached)
-            Manifest(cell, "done").write(folder)
+            Manifest(cell, status="done").write(folder)
         return Results(store.folder, load_registry())
 
     return write
@@ -61,10 +61,10 @@ def visit(results: Results, cell: Cell, reached: int | None, simulator: Choice =
     folder.mkdir(parents=True)
     digest = policy_digest(results.store.cell_folder(cell))
     if reached is None:
-        TransferRecord(cell.id, simulator, digest, "failed", REASON).write(folder)
+        TransferRecord(cell.id, simulator, digest, status="failed", reason=REASON).write(folder)
     else:
         write_evaluation(folder, reached)
-        TransferRecord(cell.id, simulator, digest, "done").write(folder)
+        TransferRecord(cell.id, simulator, digest, status="done").write(folder)
 
 
 def visit_all(results: Results, away: Sequence[int | None]) -> TransferMatrix:
@@ -156,7 +156,7 @@ def test_policies_that_share_less_have_a_matrix_of_their_own(
         folder = store.cell_folder(cell)
         folder.mkdir(parents=True)
         write_evaluation(folder, 4)
-        Manifest(cell, "done").write(folder)
+        Manifest(cell, status="done").write(folder)
     results = Results(store.folder, load_registry())
     for cell in cells:
         visit(results, cell, 0, Choice("far", (), "far"))

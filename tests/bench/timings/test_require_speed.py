@@ -1,5 +1,6 @@
 """A bound that is missed, in a pytest of its own."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -23,6 +24,8 @@ def test_missed_bound_fails_under_its_mark_alone(tmp_path, selected: str, status
     (tmp_path / "test_missed.py").write_text(MISSED)
     (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = bench\n")
     command = [sys.executable, "-m", "pytest", "-s", "-m", selected, str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    # Told that several tests run at once, pytest-benchmark would measure nothing.
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
     assert done.returncode == status, done.stdout
     assert ("at least 0.500" in done.stdout) == bool(status)
