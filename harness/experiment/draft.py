@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
 from harness.errors import one_line
-from harness.record.ending import Ending, now
 from harness.record.folder import LOG, partial_folder, publish
+from harness.record.manifest import Ending, now
 
 Kind = TypeVar("Kind", bound=Ending)
 

@@ -23,10 +23,9 @@ import tomli_w
 
 from harness.errors import SchemaError, UsageError
 from harness.record.cell import Cell
-from harness.record.ending import Status, now
 from harness.record.folder import CHECKPOINT, MANIFEST, partial_folder, publish
 from harness.record.folder_lock import folder_lock
-from harness.record.manifest import Manifest, read_manifest
+from harness.record.manifest import Manifest, Status, now, read_manifest
 from harness.record.whole_file import is_partial, write_whole
 
 if TYPE_CHECKING:

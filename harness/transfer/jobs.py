@@ -12,7 +12,7 @@ from harness.experiment.draft import leave_record
 from harness.experiment.order import Order
 from harness.experiment.workers import News, run_orders, worker_count
 from harness.record.cell import Cell
-from harness.record.ending import now
+from harness.record.manifest import now
 from harness.record.store import Store
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.registry import Registry, load_registry

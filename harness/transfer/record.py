@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from harness.record.ending import Ending, read_record
 from harness.record.folder import MANIFEST, POLICY, WEIGHTS
+from harness.record.manifest import Ending, read_record
 from harness.registry.choice import Choice
 
 FOLDER = "transfer"

@@ -9,9 +9,8 @@ import pytest
 
 from harness.errors import SchemaError
 from harness.record.cell import Cell
-from harness.record.ending import now
 from harness.record.folder import MANIFEST
-from harness.record.manifest import Manifest, read_manifest
+from harness.record.manifest import Manifest, now, read_manifest
 
 MakeCell = Callable[..., Cell]
 

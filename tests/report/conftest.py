@@ -10,9 +10,8 @@ import pytest
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
-from harness.record.ending import Status
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE
-from harness.record.manifest import Manifest
+from harness.record.manifest import Manifest, Status
 from harness.record.store import Store
 from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
 from harness.registry.choice import Choice, choose

@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from harness.record.ending import Status
+from harness.record.manifest import Status
 from harness.results import Results
 from harness.results.combination import Combination, Group
 
