@@ -13,7 +13,7 @@ from harness.eta.behaviour_change import Change, change_of
 from harness.eta.curve import GroupCurve, curve_of
 from harness.eta.decompose import BB, BK, KB, KK, Pair, decompose
 from harness.eta.statistics import holm
-from harness.metric import Metric
+from harness.metric import Metric, build_metrics
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.record.manifest import Manifest
@@ -47,8 +47,7 @@ class Results:
     @cached_property
     def metrics(self) -> dict[str, Metric]:
         """Every registered metric, by name."""
-        names = self.registry.names("metrics")
-        return {name: self.registry.get("metrics", name).load()() for name in names}
+        return build_metrics(self.registry)
 
     @cached_property
     def evaluations(self) -> dict[str, Values]:

@@ -9,13 +9,13 @@ from typing import TypeAlias
 from harness.executor import Executor, OnEvent
 from harness.experiment.experiment import ExperimentRun, RunOptions
 from harness.experiment.plan import Plan
-from harness.metric import Metric
+from harness.metric import build_metrics
 from harness.record.cell import Cell
 from harness.record.manifest import read_manifest
 from harness.record.store import Store
 from harness.record.trace import read_trace
 from harness.registry.registry import Registry
-from harness.tune.outcome import Outcome, outcome_of
+from harness.tune.outcome import JUDGES, Outcome, outcome_of
 from harness.tune.validation import Order
 from harness.tune.validator import validate_all
 
@@ -77,12 +77,6 @@ class Measurer:
         if order.failure.exists():
             return order.failure.read_text()
         try:
-            return outcome_of(
-                read_trace(Path(order.path)), self._metric("success_rate"), self._metric("final_distance")
-            )
+            return outcome_of(read_trace(Path(order.path)), *build_metrics(self.registry, JUDGES).values())
         except ValueError as error:
             return str(error)
-
-    def _metric(self, name: str) -> Metric:
-        metric: Metric = self.registry.get("metrics", name).load()()
-        return metric

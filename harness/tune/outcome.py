@@ -7,6 +7,9 @@ from typing import NamedTuple
 from harness.metric import Metric
 from harness.record.trace import Trace
 
+JUDGES = ("success_rate", "final_distance")
+"""The metrics that an outcome is made of."""
+
 
 class Outcome(NamedTuple):
     """How a policy did in the validation episodes."""

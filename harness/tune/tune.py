@@ -13,6 +13,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
 from harness.tune.folder import tuning_folder
 from harness.tune.measure import Follow, Measurer
+from harness.tune.outcome import JUDGES
 from harness.tune.search import Searcher
 from harness.tune.study import Study, open_storage, require_optuna
 from harness.tune.trial import Search, TrialRecord, Tuned
@@ -75,7 +76,7 @@ def run_searches(
     """
     watch = watch or Watch()
     require_optuna()
-    for metric in ("success_rate", "final_distance"):
+    for metric in JUDGES:
         registry.get("metrics", metric)
     executor = options.build_executor(registry)
     with tuning_folder(folder, setup):
