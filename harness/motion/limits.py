@@ -106,7 +106,7 @@ class JointLimits:
             "middle": middle,
             "half_range": half_range,
             "_rows": Rows(self.max_change[None], -self.max_change[None], middle[None], np.array(self.period)),
-            "_free": (half_range - brake)[None],
+            "_free": (half_range * (1.0 - ROUNDING) - brake)[None],
             "_ends": np.stack([self.upper, -self.lower])[:, None],
         }
         for name, value in derived.items():
@@ -144,4 +144,6 @@ def require_numbers(action: Float) -> None:
         raise UsageError("An action holds a NaN, which is no command: look at the policy that chose it")
 
 
+ROUNDING = 1e-12
+"""So near to an end of its range, as a share of it, a joint is not called free: rounding could take it beyond."""
 _SIGNS = np.array([1.0, -1.0])[:, None, None]

@@ -55,6 +55,13 @@ def test_joint_never_leaves_its_range(limits: JointLimits, start: float, wanted:
     assert (positions <= limits.upper).all()
 
 
+def test_rounding_does_not_take_a_joint_beyond_its_range():
+    """A joint that can brake at once goes back to the very end of its range, and no further."""
+    limits = JointLimits(*(np.array([number]) for number in (1e-20, 0.5, 2.0, 4.0)), 0.125)
+    positions, _ = follow(limits, 0.0, [0.0, -0.4, -0.4, 1.0, -1.0, -1.0, 0.3])
+    assert (positions >= limits.lower).all()
+
+
 @given(some_limits(), st.floats(0.0, 1.0), WANTED)
 def test_speed_leads_to_the_target(limits: JointLimits, start: float, wanted: list[float]):
     """The joint moves through each period at the speed that is told: the range's end never cuts a motion short."""
