@@ -9,12 +9,12 @@ from harness.env.make import World
 from harness.experiment.attempt import Attempt
 from harness.experiment.evaluate import Act, act_of, evaluate, random_actions
 from harness.experiment.event_log import EventLog
-from harness.metric import build_metrics
 from harness.policy import Policy
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files
 from harness.record.returns import mean_return
 from harness.record.trace import Trace, read_trace
+from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
 
 SECTION = "Evaluation"
@@ -86,5 +86,7 @@ class CellEvaluations:
 def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
     """The return and every registered metric, those that are not defined left out: ``Evaluation/Success Rate``."""
     values = {"Cumulative Reward": mean_return(trace)}
-    values |= {name.replace("_", " ").title(): metric(trace) for name, metric in build_metrics(registry).items()}
+    values |= {
+        name.replace("_", " ").title(): metric(trace) for name, metric in build_defaults(registry, "metrics").items()
+    }
     return {f"{SECTION}/{name}": float(value) for name, value in values.items() if value is not None}

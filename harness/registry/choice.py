@@ -56,6 +56,17 @@ def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Cho
     return _choose_and_build(registry, kind, given)[0]
 
 
+def build_defaults(registry: Registry, kind: str, names: Iterable[str] | None = None) -> dict[str, Any]:
+    """Things of one kind with their default parameters, by name: those of `names`, by default every registered one.
+
+    Raises:
+        UsageError: A name is not registered, or a library that it requires is missing.
+        PluginError: A target cannot be imported.
+    """
+    chosen = registry.names(kind) if names is None else names
+    return {name: Choice(name).build(registry, kind) for name in chosen}
+
+
 def build_named(registry: Registry, kind: str, text: str, within: str) -> tuple[str, Any]:
     """What a plugin's parameter names, for plugins that build on another: its label, and the thing itself.
 

@@ -13,14 +13,14 @@ from harness.eta.behaviour_change import Change, change_of
 from harness.eta.curve import GroupCurve, curve_of
 from harness.eta.decompose import BB, BK, KB, KK, Pair, decompose
 from harness.eta.statistics import holm
-from harness.metric import Metric, build_metrics
+from harness.metric import Metric
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, RANDOM, TRACE
 from harness.record.manifest import Manifest
 from harness.record.store import RESULTS, Store
 from harness.record.trace import Trace, read_trace
 from harness.record.whole_file import whole_file
-from harness.registry.choice import Choice
+from harness.registry.choice import Choice, build_defaults
 from harness.registry.registry import Registry, load_registry
 from harness.results.combination import Combination, Group
 from harness.score.scored_runs import score_runs
@@ -47,7 +47,7 @@ class Results:
     @cached_property
     def metrics(self) -> dict[str, Metric]:
         """Every registered metric, by name."""
-        return build_metrics(self.registry)
+        return build_defaults(self.registry, "metrics")
 
     @cached_property
     def evaluations(self) -> dict[str, Values]:

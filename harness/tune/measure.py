@@ -9,11 +9,11 @@ from typing import TypeAlias
 from harness.executor import Executor, OnEvent
 from harness.experiment.experiment import ExperimentRun, RunOptions
 from harness.experiment.plan import Plan
-from harness.metric import build_metrics
 from harness.record.cell import Cell
 from harness.record.manifest import read_manifest
 from harness.record.store import Store
 from harness.record.trace import read_trace
+from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
 from harness.tune.outcome import JUDGES, Outcome, outcome_of
 from harness.tune.validation import Order
@@ -77,6 +77,6 @@ class Measurer:
         if order.failure.exists():
             return order.failure.read_text()
         try:
-            return outcome_of(read_trace(Path(order.path)), *build_metrics(self.registry, JUDGES).values())
+            return outcome_of(read_trace(Path(order.path)), *build_defaults(self.registry, "metrics", JUDGES).values())
         except ValueError as error:
             return str(error)

@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
-from harness.registry.choice import Choice, build_named, choose, parse, split_list
+from harness.registry.choice import Choice, build_defaults, build_named, choose, parse, split_list
 from harness.registry.registry import Registry, load_registry
 
 NAMES = st.from_regex(r"[a-z0-9][a-z0-9_-]{0,8}", fullmatch=True)
@@ -271,3 +271,16 @@ def test_default_and_its_text_are_one_choice(write_plugin: Callable[..., EntryPo
     texts = [json.dumps(choose(registry, "rewards", text).to_json()) for text in ("mine", "mine:k=1")]
     assert texts[0] == texts[1]
     assert '"k": 1.0' in texts[0]
+
+
+def test_defaults_of_a_kind_are_built_by_name(toys: Registry):
+    """All that are registered, or those that are named, each with the parameters that it has by itself."""
+    every = build_defaults(toys, "metrics")
+    assert list(every) == toys.names("metrics")
+    assert build_defaults(toys, "metrics", ["success_rate"]) == {"success_rate": every["success_rate"]}
+
+
+def test_default_of_an_unknown_name_is_refused(toys: Registry):
+    """As any other name."""
+    with pytest.raises(UsageError, match="Did you mean 'success_rate'"):
+        build_defaults(toys, "metrics", ["sucess_rate"])
