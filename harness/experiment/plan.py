@@ -203,17 +203,17 @@ def _resolve(
     values = {field.name: getattr(experiment, field.name) for field in fields(experiment)}
     return {
         **values,
-        "sim": [_table(choice) for choice in simulators],
-        "algo": [_table(choice) for choice in algorithms],
-        "reward": [_table(choice) for choice in rewards],
-        "baseline": _table(baseline),
-        "task": _table(task),
+        "sim": [table_of(choice) for choice in simulators],
+        "algo": [table_of(choice) for choice in algorithms],
+        "reward": [table_of(choice) for choice in rewards],
+        "baseline": table_of(baseline),
+        "task": table_of(task),
         "robot": robot,
         "seeds": experiment.seed_list,
     }
 
 
-def _table(choice: Choice) -> dict[str, Any]:
+def table_of(choice: Choice) -> dict[str, Any]:
     """As an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
     params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
     return {"name": choice.name, **params}

@@ -12,7 +12,6 @@
 """
 
 import json
-import os
 import shutil
 from collections.abc import Container, Iterator
 from contextlib import contextmanager
@@ -24,8 +23,8 @@ import tomli_w
 from harness.errors import SchemaError, UsageError
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, MANIFEST, partial_folder, publish
-from harness.record.folder_lock import folder_lock
 from harness.record.manifest import Manifest, Status, now, read_manifest
+from harness.record.out_folder import folder_lock, make_folder
 from harness.record.whole_file import is_partial, write_whole
 
 if TYPE_CHECKING:
@@ -70,13 +69,7 @@ class Store:
             raise UsageError(f"--out '{folder}' is a file: name a folder")
         if folder.is_dir() and not _is_usable(folder):
             raise UsageError(f"--out '{folder}' holds something else than an experiment: name a new or empty folder")
-        existing = next(parent for parent in [folder, *folder.absolute().parents] if parent.exists())
-        if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
-            raise UsageError(f"--out '{folder}' cannot be written: '{existing}' allows no writing here")
-        try:
-            (folder / CELLS).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UsageError(f"--out '{folder}' cannot be made: {error.strerror}. Name another folder") from None
+        make_folder(folder, CELLS)
         store = cls(folder)
         with store.locked():
             store._write_plan(plan)

@@ -9,7 +9,6 @@
     tuned.toml            an experiment with the best settings, once every search has all its trials
 """
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,7 +17,7 @@ from typing import Any
 import tomli_w
 
 from harness.errors import UsageError
-from harness.record.folder_lock import folder_lock
+from harness.record.out_folder import folder_lock, make_folder
 from harness.record.whole_file import is_partial, write_whole
 from harness.registry.toml_file import read_toml
 from harness.tune.tuning import Setup
@@ -34,7 +33,7 @@ def tuning_folder(folder: Path, setup: Setup) -> Iterator[None]:
         UsageError: It cannot be written, holds something else or another search, or is in use. Nothing is written.
     """
     _require_same(folder, setup)
-    _make(folder)
+    make_folder(folder)
     with folder_lock(folder / LOCK, f"Another search is using '{folder}'"):
         write_whole(folder / TUNING, tomli_w.dumps({**setup.keys, "trials": setup.tuning.trials}))
         yield
@@ -59,13 +58,3 @@ def _short(value: Any) -> str:
     """The value, or where it is long its beginning."""
     text = str(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
-
-
-def _make(folder: Path) -> None:
-    existing = next(parent for parent in [folder, *folder.absolute().parents] if parent.exists())
-    if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
-        raise UsageError(f"--out '{folder}' cannot be written: '{existing}' allows no writing here")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"--out '{folder}' cannot be made: {error.strerror}. Name another folder") from None

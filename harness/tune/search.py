@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from harness.errors import UsageError
-from harness.experiment.plan import Plan
+from harness.experiment.plan import Plan, table_of
 from harness.record.cell import Cell
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry
@@ -13,7 +13,7 @@ from harness.tune.measure import Measure
 from harness.tune.outcome import Outcome, mean_outcome, score
 from harness.tune.study import Study
 from harness.tune.trial import Status, TrialRecord
-from harness.tune.tuning import Setup, table_of
+from harness.tune.tuning import Setup
 
 OnTrial: TypeAlias = Callable[[TrialRecord], None]
 """Told each trial that has ended."""

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import tomli_w
 
+from harness.experiment.plan import table_of
 from harness.record.whole_file import write_whole
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.tune.folder import TUNED
 from harness.tune.trial import Search, TrialRecord
-from harness.tune.tuning import FIRST_SEED, Setup, table_of
+from harness.tune.tuning import FIRST_SEED, Setup
 from harness.tune.validation import VALIDATION_SEED
 
 

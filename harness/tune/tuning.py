@@ -13,7 +13,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.errors import UsageError, sentence
-from harness.experiment.plan import Count, Given, Names, Plan, Seed, check_experiment, expand
+from harness.experiment.plan import Count, Given, Names, Plan, Seed, check_experiment, expand, table_of
 from harness.registry.choice import Choice
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
@@ -147,12 +147,6 @@ def resolve(tuning: Tuning, registry: Registry) -> Setup:
     experiment = {key: value for key, value in plan.resolved.items() if key not in ("seeds", "evaluation_episodes")}
     rewards = tuple(dict.fromkeys(cell.reward for cell in plan.cells))
     return Setup(tuning, base, space, rewards, experiment, _keys(tuning, plan.resolved, space))
-
-
-def table_of(choice: Choice) -> dict[str, Any]:
-    """A choice as an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
-    params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
-    return {"name": choice.name, **params}
 
 
 def _is_single(key: str, value: Any) -> bool:

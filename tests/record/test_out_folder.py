@@ -1,4 +1,4 @@
-"""One program at a time in a folder."""
+"""A folder that a user names: made, and kept to one program at a time."""
 
 import subprocess
 import sys
@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.record.folder_lock import folder_lock
+from harness.record.out_folder import folder_lock, make_folder
 
 HOLD = """
 import sys
 from pathlib import Path
-from harness.record.folder_lock import folder_lock
+from harness.record.out_folder import folder_lock
 
 with folder_lock(Path(sys.argv[1]), "busy"):
     print("held", flush=True)
@@ -52,3 +52,17 @@ def test_nothing_but_portable_modules_is_imported():
     found = [path for folder in ("harness", "plugins") for path in (root / folder).rglob("*.py")]
     assert found
     assert not [path for path in found if "import fcntl" in path.read_text(encoding="utf-8")]
+
+
+def test_folder_is_made_with_what_is_in_it(tmp_path: Path):
+    """A second time nothing happens."""
+    for _ in range(2):
+        make_folder(tmp_path / "deep" / "down", "cells")
+    assert (tmp_path / "deep" / "down" / "cells").is_dir()
+
+
+def test_folder_below_a_file_cannot_be_made(tmp_path: Path):
+    """The message names what is in the way."""
+    (tmp_path / "file").touch()
+    with pytest.raises(UsageError, match=r"cannot be written: '.*file' allows no writing here"):
+        make_folder(tmp_path / "file" / "inner")
