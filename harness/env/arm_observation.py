@@ -30,7 +30,7 @@ class ArmObservation:
         self._scale = 1.0 / np.concatenate([joints, np.ones(10)])
         self._middle = np.concatenate([(robot.lower + robot.upper) / 2.0, np.zeros(2 * robot.dof + 10)])
         # The end effector cannot leave this, whatever the joints do; targets are checked against the arm's reach.
-        extent = 2.0 * (robot.reach + float(np.linalg.norm(robot.chain.T_previous_joint[0, :3, 3])))
+        extent = 2.0 * robot.extent
         self._high = np.concatenate([np.ones(3 * robot.dof), np.full(10, extent)])
         self._low = -self._high
         self._low[-1] = 0.0

@@ -79,6 +79,11 @@ class Robot:
         """No end effector position is farther than this from the first joint's origin: the chain stretched out [m]."""
         return chain_length(self.chain, self.lower, self.upper)
 
+    @cached_property
+    def extent(self) -> float:
+        """No end effector position is farther than this from the world's origin: the chain's begin and `reach` [m]."""
+        return self.reach + float(np.linalg.norm(self.chain.T_previous_joint[0, :3, 3]))
+
     def end_effector(self, qpos: ArrayLike) -> Float:
         """The end effector's position in the world frame.
 

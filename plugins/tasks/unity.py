@@ -165,7 +165,7 @@ class UnityObservation:
     def __init__(self, robot: Robot, base_position: Float) -> None:
         self._middle, self._half = (robot.lower + robot.upper) / 2.0, (robot.upper - robot.lower) / 2.0
         self._base = base_position
-        extent = 2.0 * (robot.reach + float(np.linalg.norm(robot.chain.T_previous_joint[0, :3, 3]))) + 1.0
+        extent = 2.0 * robot.extent + 1.0
         # The step is 0 throughout; a range of nothing would be no space.
         self._high = np.concatenate([np.ones(robot.dof + 12), [extent, 1.0]])
         self._low = np.concatenate([-np.ones(robot.dof + 12), [0.0, 0.0]])

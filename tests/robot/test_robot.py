@@ -119,6 +119,14 @@ def test_reach_is_the_chain_stretched_out(tmp_path: Path):
     assert np.linalg.norm(robot.end_effector(poses) - [0.0, 0.0, 5.0], axis=1).max() < robot.reach
 
 
+def test_extent_is_the_reach_from_where_the_chain_begins(tmp_path: Path):
+    """The arm stands 5 m above the world's origin."""
+    robot = read_robot(_write(tmp_path))
+    assert robot.extent == pytest.approx(5.95)
+    poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
+    assert np.linalg.norm(robot.end_effector(poses), axis=1).max() < robot.extent
+
+
 def test_wrong_shape_is_refused(tmp_path: Path):
     """Joint positions of another robot are answered with both shapes."""
     robot = read_robot(_write(tmp_path))
