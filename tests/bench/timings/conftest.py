@@ -6,10 +6,12 @@ so that one that no longer works is seen at once.
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import pytest
+
+from harness.env.vector_env import ReachVectorEnv
 
 SHARED = ("learning_rate", "gamma", "batch_size")
 OFF_POLICY = (*SHARED, "learning_starts", "train_freq", "gradient_steps", "tau")
@@ -70,6 +72,19 @@ def require_speed(
         assert ratio >= at_least
 
     return require
+
+
+@pytest.fixture(scope="session")
+def step_through() -> Callable[[ReachVectorEnv, Sequence[object]], None]:
+    """Give an env actions, one after another; all of its envs have to take each."""
+
+    def step(env: ReachVectorEnv, actions: Sequence[object]) -> None:
+        before = env.environment_steps
+        for action in actions:
+            env.step(action)
+        assert env.environment_steps - before == len(actions) * env.num_envs > 0
+
+    return step
 
 
 @pytest.fixture

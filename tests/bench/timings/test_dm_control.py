@@ -72,7 +72,7 @@ def recorded(arm: control.Environment, run) -> tuple[list[np.ndarray], list[np.n
     return starts, told
 
 
-def test_one_env_keeps_up_with_an_environment_of_dm_control(tmp_path, require_speed, amount):
+def test_one_env_keeps_up_with_an_environment_of_dm_control(tmp_path, require_speed, step_through, amount):
     """Observation, reward and trace on, one env does at least 0.9 of the steps of `control.Environment`."""
     env = harness.make_env("dm_control")
     env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
@@ -80,8 +80,7 @@ def test_one_env_keeps_up_with_an_environment_of_dm_control(tmp_path, require_sp
 
     def through_the_env() -> None:
         env.reset(seed=0)
-        for action in actions:
-            env.step(action)
+        step_through(env, actions)
 
     arm = env.simulation.arms[0]
     starts, told = recorded(arm, through_the_env)

@@ -49,10 +49,12 @@ def test_policy_keeps_up_with_its_layers_alone(
         for _ in range(calls):
             values = activate(seen @ first[0] + first[1])
             values = activate(values @ second[0] + second[1])
-            _ = values @ last[0] + last[1]
+            values = values @ last[0] + last[1]
+        assert values.shape == (1, ACTIONS)
 
     def act() -> None:
         for _ in range(calls):
-            policy.act(seen)
+            actions = policy.act(seen)
+        assert actions.shape == ((1,) if kind is Greedy else (1, ACTIONS))
 
     require_speed(bare, act, at_least=0.4, rounds=5)

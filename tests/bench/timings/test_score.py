@@ -80,15 +80,24 @@ def score_bare(pieces: list[Rows]) -> Callable[[], None]:
     return score
 
 
-def test_pieces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(require_speed, score_bare, pieces, reward):
+def require_paid(paid: Float, rows: Rows) -> None:
+    """Every row is scored; its start rows are paid nothing, and nearly all others something."""
+    assert paid.shape == rows.start.shape
+    assert (paid[rows.start] == 0.0).all()
+    assert (paid[~rows.start] != 0.0).mean() > 0.9
+
+
+def test_pieces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(
+    require_speed, score_bare, rows, pieces, reward
+):
     """One core, pieces of 65,536 rows, as files are read."""
 
-    def score() -> None:
+    def score() -> list[Float]:
         scorer = Scorer(reward)
-        for piece in pieces:
-            scorer.score(piece)
+        return [scorer.score(piece) for piece in pieces]
 
     require_speed(score_bare, score, AT_LEAST)
+    require_paid(np.concatenate(score()), rows)
 
 
 def test_whole_runs_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(
@@ -96,6 +105,7 @@ def test_whole_runs_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula
 ):
     """One core, all rows at once."""
     require_speed(score_bare, lambda: Scorer(reward).score(rows), AT_LEAST)
+    require_paid(Scorer(reward).score(rows), rows)
 
 
 def test_traces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(require_speed, score_bare, rows, reward):
@@ -104,3 +114,4 @@ def test_traces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(req
     flags = dict.fromkeys(("reached", "terminated", "truncated"), rows.touched)
     columns = {"env": np.zeros_like(step), "step": step, "reward": rows.distance, **vars(rows), **flags}
     require_speed(score_bare, lambda: score_trace(reward, Trace(columns)), AT_LEAST)
+    require_paid(score_trace(reward, Trace(columns)), rows)
