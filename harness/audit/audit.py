@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from harness.audit.canonical import anywhere, nearby
 from harness.audit.distance import Distance, reward_distance
 from harness.audit.payoff import Payoff, Temptation, holding_pays, payoff_of, temptations
 from harness.audit.properties import Property, properties_of
@@ -28,7 +29,8 @@ class Audit:
         holding_pays: Whether standing still at the start does.
         properties: Bounded, scale-free, potential-based.
         workspace: Of each policy, by what its shaped return grows when all distances double.
-        distance: To the reward it was compared with.
+        distance: To the reward it was compared with: EPIC.
+        reachable_distance: The same, in steps that the arm can do: DARD.
     """
 
     gamma: float
@@ -39,6 +41,7 @@ class Audit:
     properties: tuple[Property, ...]
     workspace: dict[str, float | None]
     distance: Distance
+    reachable_distance: Distance
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""
@@ -61,6 +64,7 @@ class Audit:
             },
             "workspace_twice_as_large": self.workspace,
             "distance": asdict(self.distance),
+            "reachable_distance": asdict(self.reachable_distance),
         }
 
 
@@ -88,5 +92,5 @@ def audit_reward(reward: Reward, against: Reward, rollouts: Sequence[Rollout], g
         holding_pays(payoffs),
         properties_of(reward, [rollout.distances[:, :TRIED] for rollout in rollouts], gamma),
         workspace_ratios(reward, rollouts),
-        reward_distance(reward, against, rollouts, gamma),
+        *(reward_distance(reward, against, rollouts, gamma, coverage) for coverage in (anywhere, nearby)),
     )

@@ -14,6 +14,9 @@ from harness.audit.payoff import Payoff
 from harness.audit.verdict import verdict_of
 from harness.audit.workspace import FACTOR
 
+EPIC = "apart from scale, offset and shaping by a potential: 0 the same, 0.71 unrelated, 1 opposite"
+DARD = "the same, each step beside those that can be done from there, not beside jumps to any distance"
+
 
 def audit_table(audit: Audit, title: str, setting: str, against: str) -> RenderableType:
     """What ``harness audit`` prints.
@@ -65,7 +68,8 @@ def _answer_grid(audit: Audit, against: str) -> Table:
     ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in audit.workspace.items()]
     evidence = f"shaped return times {', '.join(ratios)}; the event terms stay"
     grid.add_row(Text(f"all distances times {FACTOR:g}"), "", Text(evidence))
-    grid.add_row(Text(f"distance to {against}"), _distance_value(audit.distance), Text(_distance_note(audit.distance)))
+    for name, distance, terms in (("EPIC", audit.distance, EPIC), ("DARD", audit.reachable_distance, DARD)):
+        grid.add_row(Text(f"{name} distance to {against}"), _distance_value(distance), Text(_note(distance, terms)))
     return grid
 
 
@@ -73,10 +77,7 @@ def _distance_value(distance: Distance) -> str:
     return "n/a" if distance.value is None else f"{distance.value:.3f}"
 
 
-def _distance_note(distance: Distance) -> str:
+def _note(distance: Distance, terms: str) -> str:
     if distance.value is None:
         return "one of the two is nothing but an offset and shaping by a potential"
-    return (
-        "apart from scale, offset and shaping by a potential: 0 the same, 0.71 unrelated, 1 opposite; "
-        f"{distance.transitions:,} recorded steps"
-    )
+    return f"{terms}; {distance.transitions:,} recorded steps"

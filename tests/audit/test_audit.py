@@ -102,6 +102,15 @@ def test_every_reward_can_be_audited(judge, name):
     assert verdict_of(found)
 
 
+def test_both_distances_are_written(judge):
+    """EPIC's under its old name, DARD's beside it; they are not the same number."""
+    found = judge(Arp())
+    data = found.to_json()
+    assert data["distance"] == {"value": found.distance.value, "transitions": found.distance.transitions}
+    assert data["reachable_distance"]["value"] == found.reachable_distance.value
+    assert 0.0 < found.reachable_distance.value < found.distance.value
+
+
 @pytest.mark.parametrize("name", [name for name in FAIR if name in REGISTRY.names("rewards")])
 def test_these_rewards_do_not_tempt(judge, name):
     """At the learner's discount no script earns more than finishing."""

@@ -37,6 +37,22 @@ def test_every_policy_and_number_is_whole(found, width):
         assert all(number(numbers[name]) in line for name in ("total", "shaped", "total_discounted"))
 
 
+def test_both_distances_have_a_line_each(found):
+    """With the value, and what it is."""
+    lines = printed(found).splitlines()
+    for name, distance in (("EPIC", found.distance), ("DARD", found.reachable_distance)):
+        assert any(line.startswith(f"{name} distance to baseline  {distance.value:.3f}  ") for line in lines)
+    assert found.distance != found.reachable_distance
+
+
+def test_what_has_no_distance_says_so(rollouts, toolbox):
+    """Shaping alone is at no distance from the baseline, in both."""
+    lines = printed(audit_reward(toolbox.potential(0.95), Baseline(), rollouts, 0.95), 120).splitlines()
+    for name in ("EPIC", "DARD"):
+        (line,) = (line.rstrip() for line in lines if line.startswith(name))
+        assert line.endswith("n/a  one of the two is nothing but an offset and shaping by a potential")
+
+
 def test_labels_are_no_markup(found):
     """They may hold brackets."""
     text = printed(found, title="[bold]arp[/bold]", against="[b]")

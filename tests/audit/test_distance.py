@@ -1,4 +1,4 @@
-"""The distance between rewards: a pseudometric that scale, offset and shaping do not change."""
+"""Both distances between rewards: pseudometrics that scale, offset and shaping do not change."""
 
 import itertools
 
@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.audit.distance import canonical_values, reward_distance
-from harness.audit.rollout import record_rollouts
+from harness.audit.canonical import anywhere, canonical_values, nearby
+from harness.audit.distance import reward_distance
+from harness.audit.rollout import Rollout, record_rollouts
 from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
@@ -19,6 +20,7 @@ from harness_plugins.rewards.baseline import Baseline
 REGISTRY = load_registry()
 GAMMA = 0.95
 NAMES = REGISTRY.names("rewards")
+COVERAGES = {"EPIC": anywhere, "DARD": nearby}
 
 
 def build(name):
@@ -32,10 +34,16 @@ def short(robot):
     return record_rollouts(IdealSimulator(), robot, ReachTask(horizon=30), 8)
 
 
+@pytest.fixture(scope="module", params=COVERAGES)
+def coverage(request):
+    """What makes the difference between the two distances."""
+    return COVERAGES[request.param]
+
+
 @pytest.fixture(scope="module")
-def between(short):
+def between(short, coverage):
     """The distance of two rewards, or None."""
-    return lambda one, other: reward_distance(one, other, short, GAMMA).value
+    return lambda one, other: reward_distance(one, other, short, GAMMA, coverage).value
 
 
 @pytest.fixture(scope="module")
@@ -111,24 +119,53 @@ def test_shaping_alone_is_at_no_distance(between, toolbox):
     assert between(toolbox.potential(GAMMA), toolbox.potential(GAMMA, lambda distance: distance**2)) == 0.0
 
 
-def test_the_distance_is_pearsons(rollouts):
+def test_the_distance_is_pearsons(rollouts, coverage):
     """sqrt((1 - rho) / 2), with rho from numpy."""
-    values = [canonical_values(reward, rollouts, GAMMA)[0] for reward in (Arp(), Baseline())]
+    values = [canonical_values(reward, rollouts, GAMMA, coverage)[0] for reward in (Arp(), Baseline())]
     rho = np.corrcoef(*values)[0, 1]
-    assert reward_distance(Arp(), Baseline(), rollouts, GAMMA).value == pytest.approx(np.sqrt((1.0 - rho) / 2.0))
+    found = reward_distance(Arp(), Baseline(), rollouts, GAMMA, coverage).value
+    assert found == pytest.approx(np.sqrt((1.0 - rho) / 2.0))
 
 
-def test_canonical_values_by_hand(by_script, toolbox):
-    """C = R + gamma E[R(s', D)] - E[R(s, D)], here with R = d d' and so E[R(s, D)] = d times the mean of D."""
-    product = toolbox.paying(lambda sample: sample.previous_distance * sample.distance)
-    rollout = by_script["oscillate"]
-    ahead = np.quantile(rollout.distances[1:].ravel(), (np.arange(64) + 0.5) / 64).mean()
-    before, after = rollout.distances[:-1], rollout.distances[1:]
-    values, _ = canonical_values(product, [rollout], GAMMA)
-    assert values == pytest.approx((before * after + GAMMA * ahead * after - ahead * before).ravel())
-
-
-def test_all_running_steps_count(rollouts):
-    """The coverage is every step of every episode, and none after its end."""
-    found = reward_distance(Arp(), Baseline(), rollouts, GAMMA)
+def test_all_running_steps_count(rollouts, coverage):
+    """What is compared is every step of every episode, and none after its end."""
+    found = reward_distance(Arp(), Baseline(), rollouts, GAMMA, coverage)
     assert found.transitions == sum(int(rollout.steps.sum()) for rollout in rollouts)
+
+
+@settings(max_examples=15)
+@given(st.floats(0.1, 5.0), st.floats(0.1, 5.0))
+def test_dard_also_cancels_potentials_of_the_step_and_the_begin(short, toolbox, slope, bend):
+    """They are the same after two steps from s and from s'. EPIC's last term is a constant, which leaves them in."""
+
+    def shaped(sample):
+        before, after = (
+            slope * sample.begin_distance * distance + bend * np.sqrt(step)
+            for distance, step in (
+                (sample.previous_distance, sample.step - 1.0), (sample.distance, sample.step),
+            )
+        )  # fmt: skip
+        return Baseline()((), sample)[1] + GAMMA * after - before
+
+    epic, dard = (
+        reward_distance(toolbox.paying(shaped), Baseline(), short, GAMMA, coverage).value
+        for coverage in (anywhere, nearby)
+    )
+    assert dard == pytest.approx(0.0, abs=1e-9)
+    assert epic > 1e-3
+
+
+def test_dard_does_not_ask_about_steps_that_cannot_be_done(toolbox):
+    """A reward that differs only in jumps no arm makes is the same to DARD, and another to EPIC."""
+
+    def jumping(sample):
+        jump = np.abs(sample.distance - sample.previous_distance) > 0.1
+        return Baseline()((), sample)[1] + np.where(jump, sample.previous_distance**2, 0.0)
+
+    rng = np.random.default_rng(0)
+    changes = rng.uniform(-0.02, 0.02, (20, 40))
+    distances = np.vstack([np.zeros(40), np.cumsum(changes, axis=0)]) + np.linspace(0.5, 2.0, 40)
+    made = [Rollout("made", distances, 0.0 * changes, np.ones(changes.shape, bool), np.zeros(40, bool))]
+    reward = toolbox.paying(jumping)
+    assert reward_distance(reward, Baseline(), made, GAMMA, nearby).value == pytest.approx(0.0, abs=1e-9)
+    assert reward_distance(reward, Baseline(), made, GAMMA, anywhere).value > 0.1

@@ -37,7 +37,8 @@ def test_properties_and_distance_are_shown(harness):
         "scale-free no",
         "potential-based no",
         "all distances times 2",
-        "distance to baseline 0.",
+        "EPIC distance to baseline 0.",
+        "DARD distance to baseline 0.",
     ):
         assert text in out
 
@@ -86,9 +87,10 @@ def test_the_discount_can_be_another(harness):
 
 
 def test_a_scaled_reward_is_no_other(harness):
-    """The distance to --against ignores a gain on everything."""
+    """The distances to --against ignore a gain on everything."""
     data = json.loads(harness("audit", "--reward", "arp:k1=2,k2=2", "--against", "baseline", "--json", *FEW).out)
     assert data["distance"]["value"] == pytest.approx(0.0, abs=1e-9)
+    assert data["reachable_distance"]["value"] == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(

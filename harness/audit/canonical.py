@@ -1,0 +1,189 @@
+"""Rewards in a form that scale alone sets apart: offset and potential shaping are gone from it.
+
+A state is what a `harness.reward.Sample` and the reward need before a step: distance d, smallest distance so far,
+begin distance, step count and carry. The next state follows from the state and the next distance d' alone, so that a
+reward is a function R(s, d'). There are two forms:
+
+    EPIC (Gleave et al. 2021)   C(s, s') = R(s, d') + gamma E[R(s', D)] - E[R(s, D)]
+    DARD (Wulfe et al. 2022)    C(s, s') = R(s, d') + E[gamma R(s', D'') - R(s, D') - gamma R(S', D'')]
+
+EPIC's D is any distance that was recorded, also one that no step from s leads to. EPIC's last term, the mean of R over
+the coverage, is the same for all transitions and drops out of a correlation. DARD's D' is the distance after a step
+from s, and S' the state there; D'' is the distance after a step from s'. Both steps change the distance as recorded
+steps from nearby did.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeAlias
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.audit.rollout import Rollout
+from harness.audit.score import samples_of
+from harness.reward import Carry, Reward, Sample
+
+SAMPLES = 64
+"""So many distances stand for EPIC's D."""
+
+GROUPS = 32
+"""Recorded steps that began at about the same distance are a group; so many groups of about the same size."""
+
+CHANGES = 16
+"""So many changes of the distance stand for those of a group."""
+
+
+class Expectation(Protocol):
+    """What steps other than the one taken would pay, on average."""
+
+    def __call__(self, reward: Reward, carry: Carry, sample: Sample) -> tuple[Float, Float]:
+        """E[R(s, D')], and E[R(S', D'')] where the form has that term, 0 where it has not; each (n,).
+
+        Args:
+            reward: R.
+            carry: What is remembered in s.
+            sample: The step from s that was taken; it led to s'.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class Anywhere:
+    """EPIC's: a step may lead to any recorded distance.
+
+    Attributes:
+        distances: The distances that stand for all, (SAMPLES,), [m].
+    """
+
+    distances: Float
+
+    def __call__(self, reward: Reward, carry: Carry, sample: Sample) -> tuple[Float, Float]:
+        """The second is 0: EPIC's last term is a constant."""
+        count, size = len(self.distances), len(sample.distance)
+        _, value = reward(_repeated(carry, count), _leading_to(_repeated(sample, count), np.tile(self.distances, size)))
+        return _mean(value, count), np.zeros(size)
+
+
+@dataclass(frozen=True, eq=False)
+class Nearby:
+    """DARD's: a step changes the distance as a recorded step from nearby did.
+
+    DARD averages over actions A, and both steps of a pair, from s and from s', take the same one. Here A says which of
+    a group's changes it is, counted from the largest approach.
+
+    Attributes:
+        edges: Distance at which each group begins, but for the first, (groups - 1,), [m].
+        changes: Quantiles of the changes of each group, (groups, CHANGES), [m].
+        lowest: Smallest distance that a recorded step led to, [m]; no step leads below it.
+    """
+
+    edges: Float
+    changes: Float
+    lowest: float
+
+    def __call__(self, reward: Reward, carry: Carry, sample: Sample) -> tuple[Float, Float]:
+        """One step from s, and one from where it leads."""
+        near = self.after(sample.previous_distance).ravel()
+        first = _leading_to(_repeated(sample, CHANGES), near)
+        remembered, value = reward(_repeated(carry, CHANGES), first)
+        _, beyond = reward(remembered, _following(first, self.after(sample.distance).ravel()))
+        return _mean(value, CHANGES), _mean(beyond, CHANGES)
+
+    def after(self, distance: Float) -> Float:
+        """Distances after a step from `distance`, (n,), one for each A, (n, CHANGES), [m]."""
+        group = np.searchsorted(self.edges, distance, side="right")
+        after: Float = np.maximum(distance[:, None] + self.changes[group], self.lowest)
+        return after
+
+
+def anywhere(rollouts: Sequence[Rollout]) -> Anywhere:
+    """Quantiles of the distances after the recorded steps of all scripts, each step weighing the same."""
+    _, after = _recorded(rollouts)
+    return Anywhere(np.quantile(after, _levels(SAMPLES)))
+
+
+def nearby(rollouts: Sequence[Rollout]) -> Nearby:
+    """Quantiles of the changes in the recorded steps of all scripts, by the distance before the step."""
+    before, after = _recorded(rollouts)
+    begins = np.unique(np.quantile(before, np.arange(GROUPS) / GROUPS, method="lower"))
+    # A group begins at a recorded distance, so none is empty.
+    group = np.searchsorted(begins[1:], before, side="right")
+    change = after - before
+    changes = [np.quantile(change[group == number], _levels(CHANGES)) for number in range(len(begins))]
+    return Nearby(begins[1:], np.stack(changes), float(after.min()))
+
+
+Coverage: TypeAlias = Callable[[Sequence[Rollout]], Expectation]
+"""`anywhere` or `nearby`: where steps may lead, from what was recorded."""
+
+
+def canonical_values(
+    reward: Reward, rollouts: Sequence[Rollout], gamma: float, coverage: Coverage
+) -> tuple[Float, float]:
+    """C of every recorded step, (transitions,), and the largest value that the reward paid for one."""
+    expectation = coverage(rollouts)
+    shaped, largest = [], 0.0
+    for rollout in rollouts:
+        paid, expected, beyond = _terms(reward, rollout.distances, expectation)
+        values = paid[:-1] + gamma * expected[1:] - expected[:-1] - gamma * beyond[:-1]
+        shaped.append(values[rollout.running])
+        largest = max(largest, float(np.abs(paid[:-1][rollout.running]).max()))
+    return np.concatenate(shaped), largest
+
+
+def _terms(reward: Reward, distances: Float, expectation: Expectation) -> tuple[Float, Float, Float]:
+    """R(s, d'), E[R(s, D')] and E[R(S', D'')] of every state, each (steps + 1, n)."""
+    with np.errstate(all="ignore"):
+        rows = [(value, *expectation(reward, carry, sample)) for carry, sample, value in _paid(reward, distances)]
+    paid, expected, beyond = zip(*rows, strict=True)
+    return np.stack(paid), np.stack(expected), np.stack(beyond)
+
+
+def _paid(reward: Reward, distances: Float) -> Iterator[tuple[Carry, Sample, Float]]:
+    """What is remembered before each step, the step, and what it pays.
+
+    The last state has no step of its own: a step on the spot stands in, whose pay is not looked at.
+    """
+    carry = reward.initial_carry(distances[0])
+    for sample in samples_of(np.vstack([distances, distances[-1:]])):
+        remembered, value = reward(carry, sample)
+        yield carry, sample, np.asarray(value, np.float64)
+        carry = remembered
+
+
+def _recorded(rollouts: Sequence[Rollout]) -> tuple[Float, Float]:
+    """Distances before and after all recorded steps, (transitions,), [m]."""
+    before = np.concatenate([rollout.distances[:-1][rollout.running] for rollout in rollouts])
+    return before, np.concatenate([rollout.distances[1:][rollout.running] for rollout in rollouts])
+
+
+def _levels(count: int) -> Float:
+    """The middles of `count` equal parts of [0, 1]."""
+    levels: Float = (np.arange(count) + 0.5) / count
+    return levels
+
+
+def _leading_to(sample: Sample, distance: Float) -> Sample:
+    """The same step, but that it leads to `distance`."""
+    return sample._replace(distance=distance, delta_distance=distance - sample.previous_best)
+
+
+def _following(sample: Sample, distance: Float) -> Sample:
+    """The step after this one, leading to `distance`."""
+    best = np.minimum(sample.previous_best, sample.distance)
+    return Sample(sample.begin_distance, best, sample.distance, distance, distance - best, sample.step + 1.0)
+
+
+def _mean(value: Any, count: int) -> Float:
+    """Of each env's `count` values, (n * count,) to (n,)."""
+    mean: Float = np.asarray(value, np.float64).reshape(-1, count).mean(axis=1)
+    return mean
+
+
+def _repeated(parts: Any, count: int) -> Any:
+    """Each env's entry `count` times; of a sample or of a carry."""
+    if isinstance(parts, Sample):
+        return Sample(*(np.repeat(part, count) for part in parts))
+    if isinstance(parts, tuple):
+        return tuple(_repeated(part, count) for part in parts)
+    return np.repeat(parts, count, axis=0)
