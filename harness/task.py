@@ -42,6 +42,8 @@ class Task(Protocol):
 
     An environment step is one control period. The learner decides every `decision_period` of them; its action is
     repeated in between, and each pays a reward.
+
+    It may also have ``varies``, False for one whose episodes all have the same start and targets, see `varies`.
     """
 
     @property
@@ -122,3 +124,11 @@ class Task(Protocol):
 
     def target_reward_in_words(self) -> str:
         """What reaching it pays."""
+
+
+def varies(task: Task) -> bool:
+    """Whether episodes differ in start or targets; those of a task that says nothing of it do.
+
+    Where they do not, all deterministic episodes of a policy are alike, and an evaluation does one.
+    """
+    return bool(getattr(task, "varies", True))

@@ -13,7 +13,7 @@ from harness.env.random_streams import Seed, Streams
 from harness.errors import UsageError
 from harness.motion import Discrete, Move
 from harness.progress import TrainingState, as_state
-from harness.record.trace import TraceWriter
+from harness.record.trace import Recorder
 from harness.reward import Reward, replace_where
 from harness.robot import Robot
 from harness.simulator import Simulator, State
@@ -65,7 +65,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         task: Task,
         reward: Reward,
         num_envs: int = 1,
-        recorder: TraceWriter | None = None,
+        recorder: Recorder | None = None,
         autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
     ) -> None:
         """Open the simulator.

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from harness.env.make import World
 from harness.experiment.attempt import Attempt
-from harness.experiment.evaluate import Act, act_of, evaluate, random_actions
+from harness.experiment.evaluator import Evaluator
 from harness.experiment.event_log import EventLog
 from harness.policy import Policy
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files
+from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files, other_manner
 from harness.record.returns import mean_return
 from harness.record.trace import Trace, read_trace
 from harness.registry.choice import build_defaults
@@ -37,7 +37,8 @@ class CellEvaluations:
             attempt: Where the training begins.
             events: Gets the results.
         """
-        self._cell, self._world, self._registry, self._events = cell, world, registry, events
+        self._cell, self._registry, self._events = cell, registry, events
+        self._evaluator = Evaluator(world, cell.evaluation_episodes)
         self._folder = attempt.folder
         self.seconds = 0.0
         self._due = cell.evaluate_every
@@ -61,19 +62,18 @@ class CellEvaluations:
         self.seconds += time.perf_counter() - clock
 
     def finish(self, policy: Policy) -> None:
-        """Evaluate the trained policy, and random actions for the floor."""
+        """Evaluate the trained policy, as the cell says and in the other manner, and random actions for the floor."""
+        deterministic = self._cell.deterministic
         self._evaluate(self._cell.steps, policy, self._folder / EVALUATION)
-        self._record(random_actions(policy.floor()), self._folder / RANDOM)
-
-    def _record(self, act: Act, path: Path) -> None:
-        evaluate(self._world, act, self._cell.evaluation_episodes, path)
+        self._evaluator.record(policy, not deterministic, self._folder / other_manner(deterministic))
+        self._evaluator.record_random(policy, self._folder / RANDOM)
 
     def _next_after(self, steps: int) -> int:
         every = self._cell.evaluate_every
         return (steps // every + 1) * every
 
     def _evaluate(self, steps: int, policy: Policy, path: Path) -> None:
-        self._record(act_of(policy, self._cell), path)
+        self._evaluator.record(policy, self._cell.deterministic, path)
         if not self._events.is_open:
             return
         try:

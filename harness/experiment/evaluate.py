@@ -1,6 +1,7 @@
 """Evaluation apart from training: fixed starts and targets, the same in every cell."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,11 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float32
 from harness.env.make import World
+from harness.experiment.work_meter import WorkMeter
 from harness.policy import Policy
-from harness.record.cell import Cell
+from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import TraceWriter
+from harness.task import Task
 
 EVALUATION_SEED = 20_211_118
 """Of the starts and targets of every evaluation; not among the small numbers that people seed training with."""
@@ -20,7 +23,14 @@ EVALUATION_SEED = 20_211_118
 Act = Callable[[Float32], NDArray[Any]]
 
 
-def evaluate(world: World, act: Act, episodes: int, path: Path, seed: int = EVALUATION_SEED) -> None:
+def evaluate(
+    world: World,
+    act: Act,
+    episodes: int,
+    path: Path,
+    seed: int = EVALUATION_SEED,
+    ik_steps: Sequence[int | None] | None = None,
+) -> None:
     """Let `act` do so many episodes, one in each env of a batch, and record them.
 
     Args:
@@ -29,23 +39,31 @@ def evaluate(world: World, act: Act, episodes: int, path: Path, seed: int = EVAL
         episodes: How many.
         path: The trace to write: one episode of each env.
         seed: Of the starts and targets.
+        ik_steps: What `harness.experiment.ik_steps` says of them, or of more episodes; None where it is not asked.
     """
     env = world.open(episodes)
+    facts = replace(facts_of(world.task), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes]))
     try:
-        with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1) as recorder:
-            env.recorder = recorder
+        with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1, facts=facts) as writer:
+            env.recorder = meter = WorkMeter(writer, world)
             observations, _ = env.reset(seed=seed)
             running = np.ones(env.num_envs, bool)
             while running.any():
                 observations, _, terminated, truncated, _ = env.step(act(observations))
                 running &= ~(terminated | truncated)
+            writer.facts = replace(facts, work=meter.work())
     finally:
         env.close()
 
 
-def act_of(policy: Policy, cell: Cell) -> Act:
-    """How `policy` acts in an evaluation of the cell; what it draws there depends on nothing that was drawn before."""
-    if cell.deterministic:
+def facts_of(task: Task) -> EpisodeFacts:
+    """What is known of the episodes of a task before there are any."""
+    return EpisodeFacts(horizon=task.horizon, control_period=task.control_period)
+
+
+def act_of(policy: Policy, deterministic: bool) -> Act:
+    """How `policy` acts in an evaluation; what it draws there depends on nothing that was drawn before."""
+    if deterministic:
         return policy.act
     return partial(policy.act, rng=np.random.default_rng([EVALUATION_SEED, 2]))
 

@@ -14,6 +14,7 @@ from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.cell_evaluations import CellEvaluations
 from harness.experiment.cell_progress import CellProgress
 from harness.experiment.draft import Draft, draft_of
+from harness.experiment.evaluate import facts_of
 from harness.experiment.event_log import EventLog
 from harness.experiment.order import Report
 from harness.experiment.provenance import describe_environment
@@ -112,7 +113,7 @@ class _Run:
         env = world.open(algorithm.num_envs)
         try:
             with TraceParts(
-                attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], attempt.parts
+                attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], facts_of(world.task), attempt.parts
             ) as parts:
                 env.recorder = parts.recorder
                 env.reset(seed=env_seed)

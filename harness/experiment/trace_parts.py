@@ -8,7 +8,8 @@ from types import TracebackType
 import pyarrow.parquet as pq
 
 from harness.errors import SchemaError
-from harness.record.trace import TraceWriter
+from harness.record.episode_facts import EpisodeFacts
+from harness.record.trace import FACTS_KEY, TraceWriter
 
 
 class TraceParts:
@@ -21,16 +22,19 @@ class TraceParts:
         digests: SHA-256 of each finished part.
     """
 
-    def __init__(self, path: Path, dof: int, action_size: int, digests: Sequence[str] = ()) -> None:
+    def __init__(
+        self, path: Path, dof: int, action_size: int, facts: EpisodeFacts, digests: Sequence[str] = ()
+    ) -> None:
         """Go on behind the parts that are finished, each of which has a digest.
 
         Args:
             path: The trace to be.
             dof: Length of qpos.
             action_size: Length of the action.
+            facts: What is known of the episodes.
             digests: SHA-256 of each finished part.
         """
-        self._path, self._dof, self._action_size = path, dof, action_size
+        self._path, self._dof, self._action_size, self._facts = path, dof, action_size, facts
         self.digests = list(digests)
         discard_parts(path, len(digests))
         self.recorder = self._open()
@@ -59,7 +63,7 @@ class TraceParts:
         return part_of(self._path, len(self.digests))
 
     def _open(self) -> TraceWriter:
-        return TraceWriter(self._present, self._dof, self._action_size)
+        return TraceWriter(self._present, self._dof, self._action_size, facts=self._facts)
 
     def _merge(self) -> None:
         parts = [part_of(self._path, number) for number in range(len(self.digests) + 1)]
@@ -71,6 +75,7 @@ class TraceParts:
                 with pq.ParquetFile(part) as rows:
                     for group in range(rows.num_row_groups):
                         file.write_table(rows.read_row_group(group))
+            file.add_key_value_metadata({FACTS_KEY: self._facts.to_bytes()})
 
 
 def part_of(path: Path, number: int) -> Path:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 MANIFEST, LOG = "manifest.json", "log.txt"
 TRACE, EVALUATION, RANDOM = "trace.parquet", "evaluation.parquet", "random.parquet"
+STOCHASTIC, DETERMINISTIC = "stochastic.parquet", "deterministic.parquet"
+"""The final evaluation in the other manner than that of `EVALUATION`; folders of version 0.1 have neither."""
 EVALUATIONS = "evaluations"
 """Folder of what the policy did before its training ended, a trace per evaluation, named by the environment steps."""
 POLICY, WEIGHTS, CARD = "policy", "weights.safetensors", "card.json"
@@ -19,6 +21,11 @@ TENSORBOARD = "tensorboard"
 def partial_folder(folder: Path) -> Path:
     """Where a cell's folder grows until it is complete."""
     return folder.with_name(f".{folder.name}.partial")
+
+
+def other_manner(deterministic: bool) -> str:
+    """Name of the final evaluation in the other manner, of a cell that is evaluated in this one."""
+    return STOCHASTIC if deterministic else DETERMINISTIC
 
 
 def evaluation_files(folder: Path) -> dict[int, Path]:

@@ -21,13 +21,15 @@ truncated           whether the step was the last that the horizon allows
 qpos                joint positions after the step, list of dof numbers, [rad]
 action              what the policy asked for, list of numbers; zeros in the start row
 ==================  ===========================================================================================
+
+What is known of the episodes beside their rows is in the file's metadata, see `harness.record.episode_facts`.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import pyarrow as pa
@@ -36,10 +38,14 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
+from harness.record.episode_facts import EpisodeFacts
 
 FORMAT = 2
 """Format 1 has no `held` and no `terminated`: both events ended an episode."""
 FORMAT_KEY = b"harness.trace"
+FACTS_KEY = b"harness.facts"
+"""Of the `EpisodeFacts`; a file of an earlier version has none."""
+NOTHING_KNOWN = EpisodeFacts()
 
 INTEGERS = ("env", "episode", "step")
 NUMBERS = (
@@ -66,15 +72,30 @@ COLUMN = {name: index for index, name in enumerate(SCALARS)}
 Rows = Float
 
 
-class TraceWriter:
-    """Writes rows to a Parquet file, a block at a time.
+class Recorder(Protocol):
+    """Takes the rows of an environment. A row is one vector of `SCALARS`, then qpos, then the action."""
 
-    A row is one vector of `SCALARS`, then qpos, then the action; all are exact in float64.
+    def append(self, rows: Rows) -> None:
+        """Take a batch of rows, (n, width), which belong to the caller: keep copies."""
+
+
+class TraceWriter:
+    """A `Recorder` that writes rows to a Parquet file, a block at a time; all are exact in float64.
+
+    Attributes:
+        facts: Written when the file is finished.
     """
 
     BLOCK = 16_384
 
-    def __init__(self, path: Path, dof: int, action_size: int, episodes: int | None = None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        dof: int,
+        action_size: int,
+        episodes: int | None = None,
+        facts: EpisodeFacts = NOTHING_KNOWN,
+    ) -> None:
         """Start the file.
 
         Args:
@@ -82,7 +103,9 @@ class TraceWriter:
             dof: Length of qpos.
             action_size: Length of the action.
             episodes: Keep the first so many episodes of each env only; all if None.
+            facts: What is known of the episodes.
         """
+        self.facts = facts
         self._dof, self._episodes = dof, episodes
         self._block = np.empty((self.BLOCK, len(SCALARS) + dof + action_size))
         self._filled = 0
@@ -108,6 +131,7 @@ class TraceWriter:
         try:
             self._flush()
         finally:
+            self._file.add_key_value_metadata({FACTS_KEY: self.facts.to_bytes()})
             self._file.close()
 
     def __enter__(self) -> "TraceWriter":
@@ -166,9 +190,10 @@ def _numpy_type(name: str) -> type[np.generic]:
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """A recorded trace in memory: one numpy array per column."""
+    """A recorded trace in memory: one numpy array per column, and what is known of its episodes."""
 
     columns: dict[str, NDArray[Any]]
+    facts: EpisodeFacts = NOTHING_KNOWN
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """A column, (rows,), or (rows, n) for qpos and action."""
@@ -206,14 +231,14 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
         version = _version(file.schema_arrow, path)
         there = columns if version > 1 or columns is None else _columns_of_1(columns)
         _require_columns(file.schema_arrow, there or [], path)
-        table = file.read(columns=there)
+        table, facts = file.read(columns=there), _facts(file, path)
     except (OSError, pa.ArrowInvalid) as error:
         raise SchemaError(f"{path} is no readable trace: {error}") from error
     arrays = {name: _to_numpy(table.column(name)) for name in table.column_names}
     if version == 1:
         terminated = arrays["ground"] | arrays["reached"]
         arrays.update(terminated=terminated, held=np.zeros_like(terminated))
-    return Trace(arrays if columns is None else {name: arrays[name] for name in columns})
+    return Trace(arrays if columns is None else {name: arrays[name] for name in columns}, facts)
 
 
 def _columns_of_1(columns: list[str]) -> list[str]:
@@ -226,6 +251,14 @@ def _version(schema: pa.Schema, path: Path) -> int:
     if version not in {str(known) for known in range(1, FORMAT + 1)}:
         raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
     return int(version)
+
+
+def _facts(file: pq.ParquetFile, path: Path) -> EpisodeFacts:
+    written = (file.metadata.metadata or {}).get(FACTS_KEY)
+    try:
+        return NOTHING_KNOWN if written is None else EpisodeFacts.from_bytes(written)
+    except ValueError as error:
+        raise SchemaError(f"{path} is no readable trace: {error}") from error
 
 
 def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:

@@ -117,7 +117,7 @@ def forward(chain: Chain, qpos: ArrayLike) -> Float:
     Raises:
         UsageError: The last axis of qpos is not dof long.
     """
-    return _child_frames(chain, qpos)[-1] @ chain.T_last_tip
+    return child_frames(chain, qpos)[-1] @ chain.T_last_tip
 
 
 def end_effector_position(chain: Chain, qpos: ArrayLike) -> Float:
@@ -154,7 +154,7 @@ def position_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
     Raises:
         UsageError: The last axis of qpos is not dof long.
     """
-    frames = _child_frames(chain, qpos)
+    frames = child_frames(chain, qpos)
     tip = (frames[-1] @ chain.T_last_tip)[..., :3, 3]
     T_world_child = np.stack(frames, axis=-3)  # (..., dof, 4, 4)
     # A joint's own motion leaves its axis where it is, and a turning joint's origin: the child frame gives both.
@@ -223,8 +223,8 @@ def _places(matrices: Float) -> NDArray[np.intp]:
     return np.argwhere(matrices.any(axis=-1))
 
 
-def _child_frames(chain: Chain, qpos: ArrayLike) -> list[Float]:
-    """T_world_child of each joint, dof arrays of shape (..., 4, 4)."""
+def child_frames(chain: Chain, qpos: ArrayLike) -> list[Float]:
+    """T_world_child of each joint, dof arrays of shape (..., 4, 4); arguments and errors as for `forward`."""
     steps = _steps(chain, qpos)
     frames = [steps[..., 0, :, :]]
     for joint in range(1, chain.dof):

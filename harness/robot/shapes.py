@@ -83,14 +83,14 @@ def attach_shapes(
     """
     attached: dict[str, list[Shape]] = {name: [] for name in joint_names}
     for link, group in shapes.items():
-        joint, T_child_link = _moving_carrier(link, urdf.carriers)
+        joint, T_child_link = moving_carrier(link, urdf.carriers)
         if joint in attached:
             poses = [read_only(T_child_link @ shape.T_link_shape) for shape in group]
             attached[joint] += [replace(shape, T_link_shape=pose) for shape, pose in zip(group, poses, strict=True)]
     return tuple(tuple(group) for group in attached.values())
 
 
-def _moving_carrier(link: str, carrier: Mapping[str, Element]) -> tuple[str | None, Float]:
+def moving_carrier(link: str, carrier: Mapping[str, Element]) -> tuple[str | None, Float]:
     """The joint that moves `link`, None where none does, and T_child_link from the joint's child link."""
     T_child_link: Float = np.eye(4)
     while link in carrier:

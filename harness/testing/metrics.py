@@ -2,11 +2,11 @@
 
 import copy
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from harness.metric import Metric
-from harness.record.trace import Trace
 from harness.testing.traces import REWARDS, recorded_trace
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -60,7 +60,7 @@ def rewards_do_not_matter(metric: Metric) -> None:
     """The value stays when the columns of rewards hold anything else: behaviour is judged, not what it was paid."""
     trace = recorded_trace(0, ALL_ENDS)
     others = {name: recorded_trace(1, ALL_ENDS * 9)[name][: len(trace)] for name in REWARDS}
-    value, scrambled = metric(trace), metric(Trace({**trace.columns, **others}))
+    value, scrambled = metric(trace), metric(replace(trace, columns={**trace.columns, **others}))
     require(value == scrambled, f"the value goes from {value} to {scrambled} with other rewards")
 
 

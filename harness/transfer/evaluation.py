@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 
 from harness.env.make import build_world
 from harness.experiment.draft import draft_of
-from harness.experiment.evaluate import act_of, evaluate
+from harness.experiment.evaluator import Evaluator
 from harness.experiment.order import Report
 from harness.experiment.provenance import describe_environment
 from harness.policy import load_policy
@@ -39,8 +39,8 @@ def evaluate_elsewhere(cell_folder: Path, simulator: Choice, folder: Path) -> Tr
         registry, cell = load_registry(), replace(trained, simulator=simulator)
         robot = load_robot(cell.robot, registry)
         draft.note(environment=describe_environment(cell, robot, registry, KINDS))
-        act, world = act_of(load_policy(cell_folder / POLICY), cell), build_world(cell, robot, registry)
-        evaluate(world, act, cell.evaluation_episodes, draft.partial / EVALUATION)
+        evaluator = Evaluator(build_world(cell, robot, registry), cell.evaluation_episodes)
+        evaluator.record(load_policy(cell_folder / POLICY), cell.deterministic, draft.partial / EVALUATION)
     return draft.record
 
 

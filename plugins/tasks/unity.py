@@ -123,6 +123,8 @@ class Arp2021(UnityReach):
     The home pose of `unity-arm` is the experiment's start, (-18, 9, -18, 9, 9) degrees.
     """
 
+    varies: ClassVar[bool] = False
+
     def check(self, robot: Robot) -> None:
         """See `harness.task.Task`."""
         self.motion(robot)

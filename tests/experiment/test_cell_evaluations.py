@@ -12,13 +12,16 @@ from harness.executor import CellOptions
 from harness.experiment.run_cell import run_cell
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
+from harness.record.episode_facts import EpisodeFacts
 from harness.record.folder import (
+    DETERMINISTIC,
     EVALUATION,
     EVALUATIONS,
     LOG,
     MANIFEST,
     POLICY,
     RANDOM,
+    STOCHASTIC,
     TENSORBOARD,
     TRACE,
     evaluation_files,
@@ -58,7 +61,7 @@ def _require_equal_results(one: Path, other: Path) -> None:
 def test_one_evaluation_at_the_end_is_the_default(make_cell: MakeCell, tmp_path: Path):
     """A training that tells of its policy all the time leaves none before."""
     folder = _run(make_cell(**NARRATE), tmp_path / "cell")
-    assert {path.name for path in folder.iterdir()} == {TRACE, POLICY, EVALUATION, RANDOM, MANIFEST}
+    assert {path.name for path in folder.iterdir()} == {TRACE, POLICY, EVALUATION, STOCHASTIC, RANDOM, MANIFEST}
 
 
 @pytest.mark.parametrize(
@@ -113,13 +116,13 @@ def test_time_of_evaluations_is_no_time_of_training(
     """The manifest's seconds of training are without them."""
     import time
 
-    import harness.experiment.cell_evaluations as module
+    import harness.experiment.evaluator as module
 
     evaluate = module.evaluate
-    monkeypatch.setattr(module, "evaluate", lambda *given: (time.sleep(0.5), evaluate(*given)))
+    monkeypatch.setattr(module, "evaluate", lambda *given, **more: (time.sleep(0.5), evaluate(*given, **more)))
     manifest = run_cell(make_cell(**NARRATE, evaluate_every=6), tmp_path / "cell", lambda steps: None)
-    assert manifest.seconds > 1.5
-    assert manifest.training_seconds < manifest.seconds - 1.4
+    assert manifest.seconds > 2.0
+    assert manifest.training_seconds < manifest.seconds - 1.9
 
 
 def test_killed_cell_evaluates_nothing_twice(train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path):
@@ -159,6 +162,66 @@ def test_stochastic_evaluation_draws(make_cell: MakeCell, tmp_path: Path):
     assert spread[1] == 0.0
     assert pq.read_table(drawn / TRACE).equals(pq.read_table(likeliest / TRACE))
     assert not pq.read_table(drawn / EVALUATION).equals(pq.read_table(likeliest / EVALUATION))
+
+
+def test_cell_leaves_its_final_evaluation_in_the_other_manner(make_cell: MakeCell, tmp_path: Path):
+    """Row by row what the same training leaves whose evaluations are in that manner."""
+    likeliest = _run(make_cell(**NARRATE), tmp_path / "likeliest")
+    drawn = _run(make_cell(**NARRATE, deterministic=False), tmp_path / "drawn")
+    for one, other in (
+        (likeliest / STOCHASTIC, drawn / EVALUATION),
+        (likeliest / EVALUATION, drawn / DETERMINISTIC),
+    ):
+        assert pq.read_table(one).equals(pq.read_table(other))
+    assert not (likeliest / DETERMINISTIC).exists()
+    assert not (drawn / STOCHASTIC).exists()
+
+
+def test_evaluations_before_the_end_are_in_the_manner_of_the_cell_alone(make_cell: MakeCell, tmp_path: Path):
+    """The other manner is recorded once, at the end."""
+    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
+    assert sorted(path.name for path in (folder / EVALUATIONS).iterdir()) == ["10.parquet", "5.parquet"]
+
+
+@pytest.mark.parametrize(
+    ("deterministic", "episodes"),
+    [(True, {EVALUATION: 1, STOCHASTIC: 3, RANDOM: 3}), (False, {EVALUATION: 3, DETERMINISTIC: 1, RANDOM: 3})],
+)
+def test_task_that_does_not_vary_has_one_deterministic_episode(
+    make_cell: MakeCell, tmp_path: Path, deterministic: bool, episodes: dict[str, int]
+):
+    """All of them would be alike; drawn actions differ."""
+    task = Choice("arp-2021", (("horizon", 5),), "arp-2021:horizon=5")
+    world = {"simulator": Choice("kinematic", (), "kinematic"), "robot": "unity-arm", "task": task}
+    cell = make_cell(**NARRATE, **world, deterministic=deterministic, evaluation_episodes=3, evaluate_every=5)
+    folder = _run(cell, tmp_path / "cell")
+    assert {name: len(read_trace(folder / name).episodes) for name in episodes} == episodes
+    before = {len(read_trace(path).episodes) for path in evaluation_files(folder).values()}
+    assert before == {episodes[EVALUATION]}
+
+
+def test_every_evaluation_tells_the_facts_of_its_episodes(make_cell: MakeCell, tmp_path: Path):
+    """Steps of the kinematics and work are there for each env, the former the same in all of them."""
+    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
+    paths = (*evaluation_files(folder).values(), folder / EVALUATION, folder / STOCHASTIC, folder / RANDOM)
+    facts = [read_trace(path).facts for path in paths]
+    assert {(one.horizon, one.control_period, one.ik_steps) for one in facts} == {(5, 0.1, facts[0].ik_steps)}
+    assert {(len(one.ik_steps), len(one.work)) for one in facts} == {(2, 2)}
+    assert min(facts[-1].work) > 0.0
+
+
+def test_kinematics_are_asked_once_in_a_cell(make_cell: MakeCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """However many evaluations there are."""
+    asked = []
+    monkeypatch.setattr("harness.experiment.evaluator.ik_steps", lambda *given: asked.append(given))
+    _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell")
+    assert len(asked) == 1
+
+
+def test_training_tells_what_is_known_before_it(make_cell: MakeCell, tmp_path: Path):
+    """Horizon and control period; nothing of single episodes."""
+    folder = _run(make_cell(**NARRATE), tmp_path / "cell")
+    assert read_trace(folder / TRACE).facts == EpisodeFacts(horizon=5, control_period=0.1)
 
 
 def test_event_files_are_left_when_asked_for(make_cell: MakeCell, tmp_path: Path, read_events: Callable):

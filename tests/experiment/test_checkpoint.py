@@ -21,9 +21,11 @@ from harness.experiment.run_cell import run_cell
 from harness.experiment.trace_parts import TraceParts, digest_of, discard_parts, part_of, require_parts
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
+from harness.record.episode_facts import EpisodeFacts
 from harness.record.folder import CHECKPOINT, EVALUATION, LOG, POLICY, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.store import Store
+from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.testing.trainings import WatchedEnv
@@ -32,6 +34,7 @@ from harness_plugins.executors.processes import Processes
 MakeCell = Callable[..., Cell]
 Train = Callable[..., None]
 ORIGIN = {"cell": "a", "versions": {"numpy": "2"}, "commit": "", "sources": {}}
+FACTS = EpisodeFacts(horizon=5, control_period=0.1)
 RANDOM = {"algorithm": Choice("random", (), "random"), "steps": 3000}
 SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "steps": 1920}
 
@@ -181,13 +184,14 @@ def _rows(parts: TraceParts, first: int, count: int) -> None:
 def test_parts_become_one_trace(tmp_path: Path):
     """The rows of all parts, in order; a part that was begun anew counts once."""
     path = tmp_path / TRACE
-    with TraceParts(path, 2, 2) as parts:
+    with TraceParts(path, 2, 2, FACTS) as parts:
         _rows(parts, 0, 3)
         parts.cut()
         _rows(parts, 3, 2)
-    with TraceParts(path, 2, 2, parts.digests) as again:
+    with TraceParts(path, 2, 2, FACTS, parts.digests) as again:
         _rows(again, 3, 4)
     assert pq.read_table(path)["step"].to_pylist() == [0, 1, 2, 3, 4, 5, 6]
+    assert read_trace(path).facts == FACTS
     discard_parts(path)
     assert list(tmp_path.iterdir()) == [path]
 

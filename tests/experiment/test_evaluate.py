@@ -57,13 +57,13 @@ def starts_of(trace: Trace) -> np.ndarray:
 def test_deterministic_policies_draw_nothing():
     """They act as they do without a generator."""
     seen = np.ones((3, 4), np.float32)
-    np.testing.assert_array_equal(act_of(FLOOR, CELL)(seen), FLOOR.act(seen))
+    np.testing.assert_array_equal(act_of(FLOOR, deterministic=True)(seen), FLOOR.act(seen))
 
 
 def test_stochastic_policies_draw_the_same_every_time():
     """Each evaluation begins anew; within it, draws differ."""
-    seen, cell = np.ones((3, 4), np.float32), replace(CELL, deterministic=False)
-    one, other = act_of(FLOOR, cell), act_of(FLOOR, cell)
+    seen = np.ones((3, 4), np.float32)
+    one, other = (act_of(FLOOR, deterministic=False) for _ in range(2))
     first = one(seen)
     np.testing.assert_array_equal(first, other(seen))
     assert not np.array_equal(first, one(seen))
@@ -72,7 +72,7 @@ def test_stochastic_policies_draw_the_same_every_time():
 def test_draws_are_not_those_of_random_actions():
     """Or the floor and a policy would share their noise."""
     seen = np.ones((3, 4), np.float32)
-    assert not np.array_equal(act_of(FLOOR, replace(CELL, deterministic=False))(seen), random_actions(FLOOR)(seen))
+    assert not np.array_equal(act_of(FLOOR, deterministic=False)(seen), random_actions(FLOOR)(seen))
 
 
 def test_one_episode_of_each_env(tmp_path: Path):

@@ -1,0 +1,33 @@
+"""Where the arm's own kinematics can act as a policy, and that policy: what a learner could do that knew the arm."""
+
+from typing import cast
+
+from harness.env.arm_observation import ArmObservation
+from harness.motion import MoveJ, MoveJAbsolute, SetJoints
+from harness.policy import InverseKinematics
+from harness.robot import Robot
+from harness.task import Task
+
+MODES: dict[type, str] = {MoveJ: "movej", MoveJAbsolute: "movej-absolute", SetJoints: "set-joints"}
+
+
+def why_not_kinematics(task: Task, robot: Robot) -> str:
+    """Why the kinematics of `robot` cannot do `task`; empty if they can."""
+    motion = task.motion(robot)
+    if type(motion) not in MODES:
+        return f"ik knows the action modes {', '.join(MODES.values())}, not that of the task: '{task.action}'"
+    if not isinstance(task.observation(robot), ArmObservation):
+        return "ik reads joint angles and target from the observation of fd100-reach, and the task has another"
+    return ""
+
+
+def kinematics_policy(task: Task, robot: Robot, algorithm: str = "") -> InverseKinematics:
+    """The policy that does `task` by the kinematics of `robot`, where `why_not_kinematics` says nothing.
+
+    Args:
+        task: The task.
+        robot: The arm.
+        algorithm: For the reader of the policy's card.
+    """
+    motion = cast(MoveJ | MoveJAbsolute | SetJoints, task.motion(robot))
+    return InverseKinematics.of(robot, motion.limits, MODES[type(motion)], algorithm)

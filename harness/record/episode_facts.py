@@ -1,0 +1,45 @@
+"""What is known of a trace's episodes beside its rows."""
+
+import json
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Self
+
+
+@dataclass(frozen=True)
+class EpisodeFacts:
+    """Facts that metrics need and that no row tells; None where the file says nothing, as those of version 0.1.
+
+    Attributes:
+        horizon: An episode is truncated after so many environment steps.
+        control_period: Duration of an environment step, [s].
+        ik_steps: Of an evaluation: the environment steps that the arm's own kinematics take to the target, by env, from
+            the same start in the same simulator; None of an env where they do not reach it. None altogether where they
+            cannot act, see `harness.env.known_arm`.
+        work: Of an evaluation: the mechanical work of each env's episode, see `harness.robot.energy`, [J]. None where
+            the arm jumps from pose to pose or its links have no mass.
+    """
+
+    horizon: int | None = None
+    control_period: float | None = None
+    ik_steps: tuple[int | None, ...] | None = None
+    work: tuple[float, ...] | None = None
+
+    def to_bytes(self) -> bytes:
+        """For a file; `from_bytes` gives the same facts back."""
+        return json.dumps(asdict(self)).encode()
+
+    @classmethod
+    def from_bytes(cls, text: bytes) -> Self:
+        """What `to_bytes` wrote; facts that a newer version added are left out.
+
+        Raises:
+            ValueError: It is something else.
+        """
+        data = json.loads(text)
+        if not isinstance(data, dict):
+            raise ValueError(f"facts are {data!r}")
+        return cls(**{field.name: _frozen(data[field.name]) for field in fields(cls) if field.name in data})
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value

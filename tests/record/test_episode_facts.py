@@ -1,0 +1,48 @@
+"""What is known of a trace's episodes beside its rows: written with them, read with them."""
+
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from harness.errors import SchemaError
+from harness.record.episode_facts import EpisodeFacts
+from harness.record.trace import FACTS_KEY, TraceWriter, read_trace, trace_schema
+
+FACTS = EpisodeFacts(horizon=100, control_period=0.1, ik_steps=(3, None, 5), work=(1.5, 0.0, 2.25))
+
+
+def test_facts_come_back_with_the_trace(tmp_path: Path):
+    """Every one, whatever columns are read."""
+    with TraceWriter(tmp_path / "trace.parquet", 3, 2, facts=FACTS):
+        pass
+    assert read_trace(tmp_path / "trace.parquet").facts == FACTS
+    assert read_trace(tmp_path / "trace.parquet", ["reward"]).facts == FACTS
+
+
+def test_facts_may_become_known_while_rows_are_written(tmp_path: Path):
+    """What the writer holds at the end is what the file tells."""
+    with TraceWriter(tmp_path / "trace.parquet", 3, 2) as writer:
+        writer.facts = FACTS
+    assert read_trace(tmp_path / "trace.parquet").facts == FACTS
+
+
+def test_file_of_an_earlier_version_tells_nothing(tmp_path: Path):
+    """It has no such metadata; its rows are read."""
+    pq.write_table(trace_schema(3, 2).empty_table(), tmp_path / "trace.parquet")
+    assert read_trace(tmp_path / "trace.parquet").facts == EpisodeFacts()
+
+
+def test_facts_of_a_newer_version_are_left_out():
+    """What this version knows is read."""
+    assert EpisodeFacts.from_bytes(b'{"horizon": 7, "wind": 3.0}') == EpisodeFacts(horizon=7)
+
+
+@pytest.mark.parametrize("written", [b"{", b"[1]", b"\xff"])
+def test_damaged_facts_are_refused(tmp_path: Path, written: bytes):
+    """The trace that holds them is a SchemaError that names it."""
+    table = trace_schema(3, 2).empty_table()
+    metadata = {**table.schema.metadata, FACTS_KEY: written}
+    pq.write_table(table.replace_schema_metadata(metadata), tmp_path / "trace.parquet")
+    with pytest.raises(SchemaError, match=r"trace\.parquet"):
+        read_trace(tmp_path / "trace.parquet")
