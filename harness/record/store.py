@@ -6,6 +6,7 @@
     plan.json                      the cells of all experiments that were run here, and the baseline
     cells/<id>/                    one folder per cell, there only when the cell has ended
         manifest.json trace.parquet evaluation.parquet random.parquet policy/ log.txt
+        stochastic.parquet or deterministic.parquet: the other manner than that of evaluation.parquet
         evaluations/<steps>.parquet tensorboard/  where they were asked for
     transfer/<id>/<simulator id>/  policies evaluated in other simulators; see `harness.transfer.record`
     results.parquet report.html    made from the cells

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.metric import Metric
+from harness.record.episode_facts import EpisodeFacts
 from harness.testing.traces import REWARDS, recorded_trace
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -38,9 +39,14 @@ def unit_and_better_are_declared(metric: Metric) -> None:
 
 
 def the_value_is_finite_or_none(metric: Metric) -> None:
-    """The value is a finite float, or None where it is not defined, however the episodes ended."""
-    for ends in SOME_ENDS:
-        value = metric(recorded_trace(0, ends))
+    """The value is a finite float, or None where it is not defined, however the episodes ended.
+
+    Also where the trace tells no facts of its episodes: one of an earlier version, or of another kind.
+    """
+    traces = [(ends, recorded_trace(0, ends)) for ends in SOME_ENDS]
+    bare = [(ends, replace(trace, facts=EpisodeFacts())) for ends, trace in traces]
+    for ends, trace in traces + bare:
+        value = metric(trace)
         require(value is None or isinstance(value, float), f"the value is a {type(value).__name__}, not a float")
         require(value is None or math.isfinite(value), f"the value is {value} for episodes that ended {ends}")
 

@@ -5,10 +5,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import FLAGS, INTEGERS, NUMBERS, Trace
 
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2
+FACTS = EpisodeFacts(horizon=9, control_period=0.1, ik_steps=(3,), work=(2.5,))
+"""Of the one env that there is."""
 
 
 def recorded_trace(seed: int, ends: tuple[str, ...]) -> Trace:
@@ -19,9 +22,8 @@ def recorded_trace(seed: int, ends: tuple[str, ...]) -> Trace:
     """
     rng = np.random.default_rng(seed)
     parts = [_episode(rng, number, end) for number, end in enumerate(ends)]
-    return Trace(
-        {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else _rows(rng, 0)
-    )
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else _rows(rng, 0)
+    return Trace(columns, FACTS)
 
 
 def _episode(rng: np.random.Generator, number: int, end: str) -> dict[str, NDArray[Any]]:

@@ -5,16 +5,20 @@ from typing import ClassVar
 
 from harness.record.trace import Trace
 
+from ..way_to_target import steps_to_target
+
 
 @dataclass(frozen=True)
 class StepsToTarget:
-    """Mean number of steps to the target, over the finished episodes that reach it; the first time counts."""
+    """Mean number of steps to the target, over the successful episodes only; the first time counts.
+
+    Who fails more often in the far corners has a better value: `time_to_target` counts all episodes.
+    """
 
     unit: ClassVar[str] = "steps"
     better: ClassVar[str] = "lower"
 
     def __call__(self, trace: Trace) -> float | None:
         """None if no episode reaches it."""
-        reached, step = trace["reached"], trace["step"]
-        steps = [step[rows[reached[rows].argmax()]] for rows in trace.episodes if reached[rows].any()]
-        return float(sum(steps) / len(steps)) if steps else None
+        steps = steps_to_target(trace)
+        return float(steps[steps > 0].mean()) if steps.any() else None

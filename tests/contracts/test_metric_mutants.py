@@ -62,6 +62,14 @@ class DividesByNothing(Sound):
         return float("nan") if value == 0.0 else value
 
 
+class NeedsFacts(Sound):
+    """It takes for granted that a trace tells its horizon."""
+
+    def __call__(self, trace: Trace) -> float | None:
+        share = share_reached(trace)
+        return None if share is None else share * trace.facts.horizon
+
+
 class CountsInNumpy(Sound):
     """The value is an integer."""
 
@@ -123,6 +131,7 @@ MUTANTS = {
     SetUpWithASet: metrics.settings_survive_json,
     CannotDecide: metrics.unit_and_better_are_declared,
     DividesByNothing: metrics.the_value_is_finite_or_none,
+    NeedsFacts: metrics.the_value_is_finite_or_none,
     CountsInNumpy: metrics.the_value_is_finite_or_none,
     TakesNothingForZero: metrics.an_empty_trace_has_no_value,
     NeverTells: metrics.a_full_trace_has_a_value,

@@ -1,0 +1,32 @@
+"""How long it takes until the target is reached, failures included."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from harness.record.trace import Trace
+
+from ..way_to_target import steps_to_target
+
+
+@dataclass(frozen=True)
+class TimeToTarget:
+    """Mean time to the first target over all finished episodes, [s]; one that fails counts as the whole horizon.
+
+    The restricted mean of survival analysis, whatever ended the episode that failed: on the ground, too, the target is
+    not reached before the horizon.
+    """
+
+    unit: ClassVar[str] = "s"
+    better: ClassVar[str] = "lower"
+
+    def __call__(self, trace: Trace) -> float | None:
+        """None without a finished episode, or where the trace does not tell the control period or the horizon.
+
+        The horizon is needed where an episode fails.
+        """
+        steps, horizon, period = steps_to_target(trace), trace.facts.horizon, trace.facts.control_period
+        if len(steps) == 0 or period is None or (horizon is None and not steps.all()):
+            return None
+        return float(np.where(steps > 0, steps, horizon or 0).mean() * period)

@@ -1,0 +1,37 @@
+"""How long the way of each episode to its first target is, in steps and in metres, for the metrics that ask."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.record.trace import Trace
+
+
+def steps_to_target(trace: Trace) -> NDArray[np.int64]:
+    """Environment steps of each finished episode to the first target, (episodes,); 0 where it reaches none.
+
+    In the order of `Trace.episodes`.
+    """
+    reached = trace["reached"]
+    first = np.array([rows[reached[rows].argmax()] for rows in trace.episodes], np.int64)
+    steps: NDArray[np.int64] = np.where(reached[first], trace["step"][first], 0)
+    return steps
+
+
+def paths_to_target(trace: Trace) -> Float:
+    """Length of the end effector's path of each finished episode to the first target, and of the straight line, [m].
+
+    The line leads from where the episode starts to where the end effector is when it reaches the target.
+
+    Returns:
+        Shape (episodes, 2), in the order of `Trace.episodes`; not a number where an episode reaches no target.
+    """
+    position = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
+    lengths = np.full((len(trace.episodes), 2), np.nan)
+    for episode, rows in enumerate(trace.episodes):
+        reached = trace["reached"][rows]
+        if reached.any():
+            path = position[rows[: reached.argmax() + 1]]
+            lengths[episode, 0] = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+            lengths[episode, 1] = np.linalg.norm(path[-1] - path[0])
+    return lengths

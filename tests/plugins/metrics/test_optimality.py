@@ -1,0 +1,61 @@
+"""Steps of the policy beside those of the arm's own kinematics."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.record.episode_facts import EpisodeFacts
+from harness.record.trace import Trace
+from harness.testing.traces import recorded_trace
+from harness_plugins.metrics.optimality import Optimality
+
+ENDS = ("reached", "truncated", "reached", "ground", "reached")
+
+
+def told(*ik_steps: int | None) -> Trace:
+    """One episode in each of five envs, with these steps of the kinematics; those that reach take 10, 20, 4 steps."""
+    trace = recorded_trace(0, ENDS)
+    trace["env"][:], trace["episode"][:] = trace["episode"].copy(), 0
+    trace["step"][trace.last_rows] = [10, 9, 20, 9, 4]
+    return replace(trace, facts=EpisodeFacts(ik_steps=ik_steps))
+
+
+def test_kinematics_steps_over_the_policys():
+    """Each episode by itself; one in which the policy fails counts 0."""
+    assert Optimality()(told(5, 5, 5, 5, 4)) == pytest.approx((0.5 + 0.0 + 0.25 + 0.0 + 1.0) / 5)
+
+
+def test_policy_that_is_faster_is_above_one():
+    """Nothing is cut off."""
+    assert Optimality()(told(20, None, 20, None, 4)) == pytest.approx((2.0 + 1.0 + 1.0) / 3)
+
+
+def test_what_the_kinematics_do_not_reach_is_left_out():
+    """Whether the policy reaches it or not."""
+    assert Optimality()(told(5, None, None, 5, None)) == pytest.approx((0.5 + 0.0) / 2)
+
+
+def test_envs_are_told_apart():
+    """The order in which they were written changes nothing."""
+    trace = told(5, 6, 7, 8, 9)
+    order = np.argsort(-trace["env"], kind="stable")
+    mixed = Trace({name: column[order] for name, column in trace.columns.items()}, trace.facts)
+    assert Optimality()(mixed) == pytest.approx(Optimality()(trace))
+
+
+def test_none_where_the_kinematics_reach_nothing_or_are_not_told():
+    """Nothing to hold the steps against."""
+    assert Optimality()(told(*[None] * 5)) is None
+    assert Optimality()(replace(told(), facts=EpisodeFacts())) is None
+
+
+@pytest.mark.parametrize("ends", [(), ("",)])
+def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+    """Without an end there is no value."""
+    assert Optimality()(recorded_trace(0, ends)) is None
+
+
+def test_it_has_no_unit_and_is_better_when_higher():
+    """What the report says beside the value."""
+    assert (Optimality().unit, Optimality().better) == ("", "higher")

@@ -1,0 +1,41 @@
+"""How often the time is over before the target is reached."""
+
+import pytest
+
+from harness.testing.traces import recorded_trace
+from harness_plugins.metrics.ground_hits import GroundHits
+from harness_plugins.metrics.success_rate import SuccessRate
+from harness_plugins.metrics.timeouts import Timeouts
+
+
+@pytest.mark.parametrize(
+    ("ends", "share"),
+    [
+        (("reached", "truncated", "truncated", "ground"), 0.5),
+        (("truncated",), 1.0),
+        (("ground", "reached"), 0.0),
+        (("touched", "truncated", ""), 0.5),
+    ],
+)
+def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
+    """Truncated, the target not reached on the way either."""
+    assert Timeouts()(recorded_trace(0, ends)) == share
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_outcomes_make_one(seed: int):
+    """Reached, on the ground before, and out of time are all that there is, in tasks that go on too."""
+    trace = recorded_trace(seed, ("reached", "truncated", "ground", "touched", "ground", "truncated", "truncated"))
+    shares = [metric(trace) for metric in (SuccessRate(), GroundHits(), Timeouts())]
+    assert sum(shares) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("ends", [(), ("",)])
+def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+    """Without an end there is no value."""
+    assert Timeouts()(recorded_trace(0, ends)) is None
+
+
+def test_it_is_better_when_lower():
+    """What the report says beside the value."""
+    assert (Timeouts().unit, Timeouts().better) == ("", "lower")

@@ -1,0 +1,32 @@
+"""Mechanical work of an episode."""
+
+from dataclasses import replace
+
+import pytest
+
+from harness.record.episode_facts import EpisodeFacts
+from harness.testing.traces import recorded_trace
+from harness_plugins.metrics.work import Work
+
+
+def test_mean_over_the_finished_episodes():
+    """However they ended; an env whose episode was left unfinished does not count."""
+    trace = recorded_trace(0, ("reached", "ground", ""))
+    trace["env"][:], trace["episode"][:] = trace["episode"].copy(), 0
+    assert Work()(replace(trace, facts=EpisodeFacts(work=(1.0, 4.0, 100.0)))) == 2.5
+
+
+def test_none_where_it_is_not_told():
+    """Of an arm that jumps, or in a training."""
+    assert Work()(replace(recorded_trace(0, ("reached",)), facts=EpisodeFacts())) is None
+
+
+@pytest.mark.parametrize("ends", [(), ("",)])
+def test_none_without_a_finished_episode(ends: tuple[str, ...]):
+    """Without an end there is no value."""
+    assert Work()(recorded_trace(0, ends)) is None
+
+
+def test_it_is_in_joules_and_better_when_lower():
+    """What the report says beside the value."""
+    assert (Work().unit, Work().better) == ("J", "lower")
