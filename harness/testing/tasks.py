@@ -9,7 +9,7 @@ from harness.arrays import Float, Float32
 from harness.env import ReachVectorEnv
 from harness.robot import Robot
 from harness.robot.load import load_robot
-from harness.task import Task
+from harness.task import Task, varies
 from harness.testing.ideal import IdealSimulator
 from harness.testing.trainings import NegativeDistance
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
@@ -87,6 +87,13 @@ def draws_depend_on_the_stream_alone(task: Task, robot: Robot) -> None:
     require(np.array_equal(first, _draws(task, robot)), "the same stream gave other starts or targets")
 
 
+def episodes_are_alike_where_it_says_so(task: Task, robot: Robot) -> None:
+    """A task with `varies` False has the same start and targets whatever the random stream."""
+    if not varies(task):
+        same = np.array_equal(_draws(task, robot), _draws(task, robot, seed=1))
+        require(same, "varies is False, and another stream gave other starts or targets")
+
+
 def target_rewards_are_one_per_pose(task: Task, robot: Robot) -> None:
     """What a target pays is (count,), float64, finite, for any poses."""
     for count in (1, DRAWS):
@@ -150,6 +157,7 @@ TASK_CHECKS = (
     starts_are_in_the_joint_ranges,
     targets_are_points,
     draws_depend_on_the_stream_alone,
+    episodes_are_alike_where_it_says_so,
     target_rewards_are_one_per_pose,
     the_motion_takes_its_actions,
     bounds_are_a_space,
@@ -166,9 +174,9 @@ def _require_array(name: str, array: Any, shape: tuple[int, ...]) -> None:
     require(np.isfinite(array).all(), f"{name} is {array}")
 
 
-def _draws(task: Task, robot: Robot) -> Float:
+def _draws(task: Task, robot: Robot, seed: int = 0) -> Float:
     """Some starts and targets of one stream, one after the other."""
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(seed)
     starts = [task.draw_start(robot, rng) for _ in range(DRAWS)]
     position, relative = task.draw_targets(robot, rng, DRAWS)
     return np.concatenate([np.ravel(starts), np.ravel(position), relative])

@@ -104,6 +104,12 @@ class RemembersOnSelf(ReachTask):
         return start if self.odd else robot.home.copy()
 
 
+class SaysItIsFixed(ReachTask):
+    """One episode is evaluated, and stands for all."""
+
+    varies: ClassVar[bool] = False
+
+
 class PaysAll(ReachTask):
     """One reward for all arms, which numpy would spread."""
 
@@ -219,6 +225,7 @@ MUTANTS = {
     FlagsInNumbers: tasks.targets_are_points,
     ForgetsTheStream: tasks.draws_depend_on_the_stream_alone,
     RemembersOnSelf: tasks.draws_depend_on_the_stream_alone,
+    SaysItIsFixed: tasks.episodes_are_alike_where_it_says_so,
     PaysAll: tasks.target_rewards_are_one_per_pose,
     GoesTooFar: tasks.the_motion_takes_its_actions,
     SeesNothingNew: tasks.bounds_are_a_space,
