@@ -1,0 +1,82 @@
+"""The made-up experiments are what they are said to be: their truths, and their likeness to the committed records."""
+
+import numpy as np
+import pytest
+
+from tests.eta.scenarios import (
+    EPISODES,
+    FALLS_FIRST,
+    METRICS,
+    RATES,
+    SHALLOW,
+    CurveScenario,
+    Family,
+    falling_curves,
+    family_values,
+    is_affected,
+    true_sums,
+    unchanged,
+)
+
+
+def rng() -> np.random.Generator:
+    """The same numbers for every test."""
+    return np.random.default_rng(0)
+
+
+@pytest.mark.parametrize(("scenario", "eta_n", "eta_p"), [(FALLS_FIRST, 0.427, 1.49), (SHALLOW, 0.838, 1.58)])
+def test_etas_are_near_the_recorded_ones(scenario: CurveScenario, eta_n: float, eta_p: float):
+    """SAC with arp against SAC with the baseline: within 15 %."""
+    sums = true_sums(scenario, rng(), 10_000)
+    etas = np.divide(sums["proposed_proposed"], sums["baseline_baseline"])
+    np.testing.assert_allclose(etas, [eta_n, eta_p], rtol=0.15)
+
+
+def test_spread_of_the_depth_is_near_the_recorded_one():
+    """Of log I_N over the runs of arp-2021, SAC: 1.3 of the baseline, 1.9 of arp; a rare run is never negative."""
+    curves = falling_curves(FALLS_FIRST, rng(), 1, 4000)
+    runs = (curves.baseline_baseline[0], curves.proposed_proposed[0])
+    depths = np.log([np.quantile(-np.minimum(run, 0.0).sum(axis=1), [0.16, 0.84]) for run in runs])
+    np.testing.assert_allclose(np.diff(depths)[:, 0] / 2, [1.3, 1.9], rtol=0.15)
+
+
+@pytest.mark.parametrize("scenario", [FALLS_FIRST, SHALLOW])
+def test_unchanged_reward_has_etas_of_one(scenario: CurveScenario):
+    """Both rewards' population curves are the same but for the draw."""
+    sums = true_sums(unchanged(scenario), rng(), 40_000)
+    np.testing.assert_allclose(sums["proposed_proposed"], sums["baseline_baseline"], rtol=0.05)
+
+
+@pytest.mark.parametrize("name", list(RATES))
+def test_rates_have_their_mean_and_lie_on_the_lattice(name: str):
+    """Whole numbers of successes, of EPISODES each."""
+    drawn = RATES[name].draw(rng(), (20_000,))
+    assert drawn.mean() == pytest.approx(RATES[name].mean, abs=0.005)
+    np.testing.assert_allclose(drawn * EPISODES, np.round(drawn * EPISODES), atol=1e-9)
+
+
+@pytest.mark.parametrize("skewed", [False, True])
+def test_families_without_effect_have_equal_means(skewed: bool):
+    """Also where the baseline's values are more spread: within 5 standard errors."""
+    baseline, proposed = family_values(Family(skewed_baseline=skewed), rng(), 20_000)
+    difference = (proposed - baseline)[:, :1]
+    errors = difference.std(axis=2) / np.sqrt(difference.shape[2])
+    assert (np.abs(difference.mean(axis=2)) < 5.0 * errors).all()
+
+
+def test_effects_move_what_is_affected_and_nothing_else():
+    """The same draws with and without the effect differ in the affected claims of the proposed rewards alone."""
+    family = Family(affected=0.5, effect=2.0)
+    without, with_effect = family_values(Family(), rng(), 200), family_values(family, rng(), 200)
+    np.testing.assert_array_equal(with_effect[0], without[0])
+    moved = (with_effect[1] != without[1]).any(axis=2)
+    np.testing.assert_array_equal(moved, is_affected(family))
+    assert is_affected(family).mean() == pytest.approx(0.5)
+    assert moved[..., :METRICS].any()
+    assert moved[..., METRICS:].any()
+
+
+def test_single_effect_is_one_claim_of_one_comparison():
+    """An effect without a share of affected claims."""
+    assert is_affected(Family(effect=1.0)).sum() == 1
+    assert not is_affected(Family()).any()
