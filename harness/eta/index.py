@@ -38,6 +38,11 @@ class Index:
         """Sum of the curve's positive values, rounded to 0.1, NOTE eq. 42."""
         return round(self.positive_sum, DECIMALS) + 0.0
 
+    @property
+    def total(self) -> float:
+        """I_N + I_P, NOTE eq. 38: the sum of the whole mean curve, rounded to 0.1."""
+        return round(self.negative_sum + self.positive_sum, DECIMALS) + 0.0
+
     def to_json(self) -> dict[str, Any]:
         """Plain data, the sums rounded."""
         return {
@@ -46,6 +51,7 @@ class Index:
             "steps": self.steps,
             "I_N": self.I_N,
             "I_P": self.I_P,
+            "total": self.total,
         }
 
 

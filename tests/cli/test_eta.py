@@ -23,8 +23,8 @@ def test_json_is_all_that_goes_to_standard_output(harness, recorded):
     answer = harness("eta", *recorded, "--json")
     data = json.loads(answer.out)
     assert (answer.status, answer.err) == (0, "")
-    assert data["baseline"] == {"first_negative": 1, "crossover": 3, "steps": 5, "I_N": -1.5, "I_P": 0.8}
-    assert data["proposed"] == {"first_negative": 1, "crossover": 2, "steps": 4, "I_N": -0.5, "I_P": 1.6}
+    assert data["baseline"] == {"first_negative": 1, "crossover": 3, "steps": 5, "I_N": -1.5, "I_P": 0.8, "total": -0.8}
+    assert data["proposed"] == {"first_negative": 1, "crossover": 2, "steps": 4, "I_N": -0.5, "I_P": 1.6, "total": 1.1}
     assert data["eta_n"]["value"] == pytest.approx(0.5 / 1.5)
     assert data["eta_p"]["value"] == pytest.approx((0.25 + 1.375) / 0.75)
     assert data["behaviour_n"]["value"] == pytest.approx(0.5 / 1.5)
@@ -46,7 +46,7 @@ def test_the_per_step_curve_is_told_as_such(harness, recorded):
     """I_N up to and with the cross-over, I_P behind it; the table's heading says which curve it is."""
     data = json.loads(harness("eta", *recorded, "--curve", "per-step", "--json").out)
     assert data["curve"] == "per-step"
-    assert data["baseline"] == {"first_negative": 1, "crossover": 2, "steps": 5, "I_N": -0.5, "I_P": 1.2}
+    assert data["baseline"] == {"first_negative": 1, "crossover": 2, "steps": 5, "I_N": -0.5, "I_P": 1.2, "total": 0.8}
     assert "per-step reward" in harness("eta", *recorded, "--curve", "per-step").out
 
 

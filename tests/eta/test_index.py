@@ -13,6 +13,12 @@ def test_sums_are_shown_rounded_to_a_tenth():
     assert (index.I_N, index.I_P) == (-0.3, 0.4)
 
 
+def test_total_is_the_sum_of_the_whole_curve():
+    """Of what both are before rounding: the first shows I_N = -0.4 and I_P = 0.3."""
+    assert Index(0, 2, 4, -0.36, 0.34).total == 0.0
+    assert Index(0, 2, 4, -0.26, 0.44).total == 0.2
+
+
 def test_sums_are_kept_unrounded():
     """What ratios are taken of is not rounded."""
     index = Index(0, 2, 4, -0.26, 0.44)
@@ -33,6 +39,7 @@ def test_index_as_json():
         "steps": 4,
         "I_N": -3.1,
         "I_P": 1.0,
+        "total": -2.1,
     }
 
 
