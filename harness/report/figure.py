@@ -6,9 +6,10 @@ Figures are plain data in plotly's JSON schema, so that drawing needs nothing bu
 from typing import Any, TypeAlias
 
 from harness.arrays import Float
-from harness.report.palette import FONT, GRID, INK
+from harness.report.palette import FONT, GRID, INK, faint
 from harness.report.panel import Panel, panels_of, reward_range, step_range
 from harness.report.points import select_points
+from harness.report.regions import Region, regions_of
 from harness.results.combination import Combination
 
 Figure: TypeAlias = dict[str, Any]
@@ -32,11 +33,14 @@ def _draw_panel(panel: Panel, ranges: dict[str, list[float]]) -> Figure:
         draw_curve(run, stride, f"seed {seed}", {"color": colour, "width": 1}, opacity=0.45)
         for run, seed in zip(panel.runs, panel.seeds, strict=True)
     ]
+    regions = regions_of(panel)
+    shades = [_shade(region, colour) for region in regions]
     thick = draw_curve(panel.mean, stride, "mean", {"color": colour, "width": 3.5})
     layout = _layout(ranges)
     layout["shapes"] = [_vertical_line(step) for step in panel.marks.values()]
     layout["annotations"] = [_label(name, step, ranges["x"][1]) for name, step in panel.marks.items()]
-    return {"data": [*thin, thick, _markers(panel)], "layout": layout}
+    layout["annotations"] += [_name(region) for region in regions if region.has_room(ranges["x"][1])]
+    return {"data": [*shades, *thin, thick, _markers(panel)], "layout": layout}
 
 
 def draw_curve(values: Float, stride: int, name: str, line: dict[str, Any], opacity: float = 1.0) -> Figure:
@@ -51,6 +55,34 @@ def draw_curve(values: Float, stride: int, name: str, line: dict[str, Any], opac
         "line": line,
         "opacity": opacity,
         "hovertemplate": f"{name}: %{{y:,.4~g}} at step %{{x:,}}<extra></extra>",
+    }
+
+
+def _shade(region: Region, colour: str) -> Figure:
+    """The area of a region, under the curves."""
+    return {
+        "type": "scatter",
+        "mode": "none",
+        "name": region.name,
+        "x": [_plain(step) for step in region.x.tolist()],
+        "y": [_plain(value) for value in region.y.tolist()],
+        "fill": "tozeroy",
+        "fillcolor": faint(colour),
+        "hoverinfo": "skip",
+    }
+
+
+def _name(region: Region) -> Figure:
+    """A region's name inside it, readable on the curves too."""
+    x, y = region.centre
+    return {
+        "text": region.name,
+        "x": x,
+        "y": y,
+        "showarrow": False,
+        "bgcolor": "rgba(255, 255, 255, 0.75)",
+        "borderpad": 1,
+        "font": {"size": 15, "color": INK},
     }
 
 

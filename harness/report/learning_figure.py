@@ -3,10 +3,8 @@
 from typing import Any
 
 from harness.report.figure import Figure
-from harness.report.palette import BLUE, FONT, GREY, GRID, INK, VERMILION
+from harness.report.palette import BLUE, FONT, GREY, GRID, INK, VERMILION, faint
 from harness.results.learning import Learning, LearningCurve, Point
-
-BANDS = {BLUE: "rgba(0, 114, 178, 0.18)", VERMILION: "rgba(213, 94, 0, 0.18)"}
 
 
 def draw_learning(learning: Learning, metric: str) -> Figure:
@@ -46,7 +44,7 @@ def _band(there: list[tuple[int, float, float]], colour: str) -> Figure:
         "x": [steps for steps, _, _ in [*there, *back]],
         "y": [*(high for _, _, high in there), *(low for _, low, _ in back)],
         "fill": "toself",
-        "fillcolor": BANDS[colour],
+        "fillcolor": faint(colour),
         "line": {"width": 0, "color": colour},
         "hoverinfo": "skip",
         "showlegend": False,

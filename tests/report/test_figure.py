@@ -4,6 +4,7 @@ import pytest
 
 from harness.eta.decompose import BB, KK
 from harness.report.figure import draw_panels
+from harness.report.regions import OMEGA_1, OMEGA_2
 
 
 def panels(results):
@@ -15,6 +16,11 @@ def panels(results):
 def curves(panel):
     """The lines of a panel, the markers left out."""
     return [trace for trace in panel["data"] if trace["mode"] == "lines"]
+
+
+def labels(panel):
+    """What is written into a panel."""
+    return [label["text"] for label in panel["layout"]["annotations"]]
 
 
 def test_every_run_is_thin_and_their_mean_thick(build):
@@ -48,16 +54,27 @@ def test_first_negative_and_crossover_are_marked(build):
     dots = panel["data"][-1]
     assert dots["x"] == [1, 18]
     assert [line["x0"] for line in panel["layout"]["shapes"]] == [1, 18]
-    assert [label["text"] for label in panel["layout"]["annotations"]] == [
-        "first negative: step 1",
-        "cross-over: step 18",
-    ]
+    assert labels(panel)[:2] == ["first negative: step 1", "cross-over: step 18"]
 
 
 def test_what_never_happens_is_not_marked(build):
     """A curve that is never negative has no mark."""
     _, (_, panel) = panels(build(proposed={"arp": (0, 39)}))
-    assert panel["layout"]["annotations"] == panel["layout"]["shapes"] == panel["data"][-1]["x"] == []
+    assert panel["layout"]["shapes"] == panel["data"][-1]["x"] == []
+    assert labels(panel) == [OMEGA_2]
+
+
+def test_regions_of_the_indices_are_shaded(build):
+    """Below 0 up to the cross-over, above 0 behind it, each with its name inside, under all curves."""
+    _, (panel, _) = panels(build())
+    below, above = panel["data"][:2]
+    assert (below["name"], above["name"]) == (OMEGA_1, OMEGA_2)
+    assert [shade["fill"] for shade in panel["data"] if "fill" in shade] == ["tozeroy", "tozeroy"]
+    assert max(below["y"]) == min(above["y"]) == 0.0
+    assert below["x"][-1] <= 18 <= above["x"][1]
+    for shade, label in zip((below, above), panel["layout"]["annotations"][2:], strict=True):
+        assert shade["x"][0] < label["x"] < shade["x"][-1]
+        assert min(shade["y"]) < label["y"] < max(shade["y"])
 
 
 def test_panels_have_equal_axes(build):

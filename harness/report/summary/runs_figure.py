@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from harness.report.palette import GREY, INK
 from harness.report.panel import Panel, panels_of, reward_range, step_range
 from harness.report.points import select_points
+from harness.report.regions import regions_of
 from harness.report.rows import rewards_text
 from harness.report.summary.headline import WIDTH, headline, height_of, put_headline
 from harness.report.summary.svg import draw_svg
@@ -50,11 +51,15 @@ def _fill(figure: "Figure", panels: tuple[Panel, Panel], text: str) -> None:
 
 
 def _draw(axes: "Axes", panel: Panel, last: float) -> None:
-    """Thin runs, the thick mean, and both marked steps."""
+    """Thin runs, the thick mean, its regions, and both marked steps."""
     points = max(FEWEST, min(MOST, POINTS // (2 * len(panel.runs) + 2)))
     for values, width, alpha in [*((run, 0.8, 0.5) for run in panel.runs), (panel.mean, 2.6, 1.0)]:
         steps = select_points(values, points)
         axes.plot(steps * panel.stride, values[steps], color=panel.colour, linewidth=width, alpha=alpha)
+    for region in regions_of(panel, points):
+        axes.fill_between(region.x, region.y, color=panel.colour, alpha=0.18, linewidth=0)
+        if region.has_room(last):
+            axes.annotate(region.name, region.centre, ha="center", va="center", fontsize=11, zorder=6)
     axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
     for name, step in panel.marks.items():
         axes.axvline(step, color=INK, linewidth=0.8, linestyle=":", zorder=1)

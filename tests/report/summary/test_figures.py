@@ -5,6 +5,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from harness.report.palette import BLUE, VERMILION
+from harness.report.regions import OMEGA_1, OMEGA_2
 from harness.report.split_rows import split_rows
 from harness.report.summary.learning_figure import draw_learning
 from harness.report.summary.overview_figure import draw_overview, name_apart
@@ -45,6 +46,12 @@ def test_marks_of_both_panels_are_named(build):
         "cross-over: step 18",
         "environment step",
     ]
+
+
+def test_regions_of_the_indices_are_named(build):
+    """In each panel those that have an area."""
+    told = words(draw_runs(build(proposed={"arp": (0, 39)}).combinations[0]))
+    assert [text for text in told if text in (OMEGA_1, OMEGA_2)] == [OMEGA_1, OMEGA_2, OMEGA_2]
 
 
 def test_figure_stands_alone(build):
