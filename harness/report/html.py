@@ -35,11 +35,13 @@ from harness.report.rows import (
 )
 from harness.report.split_figure import draw_split
 from harness.report.split_rows import describe_split
+from harness.report.trajectory_figure import describe_trajectories, draw_trajectories
 from harness.report.transfer_rows import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
 from harness.results.combination import Combination
 from harness.results.learning import learning_of
 from harness.results.return_matrix import ReturnMatrix, return_matrices
+from harness.results.trajectories import trajectories_of
 from harness.transfer.matrix import Transfers, load_transfers
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
@@ -111,6 +113,7 @@ def _section(results: Results, combination: Combination) -> dict[str, Any]:
         "eta_grids": _full([ratio_grid(combination.splits), split_grid(combination.splits)]),
         "panels": _label_panels(combination),
         "learning": _learning_panels(results, combination),
+        "trajectories": _trajectory_panels(results, combination),
         "grids": _full([index_grid(combination.decomposition), behaviour_grid(combination)]),
     }
 
@@ -122,6 +125,21 @@ def _learning_panels(results: Results, combination: Combination) -> list[dict[st
         return []
     figure, caption = draw_learning(learning, SUCCESS), describe_learning(learning, SUCCESS)
     return [{"heading": "Success rate while learning", "figure": figure, "caption": caption}]
+
+
+def _trajectory_panels(results: Results, combination: Combination) -> list[dict[str, Any]]:
+    """Where the end effector went, under each reward."""
+    trajectories = trajectories_of(results, combination)
+    if trajectories is None:
+        return []
+    sides = (
+        (f"Baseline: {combination.baseline}", trajectories.baseline),
+        (f"Proposed: {combination.proposed}", trajectories.proposed),
+    )
+    return [
+        {"heading": heading, "figure": figure, "caption": describe_trajectories(trajectories.seed, paths)}
+        for (heading, paths), figure in zip(sides, draw_trajectories(trajectories), strict=True)
+    ]
 
 
 def _returns(matrices: list[ReturnMatrix]) -> dict[str, Any] | None:

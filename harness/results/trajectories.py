@@ -1,0 +1,75 @@
+"""Where the end effector went in the evaluation episodes of a comparison. Reads results only."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION
+from harness.record.trace import Trace, read_trace
+from harness.results.combination import Combination, Group
+from harness.results.results import Results
+
+EPISODES = 30
+"""Read of an evaluation, at most: more paths cannot be told apart."""
+POINTS, AXES = ("end_effector", "target"), "xyz"
+COLUMNS = ["env", "episode", "reward", "reached", "terminated", "truncated"]
+COLUMNS += [f"{point}_{axis}" for point in POINTS for axis in AXES]
+
+
+class Trajectory(NamedTuple):
+    """One episode, from its start to the first time that the target is reached, or else to its end."""
+
+    points: Float
+    """Of the end effector after each step, the start first, (steps + 1, 3), world frame, [m]."""
+    target: Float
+    """(3,), world frame, [m]."""
+    reached: bool
+
+
+@dataclass(frozen=True)
+class Trajectories:
+    """The first episodes of two evaluations, which began in the same poses with the same targets.
+
+    Attributes:
+        seed: Of both trainings.
+        baseline: What the baseline reward taught.
+        proposed: What the proposed one taught.
+    """
+
+    seed: int
+    baseline: tuple[Trajectory, ...]
+    proposed: tuple[Trajectory, ...]
+
+
+def trajectories_of(results: Results, combination: Combination) -> Trajectories | None:
+    """The end effector's ways under both rewards, of the first seed that both have; None where there is none.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    if not combination.seeds:
+        return None
+    seed = combination.seeds[0]
+    cells = {
+        cell.reward.label: cell
+        for cell in results.done_cells
+        if cell.seed == seed and Group.of(cell) == combination.group
+    }
+    baseline, proposed = (_read(results, cells[label]) for label in (combination.baseline, combination.proposed))
+    return Trajectories(seed, baseline, proposed)
+
+
+def _read(results: Results, cell: Cell) -> tuple[Trajectory, ...]:
+    trace = read_trace(results.store.cell_folder(cell) / EVALUATION, COLUMNS)
+    return tuple(_trajectory(trace, rows) for rows in trace.episodes[:EPISODES])
+
+
+def _trajectory(trace: Trace, rows: NDArray[np.int64]) -> Trajectory:
+    reached = trace["reached"][rows]
+    way = rows[: reached.argmax() + 1] if reached.any() else rows
+    points, targets = (np.stack([trace[f"{it}_{axis}"][way] for axis in AXES], axis=1) for it in POINTS)
+    return Trajectory(points, targets[0], bool(reached.any()))

@@ -1,0 +1,107 @@
+"""Where the end effector went in evaluation episodes."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION
+from harness.record.manifest import Manifest
+from harness.record.store import Store
+from harness.record.trace import COLUMN, SCALARS, TraceWriter
+from harness.registry.choice import Choice
+from harness.results import Results, load_results
+from harness.results.combination import Combination, Group
+from harness.results.trajectories import EPISODES, trajectories_of
+
+Points = list[tuple[float, float, float, float, float]]
+"""Of an episode: end effector x, y, z, target x, whether it is reached."""
+Recorded = Callable[..., tuple[Results, Combination]]
+REACHED = [(0, 0, 0, 1, 0), (1, 0, 0, 1, 1)]
+
+
+@pytest.fixture
+def recorded(tmp_path: Path, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]) -> Recorded:
+    """Evaluations by reward and seed, each a list of episodes, and the comparison of arp with the baseline."""
+
+    def record(**evaluations: dict[int, list[Points]]) -> tuple[Results, Combination]:
+        cells = {
+            make_cell(reward=Choice(label, (), label), seed=seed): episodes
+            for label, runs in evaluations.items()
+            for seed, episodes in runs.items()
+        }
+        store = Store.create(tmp_path / "experiment", make_plan(*cells))
+        for cell, episodes in cells.items():
+            folder = store.cell_folder(cell)
+            folder.mkdir(parents=True)
+            with TraceWriter(folder / EVALUATION, dof=1, action_size=1) as writer:
+                for number, points in enumerate(episodes):
+                    writer.append(_rows(number, np.array(points, float)))
+            Manifest(cell, status="done").write(folder)
+        seeds = tuple(sorted(set.intersection(*(set(runs) for runs in evaluations.values()))))
+        group = Group.of(next(iter(cells)))
+        proposed = list(evaluations)[-1]
+        return load_results(store.folder), Combination(group, "baseline", proposed, seeds, None, (), {})
+
+    return record
+
+
+def _rows(number: int, points: np.ndarray) -> np.ndarray:
+    """An episode that goes along `points`, (rows, 5), and ends with the last one."""
+    rows = np.zeros((len(points), len(SCALARS) + 2))
+    rows[:, COLUMN["episode"]] = number
+    for column, name in enumerate(("end_effector_x", "end_effector_y", "end_effector_z", "target_x", "reached")):
+        rows[:, COLUMN[name]] = points[:, column]
+    rows[-1, COLUMN["truncated"]] = 1.0
+    return rows
+
+
+def test_path_goes_from_the_start_to_the_target(recorded: Recorded):
+    """Every row of an episode that reaches it, in order, and the target."""
+    found = trajectories_of(*recorded(baseline={0: [[(0, 0, 0, 3, 0), (1, 2, 3, 3, 0), (2.98, 0, 0, 3, 1)]]}))
+    (path,) = found.baseline
+    np.testing.assert_array_equal(path.points, [[0, 0, 0], [1, 2, 3], [2.98, 0, 0]])
+    np.testing.assert_array_equal(path.target, [3, 0, 0])
+    assert path.reached
+
+
+def test_path_of_a_miss_goes_to_the_end(recorded: Recorded):
+    """Also where it was near before."""
+    miss = [(0, 0, 0, 3, 0), (2, 0, 0, 3, 0), (1, 0, 0, 3, 0)]
+    (path,) = trajectories_of(*recorded(baseline={0: [REACHED]}, arp={0: [miss]})).proposed
+    assert path.points[:, 0].tolist() == [0, 2, 1]
+    assert not path.reached
+
+
+def test_path_ends_where_the_target_is_reached_first(recorded: Recorded):
+    """Where the episode goes on with another target: the first one is kept."""
+    on = [*REACHED, (2, 0, 0, 5, 0), (5, 0, 0, 5, 1)]
+    (path,) = trajectories_of(*recorded(baseline={0: [on]})).baseline
+    assert (path.points[:, 0].tolist(), path.target.tolist()) == ([0, 1], [1, 0, 0])
+
+
+def test_first_seed_of_both_is_read(recorded: Recorded):
+    """The first that was finished under both rewards; at most so many episodes of it."""
+    other = [(7, 0, 0, 9, 0), (8, 0, 0, 9, 0)]
+    rewards = {
+        "baseline": {0: [REACHED], 1: [REACHED], 2: [REACHED]},
+        "arp": {2: [REACHED], 1: [other] * (EPISODES + 5)},
+    }
+    found = trajectories_of(*recorded(**rewards))
+    assert found.seed == 1
+    assert len(found.proposed) == EPISODES
+    assert found.proposed[0].points[0, 0] == 7
+
+
+def test_no_pair_no_paths(recorded: Recorded):
+    """Without a seed that both rewards finished."""
+    assert trajectories_of(*recorded(baseline={0: [REACHED]}, arp={1: [REACHED]})) is None
+
+
+def test_baseline_against_itself_has_paths(recorded: Recorded):
+    """The same on both sides."""
+    found = trajectories_of(*recorded(baseline={0: [REACHED]}))
+    np.testing.assert_array_equal(found.baseline[0].points, found.proposed[0].points)
