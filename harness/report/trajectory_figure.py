@@ -87,7 +87,8 @@ def _spots(points: Iterable[Float], columns: list[int]) -> list[Spot]:
 def _thinned(points: Float) -> Float:
     """At most `POINTS` of them, evenly, the first and the last among them."""
     kept = np.linspace(0, len(points) - 1, min(len(points), POINTS)).round().astype(int)
-    return points[kept]
+    thinned: Float = points[kept]
+    return thinned
 
 
 def _plain(value: float) -> float:

@@ -53,6 +53,30 @@ def test_measure_follows_the_state(episodes: Episodes):
     np.testing.assert_array_equal(episodes.step, 1.0)
 
 
+@pytest.fixture
+def examples() -> Episodes:
+    """The NOTE's examples: an end effector comes from (1, -1.5, 2) to (0.5, -1, 2), its target is at (1, 1, 2)."""
+    begun = Episodes(1, DOF, ACTIONS)
+    rest, nowhere = np.zeros((1, DOF)), np.zeros(1, bool)
+    first, second = (State(rest, rest, np.array([tip]), nowhere) for tip in ((1.0, -1.5, 2.0), (0.5, -1.0, 2.0)))
+    begun.start(np.ones(1, bool), first, np.array([[1.0, 1.0, 2.0]]))
+    begun.measure(second)
+    return begun
+
+
+def test_example_1_of_the_note(examples: Episodes):
+    """The distance of (1, 1, 2) and (0.5, -1, 2); of the difference, printed with a wrong sign, as it is."""
+    np.testing.assert_array_equal(examples.offset, [[0.5, 2.0, 0.0]])
+    assert examples.distance[0] == np.sqrt(4.25)
+
+
+def test_example_2_of_the_note(examples: Episodes):
+    """From sqrt(6.25) to sqrt(4.25): the difference is what the note calls the reward."""
+    sample = examples.sample
+    assert sample.previous_distance[0] == np.sqrt(6.25)
+    assert sample.previous_distance[0] - sample.distance[0] == np.sqrt(6.25) - np.sqrt(4.25)
+
+
 def test_new_target_restarts_the_distances_of_its_env(episodes: Episodes):
     """The other's stay; the step is counted on."""
     episodes.measure(state(1.0))

@@ -143,6 +143,33 @@ def test_log_prob_is_that_of_the_gaussian():
     torch.testing.assert_close(spg.log_prob(policy, "tanh", seen, action), expected)
 
 
+def _constant_gaussian(mean: float, variance: float) -> spg.Net:
+    """One number in, one action, the same in every state."""
+    weights = {"mean.weight": [[0.0]], "mean.bias": [mean], "log_std": [0.5 * np.log(variance)]}
+    return {name: torch.tensor(values, dtype=torch.float64) for name, values in weights.items()}
+
+
+STATES_3, ACTIONS_3 = torch.tensor([[-1.0], [2.0]], dtype=torch.float64), torch.tensor([[10.0], [20.0]])
+"""Of the NOTE's example 3."""
+
+
+def test_example_3_of_the_note():
+    """Sigma = det Sigma = (s_1 + s_2) / 2 as the NOTE has it, mu by the same rule: pi(a_i | s_i) of eq. 37."""
+    sigma, mean = STATES_3.mean().item(), ACTIONS_3.mean().item()
+    assert (sigma, mean) == (0.5, 15.0)
+    density = spg.log_prob(_constant_gaussian(mean, sigma), "tanh", STATES_3, ACTIONS_3).exp()
+    np.testing.assert_allclose(density, 2 * [np.exp(-25.0) / np.sqrt(np.pi)], rtol=1e-12)
+    np.testing.assert_allclose(density, 2 * [7.84e-12], rtol=1e-3)
+
+
+def test_example_3_with_the_moments_of_its_actions():
+    """The other reading: mean 15 and variance 25."""
+    moments = ACTIONS_3.mean().item(), ACTIONS_3.var(correction=0).item()
+    density = spg.log_prob(_constant_gaussian(*moments), "tanh", STATES_3, ACTIONS_3).exp()
+    np.testing.assert_allclose(density, 2 * [np.exp(-0.5) / np.sqrt(50.0 * np.pi)], rtol=1e-12)
+    np.testing.assert_allclose(density, 2 * [0.0484], rtol=1e-3)
+
+
 def test_rewards_to_go_stop_at_the_end_of_an_episode():
     """Discounted within it; behind the last decision comes what is expected, unless the episode ended there."""
     reward = np.array([[1.0, 1.0], [2.0, 2.0], [4.0, 4.0]], np.float32)

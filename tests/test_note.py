@@ -1,0 +1,159 @@
+"""The page that says where the note is in the code: it leaves nothing of the note out, and what it names is there."""
+
+import importlib
+import importlib.util
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.record.trace import SCALARS
+from harness.registry.choice import choose
+from harness.registry.registry import Registry, load_registry
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "note.md"
+
+NUMBERED = {
+    "Equations": [str(number) for number in range(1, 45)],
+    "Definitions": [*(f"Definition {number}" for number in range(1, 5)), "Property 1"],
+    "Tables": ["I", "II", "III"],
+    "Examples": [str(number) for number in range(1, 4)],
+    "Figures": [str(number) for number in range(1, 9)],
+}
+"""By section of the page: what the note numbers."""
+COLUMNS = {*SCALARS, "qpos", "action"}
+REGISTERED = re.compile(r"\b(reward|task|algorithm|metric) `([^`]+)`")
+QUOTED = re.compile(r"`([^`]+)`")
+LINK = re.compile(r"\]\(([^)]+)\)")
+HEADING = re.compile(r"^## (.+)\n", re.MULTILINE)
+
+
+def missing_items(page: str) -> list[str]:
+    """What the note numbers and the page has no line for, or more than one, or another order."""
+    _, *parts = HEADING.split(page)
+    sections = dict(zip(parts[::2], parts[1::2], strict=True))
+    wrong = []
+    for name, items in NUMBERED.items():
+        lines = [line for line in sections.get(name, "").splitlines() if line.startswith("| ")]
+        found = [line.split(" | ")[0].removeprefix("| ") for line in lines[2:]]
+        if found != items:
+            wrong.append(f"{name}: {sorted(set(items) ^ set(found)) or 'out of order'}")
+    return wrong
+
+
+def wrong_names(page: str) -> list[str]:
+    """Everything in backticks, and every link, that leads nowhere."""
+    registered = sorted(set(REGISTERED.findall(page)))
+    wrong = [f"{kind} {label}" for kind, label in registered if not _is_registered(f"{kind}s", label)]
+    wrong += [name for name in QUOTED.findall(REGISTERED.sub("", page)) if not _leads_somewhere(name)]
+    return wrong + [link for link in LINK.findall(page) if not (PAGE.parent / link).is_file()]
+
+
+@cache
+def _registry() -> Registry:
+    return load_registry()
+
+
+def _is_registered(kind: str, label: str) -> bool:
+    try:
+        choose(_registry(), kind, label)
+    except UsageError:
+        return False
+    return True
+
+
+def _leads_somewhere(name: str) -> bool:
+    """Whether it is a column of a trace, a command with its options, a path, or a dotted name of ours."""
+    if name.startswith("harness "):
+        return _is_command(name)
+    if "/" in name:
+        return (ROOT / name).exists()
+    return name in COLUMNS or _is_ours(name)
+
+
+def _is_command(line: str) -> bool:
+    _, command, *words = line.split()
+    module = ROOT / "harness" / "cli" / f"{command}.py"
+    text = module.read_text(encoding="utf-8") if module.is_file() else ""
+    options = [word.removeprefix("--").replace("-", "_") for word in words if word.startswith("--")]
+    return bool(text) and all(re.search(rf"\b{option}\b", text) for option in options)
+
+
+def _is_ours(name: str) -> bool:
+    """Whether ``package.module.Class.member`` or ``package.module:Class`` can be imported."""
+    parts = name.replace(":", ".").split(".")
+    if parts[0] not in {"harness", "harness_plugins"}:
+        return False
+    for count in range(len(parts), 0, -1):
+        if _is_module(".".join(parts[:count])):
+            thing = importlib.import_module(".".join(parts[:count]))
+            for attribute in parts[count:]:
+                thing = getattr(thing, attribute, None)
+            return thing is not None
+    return False
+
+
+def _is_module(name: str) -> bool:
+    try:
+        return importlib.util.find_spec(name) is not None
+    except ModuleNotFoundError:  # what stands before its last dot is no package
+        return False
+
+
+def test_page_leaves_nothing_out():
+    """Every equation, definition, table, example and figure of the note has its line, in the note's order."""
+    assert missing_items(PAGE.read_text(encoding="utf-8")) == []
+
+
+def test_page_names_what_is_there():
+    """Code, registered names, columns, commands, files and links."""
+    page = PAGE.read_text(encoding="utf-8")
+    assert len(QUOTED.findall(page)) > 100
+    assert wrong_names(page) == []
+
+
+LINES = {"Equations": "| 17 |", "Definitions": "| Definition 4 |", "Tables": "| II |", "Examples": "| 3 |"}
+
+
+@pytest.mark.parametrize(("section", "line"), {**LINES, "Figures": "| 8 | the acc"}.items(), ids=str)
+def test_line_left_out_is_found(section: str, line: str):
+    """The mutants: a page without one line."""
+    page = PAGE.read_text(encoding="utf-8")
+    before, heading, after = page.partition(f"## {section}\n")
+    assert f"\n{line}" in after
+    less = re.sub(rf"\n{re.escape(line)}[^\n]*", "", after, count=1)
+    assert [item.partition(":")[0] for item in missing_items(before + heading + less)] == [section]
+
+
+def test_lines_out_of_order_are_found():
+    """Twice the same, or in another order."""
+    page = PAGE.read_text(encoding="utf-8")
+    (line,) = re.findall(r"^\| 24 \|.*\n", page, re.MULTILINE)
+    assert missing_items(page.replace(line, 2 * line)) == ["Equations: out of order"]
+
+
+MUTANTS = [
+    ("harness.eta.index.Index.I_N", "harness.eta.index.Index.I_M"),
+    ("harness.eta.index.Index.total", "harness.eta.indices.Index.total"),
+    ("harness_plugins.rewards.arp:Arp", "harness_plugins.rewards.arp:App"),
+    ("reward `baseline-eq21`", "reward `baseline-eq12`"),
+    ("reward `relative:denominator=current`", "reward `relative:denominator=other`"),
+    ("task `fd100-reach`", "task `fd100-reech`"),
+    ("metric `path_ratio`", "metric `path_length`"),
+    ("column `reward_ground`", "column `reward_floor`"),
+    ("`robots/fd100/README.md`", "`robots/fd100/READ.md`"),
+    ("harness eta --curve", "harness eta --carve"),
+    ("harness run --stochastic", "harness ran --stochastic"),
+    ("(tasks.md)", "(task.md)"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong"), MUTANTS, ids=[wrong for _, wrong in MUTANTS])
+def test_wrong_name_is_found(right: str, wrong: str):
+    """The mutants: a slip in any kind of name."""
+    page = PAGE.read_text(encoding="utf-8")
+    assert right in page
+    assert len(wrong_names(page.replace(right, wrong, 1))) == 1
