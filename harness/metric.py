@@ -6,7 +6,11 @@ from harness.record.trace import Trace
 
 
 class Metric(Protocol):
-    """A frozen dataclass: how well a robot behaves, whatever it was paid."""
+    """A frozen dataclass: how well a robot behaves, whatever it was paid.
+
+    A metric whose value is a mean over episodes of something between 0 and 1 says so by a class attribute ``is_share =
+    True``: where nearly all episodes give 1, seeds do not tell how often one gives 0, and its interval allows for that.
+    """
 
     @property
     def unit(self) -> str:
@@ -18,3 +22,8 @@ class Metric(Protocol):
 
     def __call__(self, trace: Trace) -> float | None:
         """The value over all finished episodes of a trace; None where it is not defined."""
+
+
+def is_share(metric: Metric) -> bool:
+    """Whether a metric says that it is a share of episodes, or a mean over them of something between 0 and 1."""
+    return bool(getattr(metric, "is_share", False))

@@ -4,7 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
@@ -171,8 +171,13 @@ def read_events() -> Callable[[Path], dict[str, list[tuple[int, float]]]]:
 def make_plan() -> Callable[..., Plan]:
     """A plan of given cells."""
 
-    def make(*cells: Cell, skipped: tuple[tuple[Cell, str], ...] = (), baseline: str = "baseline") -> Plan:
-        return Plan(baseline, cells, skipped, {"sim": ["ideal"], "algo": ["wander"]})
+    def make(
+        *cells: Cell,
+        skipped: tuple[tuple[Cell, str], ...] = (),
+        baseline: str = "baseline",
+        control: Mapping[int, int] = {},
+    ) -> Plan:
+        return Plan(baseline, cells, skipped, {"sim": ["ideal"], "algo": ["wander"]}, control)
 
     return make
 

@@ -46,7 +46,7 @@ def _rewards(given: Names) -> dict[str, Any]:
     from harness.registry.choice import split_list
 
     names = split_list(given or []) or ["baseline"]
-    return {"reward": names, "baseline": names[0]}
+    return {"reward": names[1:], "baseline": names[0]}
 
 
 def _measure(plan: "Plan", registry: "Registry", rounds: int) -> "Bench":

@@ -1,10 +1,11 @@
 """``harness eta``: two groups of recorded runs compared."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
+from harness.cli.options import CurveKind
 from harness.errors import UsageError
 
 Globs = list[str]
@@ -14,9 +15,7 @@ def eta(
     context: typer.Context,
     baseline: Annotated[Globs, typer.Option(help="Runs of the baseline, as 'base/*.csv'.", metavar="GLOB")],
     proposed: Annotated[Globs, typer.Option(help="Runs of the proposed reward; ** means any folders.", metavar="GLOB")],
-    curve: Annotated[
-        Literal["accumulated", "per-step"], typer.Option(help="As published, or NOTE eq. 39-42 read literally.")
-    ] = "accumulated",
+    curve: CurveKind = "accumulated",
     with_events: Annotated[bool, typer.Option("--with-events", help="Add the event terms to the reward.")] = False,
     baseline_reward: Annotated[
         str | None, typer.Option(help="What paid the baseline's runs. (default: found out)", metavar="NAME")

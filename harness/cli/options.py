@@ -1,6 +1,6 @@
 """Flags that mean the same in several commands."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -15,3 +15,7 @@ TaskName = Annotated[
 ]
 ExecutorName = Annotated[str, typer.Option(help="What runs the cells, as processes.", metavar="NAME")]
 RobotName = Annotated[str | None, typer.Option(help=ROBOT, show_default="the task's", metavar="NAME")]
+CurveKind = Annotated[
+    Literal["accumulated", "per-step"],
+    typer.Option(help="Curves of the indices: as published, or NOTE eq. 39-42 read literally."),
+]

@@ -5,9 +5,12 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.options import CurveKind
+
 
 def report(
     folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    curve: CurveKind = "accumulated",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
     summary: Annotated[
@@ -17,7 +20,7 @@ def report(
     """Show the results in an experiment's folder. Trains nothing and imports no engine."""
     from harness.results import load_results
 
-    results = load_results(folder)
+    results = load_results(folder, curve)
     if html is not None:
         from harness.report.html import write_html
 

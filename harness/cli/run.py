@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.options import ExecutorName, Names, RewardNames, RobotName, TaskName
+from harness.cli.options import CurveKind, ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -26,10 +26,10 @@ def run(
     task: TaskName = None,
     robot: RobotName = None,
     seeds: Annotated[
-        str | None, typer.Option(help="How many seeds, or a list (3,7,11).", show_default="3", metavar="N")
+        str | None, typer.Option(help="How many seeds, or a list (3,7,11).", show_default="6", metavar="N")
     ] = None,
     steps: Annotated[
-        int | None, typer.Option(help="Environment steps of training per cell.", show_default="10000", metavar="N")
+        int | None, typer.Option(help="Environment steps of training per cell.", show_default="5000", metavar="N")
     ] = None,
     evaluation_episodes: Annotated[
         int | None, typer.Option(help="Episodes of an evaluation.", show_default="100", metavar="N")
@@ -65,6 +65,7 @@ def run(
     tensorboard: Annotated[
         bool, typer.Option("--tensorboard", help="Leave event files of scalars in each cell's folder too.")
     ] = False,
+    curve: CurveKind = "accumulated",
 ) -> int:
     """Train every simulator x algorithm x reward x seed and compare the rewards.
 
@@ -73,7 +74,7 @@ def run(
     from harness.cli.progress import LiveProgress
     from harness.experiment.experiment import RunOptions, prepare
 
-    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard)
+    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve)
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
         "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,

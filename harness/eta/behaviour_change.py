@@ -1,79 +1,182 @@
 """One measure of behaviour under two rewards: the difference, and how far it can be trusted."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.eta.statistics import FEW_SEEDS, draw_shares, p_value, percentile_interval
+from harness.arrays import Float
+from harness.eta.aggregate import interquartile_mean, probability_of_improvement
+from harness.eta.interval import mean_interval, share_variance, variance_of, why_no_interval
+from harness.eta.swaps import ALPHA, Swaps, p_of
+
+
+class Measure(NamedTuple):
+    """What is measured."""
+
+    name: str
+    """Of the metric."""
+    unit: str
+    """Of its values; empty where it has none."""
+    better: str
+    """``higher`` or ``lower``."""
+    manner: str
+    """How the policies acted, or when: ``deterministic``, ``stochastic``, ``while training``, ``while learning``."""
+    episodes: int | None = None
+    """Of so many episodes it is a share; None where it is not one."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """Means over seeds of one metric; no reward enters it.
+    """Means over seeds of one measure; no reward enters it.
 
     Attributes:
-        name: Of the metric.
-        unit: Of its values; empty where it has none.
-        better: ``higher`` or ``lower``.
-        baseline: Mean over seeds under the baseline; None where the metric is not defined.
+        measure: What is measured.
+        baseline: Mean over the compared seeds under the baseline; None where the metric is not defined.
         proposed: The same under the proposed reward.
         random: The same of random actions.
-        seeds: How many seeds have a value under both rewards.
+        seeds: How many seeds have a value under both rewards, and are compared.
+        left_out: How many seeds have none under one of them.
         low: Lower end of the 95 % interval of proposed - baseline, over seeds in pairs; None where there is none.
         high: Upper end.
-        p: That there is no difference; None where it cannot be told.
+        p: That there is no difference, by an exact test over swapped seeds; None where it cannot be told.
+        corrected: The same, such that it holds for all claims that are made together.
+        values: Of each compared seed, under the baseline and under the proposed reward.
+        variance: Of the difference of a seed; None below two seeds.
+        outcomes: The mean difference, the names of the trainings swapped in all ways, see `harness.eta.swaps`; None
+            of a single seed, which can claim nothing.
     """
 
-    name: str
-    unit: str
-    better: str
+    measure: Measure
     baseline: float | None
     proposed: float | None
     random: float | None
     seeds: int
-    low: float | None
-    high: float | None
-    p: float | None
+    left_out: int = 0
+    low: float | None = None
+    high: float | None = None
+    p: float | None = None
+    corrected: float | None = None
+    values: tuple[tuple[float, float], ...] = field(default=(), repr=False)
+    variance: float | None = field(default=None, repr=False)
+    outcomes: Float | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def name(self) -> str:
+        """Of the metric."""
+        return self.measure.name
+
+    @property
+    def differences(self) -> Float:
+        """Proposed - baseline of each compared seed, (seeds,)."""
+        pairs = np.array(self.values, np.float64).reshape(-1, 2)
+        differences: Float = pairs[:, 1] - pairs[:, 0]
+        return differences
+
+    @property
+    def difference(self) -> float | None:
+        """Proposed - baseline, mean over the compared seeds."""
+        return float(np.mean(self.differences)) if self.values else None
 
     @property
     def direction(self) -> str:
-        """``better``, ``worse``, or empty where the interval holds 0."""
-        if self.low is None or self.high is None or self.low <= 0.0 <= self.high:
+        """``better`` or ``worse`` where the corrected test says so, else empty."""
+        if self.corrected is None or self.corrected > ALPHA or not self.difference:
             return ""
-        return "better" if (self.low > 0.0) == (self.better == "higher") else "worse"
+        return "better" if (self.difference > 0.0) == (self.measure.better == "higher") else "worse"
+
+    def is_within(self, margin: float) -> bool:
+        """Whether the difference is smaller than `margin`, by two one-sided tests at 5 % (Schuirmann 1987)."""
+        if self.variance is None or why_no_interval(self.seeds):
+            return False
+        low, high = mean_interval(self.differences, self.variance, confidence=0.90)
+        return -margin < low and high < margin
 
     @property
-    def sure(self) -> bool:
-        """Whether enough seeds stand behind the direction."""
-        return bool(self.direction) and self.seeds >= FEW_SEEDS
+    def middles(self) -> tuple[float | None, float | None]:
+        """Interquartile means over the compared seeds, of the baseline and of the proposed reward."""
+        return interquartile_mean([one for one, _ in self.values]), interquartile_mean([it for _, it in self.values])
+
+    @property
+    def improvement(self) -> float | None:
+        """Chance that a run of the proposed reward is better than one of the baseline."""
+        one, other = [one for one, _ in self.values], [it for _, it in self.values]
+        return probability_of_improvement(one, other, self.measure.better)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return asdict(self)
+        return {
+            **self.measure._asdict(),
+            "baseline": self.baseline,
+            "proposed": self.proposed,
+            "random": self.random,
+            "seeds": self.seeds,
+            "left_out": self.left_out,
+            "difference": self.difference,
+            "low": self.low,
+            "high": self.high,
+            "p": self.p,
+            "p_corrected": self.corrected,
+            "result": self.direction,
+            "interquartile_means": list(self.middles),
+            "probability_of_improvement": self.improvement,
+            "values": [list(pair) for pair in self.values],
+        }
+
+
+Values = Mapping[int, float | None]
+"""Of each seed; None where the metric is not defined."""
 
 
 def change_of(
-    name: str,
-    unit: str,
-    better: str,
-    baseline: Sequence[float | None],
-    proposed: Sequence[float | None],
-    random: Sequence[float | None],
+    measure: Measure, baseline: Values, proposed: Values, swaps: Swaps, random: Sequence[float | None] = ()
 ) -> Change:
-    """The change of one metric; entry i of `baseline` and `proposed` has the same seed."""
-    pairs = [(b, k) for b, k in zip(baseline, proposed, strict=True) if b is not None and k is not None]
-    low = high = p = None
-    if len(pairs) > 1:
-        differences = np.array([k - b for b, k in pairs])
-        draws = draw_shares(len(pairs)) @ differences
-        low, high = percentile_interval(draws)
-        p = p_value(draws, 0.0)
-    means = (_mean(baseline), _mean(proposed), _mean(random))
-    return Change(name, unit, better, *means, len(pairs), low, high, p)
+    """The change of one measure.
+
+    Args:
+        measure: What is measured.
+        baseline: Its values under the baseline, by seed.
+        proposed: The same seeds under the proposed reward.
+        swaps: In which ways the names of a seed's trainings are swapped.
+        random: Its values for random actions.
+    """
+    pairs = {
+        seed: (one, other)
+        for seed, one in baseline.items()
+        if one is not None and (other := proposed[seed]) is not None
+    }
+    seeds, left_out = len(pairs), len(baseline) - len(pairs)
+    if not pairs:
+        return Change(measure, _mean(baseline.values()), _mean(proposed.values()), _mean(random), 0, left_out)
+    both = np.array(list(pairs.values()))
+    differences = both[:, 1] - both[:, 0]
+    means = both.mean(axis=0)
+    variance = _variance(differences, means.tolist(), measure.episodes)
+    low, high = (None, None) if why_no_interval(seeds) else mean_interval(differences, variance or 0.0)
+    outcomes = swaps.of(list(pairs)) @ differences / seeds if seeds > 1 else None
+    return Change(
+        measure,
+        float(means[0]),
+        float(means[1]),
+        _mean(random),
+        seeds,
+        left_out,
+        low,
+        high,
+        None if outcomes is None else p_of(outcomes),
+        values=tuple(pairs.values()),
+        variance=variance,
+        outcomes=outcomes,
+    )
 
 
-def _mean(values: Sequence[float | None]) -> float | None:
+def _variance(differences: Float, means: Sequence[float], episodes: int | None) -> float | None:
+    if len(differences) < 2:
+        return None
+    return variance_of(differences) if episodes is None else share_variance(differences, means, episodes)
+
+
+def _mean(values: Any) -> float | None:
     known = [value for value in values if value is not None]
     return float(np.mean(known)) if known else None

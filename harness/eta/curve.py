@@ -1,5 +1,6 @@
 """The curve of a group of runs, from which its index is read; takes runs of any length a piece at a time."""
 
+import math
 from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
@@ -9,9 +10,12 @@ from harness.arrays import Float, Mask
 from harness.eta.index import Index
 
 Kind: TypeAlias = Literal["accumulated", "per-step"]
+KINDS = ("accumulated", "per-step")
 
 POINTS = 4096
 """Of each run at least so many steps are kept for resampling, at most twice as many; shorter runs are kept whole."""
+EXCHANGED = 1024
+"""Of each run at most so many steps enter a test, which draws thousands of curves."""
 
 
 class GroupCurve:
@@ -74,9 +78,18 @@ class GroupCurve:
         """
         runs, parts = self.runs, []
         for start in range(0, len(shares), _CHUNK):  # all resampled curves at once would take gigabytes
-            parts.append(self._split(shares[start : start + _CHUNK] @ runs))
+            parts.append(_split(shares[start : start + _CHUNK] @ runs, self.kind))
         negative, positive = np.concatenate(parts, axis=1) * self._stride
         return negative, positive
+
+    def left_out(self) -> tuple[Float, Float]:
+        """I_N and I_P without each of the runs, (runs,) both, from the kept points; takes two runs at least."""
+        count = self.count
+        return self.resample((1.0 - np.eye(count)) / (count - 1))
+
+    def each(self) -> tuple[Float, Float]:
+        """I_N and I_P of each run alone, (runs,) both, from the kept points."""
+        return self.resample(np.eye(self.count))
 
     def _curves(self, rewards: Float) -> Float:
         if self.kind == "per-step":
@@ -113,15 +126,6 @@ class GroupCurve:
             self._kept_points = self._kept[0].shape[1]
             self._stride *= 2
 
-    def _split(self, curves: Float) -> Float:
-        """I_N and I_P of each curve, (draws, points) -> (2, draws)."""
-        if self.kind == "accumulated":
-            positive = np.maximum(curves, 0.0).sum(axis=1)
-            return np.stack([curves.sum(axis=1) - positive, positive])
-        before = _before_crossover(curves)
-        total, negative = curves.sum(axis=1), np.where(before, curves, 0.0).sum(axis=1)
-        return np.stack([negative, total - negative])
-
 
 _CHUNK = 64
 
@@ -133,6 +137,33 @@ def curve_of(rewards: Sequence[Float], kind: Kind = "accumulated") -> GroupCurve
     if steps:
         curve.add(np.stack([reward[:steps] for reward in rewards]))
     return curve
+
+
+def mixtures(groups: Sequence[GroupCurve], shares: Float) -> tuple[Float, Float]:
+    """I_N and I_P of mean curves of the runs of several groups, (ways,) both, from `EXCHANGED` points at most.
+
+    Args:
+        groups: Runs, cut to the shortest group.
+        shares: How much each of all runs enters a mean, (ways, runs), each row sums to 1.
+    """
+    stride = max(group.stride for group in groups)
+    kept = [group.runs[:, :: stride // group.stride] for group in groups]
+    points = min(runs.shape[1] for runs in kept)
+    skip = max(1, math.ceil(points / EXCHANGED))
+    runs = np.concatenate([runs[:, :points:skip] for runs in kept])
+    parts = [_split(shares[start : start + _CHUNK] @ runs, groups[0].kind) for start in range(0, len(shares), _CHUNK)]
+    negative, positive = np.concatenate(parts, axis=1) * (stride * skip)
+    return negative, positive
+
+
+def _split(curves: Float, kind: Kind) -> Float:
+    """I_N and I_P of each curve, (draws, points) -> (2, draws)."""
+    if kind == "accumulated":
+        positive = np.maximum(curves, 0.0).sum(axis=1)
+        return np.stack([curves.sum(axis=1) - positive, positive])
+    before = _before_crossover(curves)
+    total, negative = curves.sum(axis=1), np.where(before, curves, 0.0).sum(axis=1)
+    return np.stack([negative, total - negative])
 
 
 def _mean_of(runs: Float) -> Float:

@@ -3,37 +3,31 @@
 With S_r(tau_q) the index of the runs trained under reward q and scored by reward r (B baseline, K proposed)::
 
     eta = S_K(tau_K) / S_B(tau_B)
-        = [S_K(tau_K) / S_B(tau_K)] x [S_B(tau_K) / S_B(tau_B)]        ruler x behaviour
-        = [S_K(tau_B) / S_B(tau_B)] x [S_K(tau_K) / S_K(tau_B)]        the other path: ruler x behaviour
+        = [S_K(tau_K) / S_B(tau_K)] x [S_B(tau_K) / S_B(tau_B)]        r1 x b1, the ruler on the proposed runs
+        = [S_K(tau_B) / S_B(tau_B)] x [S_K(tau_K) / S_K(tau_B)]        r2 x b2, the ruler on the baseline's runs
+
+The split that is shown is their geometric mean, ruler = sqrt(r1 r2) and behaviour = sqrt(b1 b2): the ideal index of
+Fisher (1922), and of two factors the Shapley value of their logarithms (Shorrocks 2013). It is the same whichever
+reward is called the baseline. r1 / r2 is the interaction: 1 where both paths agree. Where an index crosses 0 no ratio
+says much: the sum I_N + I_P (NOTE eq. 38) is split by differences (Kitagawa 1955), which are always defined.
 """
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, TypeAlias
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.curve import GroupCurve
+from harness.eta.curve import GroupCurve, mixtures
 from harness.eta.index import Index, Ratio
-from harness.eta.statistics import (
-    draw_shares,
-    interval_notes,
-    p_value,
-    percentile_interval,
-    seeds_to_decide,
-    split_halves,
-)
-
-Who: TypeAlias = Literal["baseline", "proposed"]
-Pair: TypeAlias = tuple[Who, Who]
-"""Whose reward scores, and whose runs are scored: S_r(tau_q) is (r, q)."""
-
-BB: Pair = ("baseline", "baseline")
-KK: Pair = ("proposed", "proposed")
-BK: Pair = ("baseline", "proposed")
-KB: Pair = ("proposed", "baseline")
+from harness.eta.interval import Jackknife, Sums, jackknife, spread_range, variance_of, why_no_interval
+from harness.eta.noise import noise_floor
+from harness.eta.scored_sums import BB, BK, KB, KK, Curves, Pair, ScoredSums, scored_sums
+from harness.eta.seed_mean import SeedMean
+from harness.eta.swaps import label_shares, p_of, pair_shares, swaps_of
 
 OWNER = {
     BB: "the baseline",
@@ -53,53 +47,95 @@ NEAR_ZERO = 0.01
 Under another reward it may be small because the ruler is."""
 NEGLIGIBLE = 1e-4
 """So is an index below this share of the other index of its curve: published curves have an I_N of 0.003 of I_P."""
-
 DISAGREEMENT = 1.5
-"""The two paths disagree where their rulers differ by more than this factor."""
+"""Two answers to one question disagree where they differ by more than this factor."""
+ROUNDING = 1e-12
+"""Two indices that differ by less than this share of theirs differ by the order of additions only."""
+UNLIKE = 1.0
+"""Standard deviation of the logarithm of single seeds' indices beyond which a ruler's interval does not hold, by
+simulation. As few seeds know theirs only roughly, the largest likely one counts."""
+
+NOT_MEASURED = Ratio(None, notes=("not measured",))
 
 
-class Split(NamedTuple):
-    """One index's eta along both paths."""
+class SplitPath(NamedTuple):
+    """One of the two ways to split an eta."""
 
-    eta: Ratio
     ruler: Ratio
     behaviour: Ratio
-    other_ruler: Ratio
-    other_behaviour: Ratio
-    is_scored: bool
-    """Whether each training was scored by the other's reward: without that there is nothing but the eta."""
-    noise: Ratio
-    """What halves of the baseline's own seeds give against each other; 1 with its A/A interval."""
-    p: float | None
-    """That eta is 1; before correction for several comparisons."""
-    seeds_needed: int | None
-    """How many seeds would show that eta is not 1."""
+
+
+@dataclass(frozen=True)
+class Split:
+    """One index's eta, and what it is made of.
+
+    Attributes:
+        eta: Of the mean curves, as published.
+        per_seed: Geometric mean over seeds of the eta of each seed alone.
+        ruler: Geometric mean of both paths' rulers.
+        behaviour: Geometric mean of both paths' behaviours.
+        interaction: Ruler on the proposed runs over ruler on the baseline's.
+        paths: On the proposed runs, then on the baseline's; empty where the runs were not scored by both rewards.
+        noise: What runs of the baseline give against other runs of it; see `harness.eta.noise`.
+        p: That there is no difference between the two groups' curves, by an exact test; None where it cannot be told.
+        corrected: The same, such that it holds for all claims that are made together.
+        outcomes: The difference of the index, the names of the trainings swapped in all ways; see `harness.eta.swaps`.
+    """
+
+    eta: Ratio
+    per_seed: Ratio
+    ruler: Ratio
+    behaviour: Ratio
+    interaction: Ratio
+    paths: tuple[SplitPath, ...] = ()
+    noise: Ratio = NOT_MEASURED
+    p: float | None = None
+    corrected: float | None = None
+    outcomes: Float | None = field(default=None, repr=False, compare=False)
 
     @property
-    def is_complete(self) -> bool:
-        """Whether all parts of both paths have a value."""
-        return None not in (part.value for part in self[1:5])
+    def is_scored(self) -> bool:
+        """Whether each training was scored by the other's reward."""
+        return bool(self.paths)
 
     @property
-    def paths_disagree(self) -> bool:
-        """Whether the two paths of scored runs cannot be put together."""
-        first, second = self.ruler.value, self.other_ruler.value
-        if not self.is_complete or first is None or second is None:
-            return self.is_scored
-        return min(first, second) <= 0.0 or max(first, second) > DISAGREEMENT * min(first, second)
-
-    @property
-    def disagreement(self) -> str:
-        """Why they cannot; empty where they can."""
-        if not self.paths_disagree:
+    def opposition(self) -> str:
+        """That one path says the behaviour got better and the other that it got worse; empty where none does."""
+        parts = [path.behaviour for path in self.paths]
+        values = [part.value for part in parts if part.near_zero is None and part.value is not None]
+        if len(values) < 2 or (values[0] - 1.0) * (values[1] - 1.0) >= 0.0:
             return ""
-        if not self.is_complete:
-            return "a path has no value"
         return (
-            f"the two paths disagree: ruler {self.ruler.value:.3g} and behaviour {self.behaviour.value:.3g} on the "
-            f"proposed runs, ruler {self.other_ruler.value:.3g} and behaviour {self.other_behaviour.value:.3g} on the "
-            "baseline's"
+            f"the behaviour depends on who judges it: x {values[0]:.3g} under the baseline reward, x {values[1]:.3g} "
+            "under the proposed one"
         )
+
+    @property
+    def averaging(self) -> str:
+        """That the mean curve says something else than the seeds do one by one; empty where it does not."""
+        whole, single = self.eta.value, self.per_seed.value
+        if whole is None or single is None or self.eta.near_zero is not None or min(whole, single) <= 0.0:
+            return ""
+        opposed = (whole - 1.0) * (single - 1.0) < 0.0
+        if not opposed and abs(math.log(whole / single)) < math.log(DISAGREEMENT):
+            return ""
+        return f"{whole:.3g} of the mean curve is not what seeds show one by one: their geometric mean is {single:.3g}"
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """What stands in the way of one answer."""
+        return tuple(flag for flag in (self.averaging, self.opposition) if flag)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        parts = ("eta", "per_seed", "ruler", "behaviour", "interaction", "noise")
+        return {
+            **{name: getattr(self, name).to_json() for name in parts},
+            "paths": [{name: part.to_json() for name, part in path._asdict().items()} for path in self.paths],
+            "p": self.p,
+            "p_corrected": self.corrected,
+            "flags": list(self.flags),
+        }
 
 
 Splits: TypeAlias = Mapping[str, Split]
@@ -107,20 +143,41 @@ Splits: TypeAlias = Mapping[str, Split]
 
 
 @dataclass(frozen=True)
+class SumSplit:
+    """The change of I_N + I_P, NOTE eq. 38, proposed - baseline: ruler + behaviour, each a mean over seeds.
+
+    Attributes:
+        change: All of it.
+        ruler: Of it the same runs scored by the other reward, mean of both paths.
+        behaviour: Of it the two trainings scored by one reward, mean of both paths.
+    """
+
+    change: SeedMean
+    ruler: SeedMean
+    behaviour: SeedMean
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {name: getattr(self, name).to_json() for name in ("change", "ruler", "behaviour")}
+
+
+@dataclass(frozen=True)
 class Decomposition:
-    """Both etas, both paths.
+    """Both etas, split.
 
     Attributes:
         baseline: Index of the baseline's runs under the baseline.
         proposed: Index of the proposed reward's runs under it.
         negative: The split of eta_N.
         positive: The split of eta_P.
+        total: The split of the change of I_N + I_P.
     """
 
     baseline: Index
     proposed: Index
     negative: Split
     positive: Split
+    total: SumSplit
 
     @property
     def eta_n(self) -> Ratio:
@@ -142,48 +199,43 @@ class Decomposition:
         """Both splits."""
         return {"eta_N": self.negative, "eta_P": self.positive}
 
+    def with_corrected(self, negative: float | None, positive: float | None) -> "Decomposition":
+        """The same with p-values that hold for all claims that are made together."""
+        return replace(
+            self,
+            negative=replace(self.negative, corrected=negative),
+            positive=replace(self.positive, corrected=positive),
+        )
+
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        indices = {"baseline": self.baseline.to_json(), "proposed": self.proposed.to_json()}
-        return indices | splits_to_json(self.splits)
+        return {
+            "baseline": self.baseline.to_json(),
+            "proposed": self.proposed.to_json(),
+            **splits_to_json(self.splits),
+            "total": self.total.to_json(),
+        }
 
 
 def no_splits(reason: str) -> Splits:
     """Where there is nothing to compare."""
     nothing = Ratio(None, notes=(reason,))
-    empty = Split(nothing, nothing, nothing, nothing, nothing, False, nothing, None, None)
+    empty = Split(nothing, nothing, nothing, nothing, nothing, noise=nothing)
     return {"eta_N": empty, "eta_P": empty}
 
 
 def splits_to_json(given: Splits) -> dict[str, Any]:
     """Plain data of eta_N's split and eta_P's."""
-    splits = {"n": given["eta_N"], "p": given["eta_P"]}
-    data: dict[str, Any] = {
-        f"{name}_{letter}": getattr(split, name).to_json()
-        for letter, split in splits.items()
-        for name in ("eta", "ruler", "behaviour")
-    }
-    data["other_path"] = {
-        f"{name}_{letter}": getattr(split, f"other_{name}").to_json()
-        for letter, split in splits.items()
-        for name in ("ruler", "behaviour")
-    }
-    for letter, split in splits.items():
-        data[f"noise_{letter}"] = split.noise.to_json()
-        data[f"paths_disagree_{letter}"] = split.disagreement
-        data[f"p_{letter}"] = split.p
-        data[f"seeds_needed_{letter}"] = split.seeds_needed
-    return data
+    return {name: split.to_json() for name, split in given.items()}
 
 
-class _Sums(NamedTuple):
-    """One index of one scored group, and its resamples."""
-
-    value: float
-    draws: Float
-
-
-def decompose(curves: Mapping[Pair, GroupCurve], paired: bool = True, missing: str | None = None) -> Decomposition:
+def decompose(
+    curves: Curves,
+    paired: bool = True,
+    missing: str | None = None,
+    signs: Float | None = None,
+    control: GroupCurve | None = None,
+) -> Decomposition:
     """Both etas with intervals, and how they split.
 
     Args:
@@ -191,102 +243,180 @@ def decompose(curves: Mapping[Pair, GroupCurve], paired: bool = True, missing: s
             etas are split; runs of one training have the same order under both scorings.
         paired: Run i of both trainings has the same seed.
         missing: Why the other two are not there; None where they are, or nobody asked.
+        signs: In which ways the names of a seed's trainings are swapped, see `harness.eta.swaps`; by default in all.
+        control: The baseline trained again with other seeds, scored by itself.
     """
-    paired = paired and curves[BB].count == curves[KK].count
-    streams = {"baseline": 0, "proposed": 0 if paired else 1}
-    negative: dict[Pair, _Sums] = {}
-    positive: dict[Pair, _Sums] = {}
-    for pair, curve in curves.items():
-        draws = curve.resample(draw_shares(curve.count, streams[pair[1]]))
-        negative[pair] = _Sums(curve.index.negative_sum, draws[0])
-        positive[pair] = _Sums(curve.index.positive_sum, draws[1])
-    return Decomposition(
-        curves[BB].index,
-        curves[KK].index,
-        _Splitter("I_N", negative, positive, curves).split(_noise(curves[BB], 0), missing),
-        _Splitter("I_P", positive, negative, curves).split(_noise(curves[BB], 1), missing),
+    one, other = curves[BB], curves[KK]
+    paired = paired and one.count == other.count
+    sums = scored_sums(curves, paired)
+    outcomes = _outcomes(one, other, paired, signs)
+    splits = (
+        _Splitter(name, curves, sums[which], sums[1 - which]).split(outcomes[which], missing)
+        for which, name in enumerate(("I_N", "I_P"))
     )
+    negative, positive = (replace(split, noise=noise_floor(one, control, which)) for which, split in enumerate(splits))
+    return Decomposition(one.index, other.index, negative, positive, _split_sum(sums[2], missing))
+
+
+def _outcomes(one: GroupCurve, other: GroupCurve, paired: bool, signs: Float | None) -> tuple[Float | None, ...]:
+    """Differences of I_N and I_P in all ways that the runs could have been labelled; None for a single run."""
+    if min(one.count, other.count) < 2:
+        return None, None
+    if not paired:
+        shares = label_shares(one.count, other.count)
+    else:
+        shares = pair_shares(swaps_of(range(one.count)).signs if signs is None else signs)
+    proposed, baseline = (np.stack(mixtures((one, other), np.maximum(side, 0.0))) for side in (shares, -shares))
+    differences = proposed - baseline
+    rounding = ROUNDING * (np.abs(proposed) + np.abs(baseline)).sum(axis=0)
+    return tuple(np.where(np.abs(differences) <= rounding, 0.0, differences))
 
 
 class _Splitter:
     """Splits one index's eta."""
 
-    def __init__(
-        self,
-        name: str,
-        sums: Mapping[Pair, _Sums],
-        counterparts: Mapping[Pair, _Sums],
-        curves: Mapping[Pair, GroupCurve],
-    ) -> None:
+    def __init__(self, name: str, curves: Curves, sums: ScoredSums, counterparts: ScoredSums) -> None:
         self._name, self._sums, self._counterparts = name, sums, counterparts
         self._seeds = min(curve.count for curve in curves.values())
         self._why_zero = ZERO[curves[BB].kind, name]
-        self._is_scored = BK in sums and KB in sums
+        self._is_scored = BK in curves and KB in curves
         compared = ((BB, BK), (KB, KK)) if self._is_scored else ((BB, KK),)
         self._near_zero = dict(found for pairs in compared for found in self._small_beside_another(*pairs))
         self._near_zero.update(self._small_beside_its_counterpart())
 
-    def split(self, noise: Ratio, missing: str | None) -> Split:
-        """See `decompose`."""
-        eta = self._ratio(KK, BB)
-        p, needed = self._decision(eta)
+    def split(self, outcomes: Float | None, missing: str | None) -> Split:
+        """All but the noise."""
+        eta, per_seed = self._ratio(KK, BB), self._per_seed()
+        p = None if outcomes is None else p_of(outcomes)
         if not self._is_scored:
             nothing = Ratio(None, notes=("not re-scored" if missing is None else missing,))
-            return Split(eta, nothing, nothing, nothing, nothing, False, noise, p, needed)
-        parts = (self._ratio(KK, BK), self._ratio(BK, BB), self._ratio(KB, BB), self._ratio(KK, KB))
-        return Split(eta, *parts, True, noise, p, needed)
+            return Split(eta, per_seed, nothing, nothing, nothing, p=p, outcomes=outcomes)
+        paths = (
+            SplitPath(self._of_unlike_seeds(self._ratio(KK, BK)), self._ratio(BK, BB)),
+            SplitPath(self._of_unlike_seeds(self._ratio(KB, BB)), self._ratio(KK, KB)),
+        )
+        ruler = self._of_unlike_seeds(
+            self._combined(paths, lambda sums: 0.5 * (_log(sums, KK, BK) + _log(sums, KB, BB)))
+        )
+        behaviour = self._combined(paths, lambda sums: 0.5 * (_log(sums, BK, BB) + _log(sums, KK, KB)))
+        interaction = self._of_unlike_seeds(self._combined(paths, lambda sums: _log(sums, KK, BK) - _log(sums, KB, BB)))
+        return Split(eta, per_seed, ruler, behaviour, interaction, paths, p=p, outcomes=outcomes)
 
     def _ratio(self, numerator: Pair, denominator: Pair) -> Ratio:
         """One ratio with its interval, or with the reason why there is none."""
-        owner, divisor = f"{self._name} of {OWNER[denominator]}", self._sums[denominator].value
+        owner, divisor = f"{self._name} of {OWNER[denominator]}", self._sums.value(denominator)
         if divisor == 0.0:
             return Ratio(None, notes=(f"{owner} is 0: {self._why_zero}",))
-        value = self._sums[numerator].value / divisor + 0.0  # no -0.0
+        value = self._sums.value(numerator) / divisor + 0.0  # no -0.0
         if not math.isfinite(value):
             return Ratio(None, notes=(f"{owner} is as good as 0: the ratio is no number any more",))
         near = self._near_zero.get(denominator, self._near_zero.get(numerator))
-        if self._seeds < 2:
-            return Ratio(value, notes=interval_notes(self._seeds), near_zero=near)
-        draws = _divide(self._sums[numerator].draws, self._sums[denominator].draws)
-        undefined = np.count_nonzero(~np.isfinite(draws))
-        if undefined:
-            of = f"in {undefined:,} of {len(draws):,} resamples"
-            return Ratio(value, notes=(f"no interval: {owner} is 0 {of}",), near_zero=near)
-        return Ratio(value, *percentile_interval(draws), interval_notes(self._seeds), near)
+        return self._with_interval(value, lambda sums: _log(sums, numerator, denominator), near)
+
+    def _combined(self, paths: tuple[SplitPath, ...], logarithm: Callable[[Sums], Float]) -> Ratio:
+        """A ratio that is made of both paths."""
+        parts = [part for path in paths for part in path]
+        undefined = next((part for part in parts if part.value is None), None)
+        if undefined is not None:
+            return Ratio(None, notes=undefined.notes)
+        if min(part.value for part in parts if part.value is not None) <= 0.0:
+            return Ratio(None, notes=("a part of a path is not above 0: the paths have no geometric mean",))
+        near = next((part.near_zero for part in parts if part.near_zero is not None), None)
+        return self._with_interval(_exp(logarithm(self._sums.whole)[0]), logarithm, near)
+
+    def _per_seed(self) -> Ratio:
+        """Each seed's eta by itself; for runs that are not paired the ratio of their geometric means."""
+        each = self._sums.each
+        zeros = {pair: int(np.count_nonzero(each[pair] == 0.0)) for pair in (BB, KK)}
+        for pair, count in zeros.items():
+            if count:
+                of = f"{count} of the {len(each[pair])} runs of {OWNER[pair]}"
+                return Ratio(None, notes=(f"{self._name} of {of} is 0 by itself",))
+        if (np.sign(each[BB][:1]) != np.sign([*each[BB], *each[KK]])).any():
+            return Ratio(None, notes=(f"{self._name} of single runs has either sign",))
+        whole, left_out = self._sums.geometric()
+        knife = jackknife(lambda sums: _log(sums, KK, BB), whole, left_out)
+        return self._bounded(_exp(knife.value), knife, None)
+
+    def _of_unlike_seeds(self, ruler: Ratio) -> Ratio:
+        """The ruler without its interval where a few seeds make up an index: there it misses on one side."""
+        if ruler.low is None or not self._seeds_are_unlike:
+            return ruler
+        reason = f"no interval: single seeds' {self._name} may differ so much that a few of them decide the ruler"
+        return replace(ruler, low=None, high=None, notes=(*ruler.notes, reason))
+
+    @cached_property
+    def _seeds_are_unlike(self) -> bool:
+        with np.errstate(divide="ignore"):
+            sizes = [np.log(np.abs(self._sums.each[pair])) for pair in (BB, KK)]
+        return not all(np.isfinite(size).all() and _are_alike(size) for size in sizes)
+
+    def _with_interval(self, value: float, logarithm: Callable[[Sums], Float], near: str | None) -> Ratio:
+        return self._bounded(value, jackknife(logarithm, self._sums.whole, self._sums.left_out), near)
+
+    def _bounded(self, value: float, knife: Jackknife, near: str | None) -> Ratio:
+        """A ratio with the interval of its logarithm."""
+        if not math.isfinite(value):
+            return Ratio(None, notes=("the ratio is too large for a number",))
+        notes = why_no_interval(self._seeds) or self._why_no_logarithm(value, knife)
+        if notes:
+            return Ratio(value, notes=notes, near_zero=near)
+        low, high = map(_exp, knife.interval())
+        if not math.isfinite(high):
+            return Ratio(value, notes=("no interval: its upper end is too large for a number",), near_zero=near)
+        return Ratio(value, low, high, near_zero=near)
+
+    def _why_no_logarithm(self, value: float, knife: Jackknife) -> tuple[str, ...]:
+        if value <= 0.0:
+            return ("no interval: the ratio is not above 0",)
+        if not knife.is_defined:
+            return (f"no interval: without one of the seeds {self._name} of a group is 0 or changes its sign",)
+        return ()
 
     def _small_beside_another(self, one: Pair, other: Pair) -> Iterator[tuple[Pair, str]]:
         for small, large in ((one, other), (other, one)):
-            if abs(self._sums[small].value) < NEAR_ZERO * abs(self._sums[large].value):
+            if abs(self._sums.value(small)) < NEAR_ZERO * abs(self._sums.value(large)):
                 yield small, f"{self._name} of {OWNER[small]} is near zero beside that of {OWNER[large]}"
 
     def _small_beside_its_counterpart(self) -> Iterator[tuple[Pair, str]]:
         """A curve that is hardly ever of this sign: its few values decide nothing."""
         other = "I_P" if self._name == "I_N" else "I_N"
-        for pair, sums in self._sums.items():
-            if abs(sums.value) < NEGLIGIBLE * abs(self._counterparts[pair].value):
+        for pair in self._sums.whole:
+            if abs(self._sums.value(pair)) < NEGLIGIBLE * abs(self._counterparts.value(pair)):
                 yield pair, f"{self._name} of {OWNER[pair]} is near zero beside {other} of the same runs"
 
-    def _decision(self, eta: Ratio) -> tuple[float | None, int | None]:
-        if eta.value is None or eta.low is None:
-            return None, None
-        draws = self._sums[KK].draws / self._sums[BB].draws
-        return p_value(draws, 1.0), seeds_to_decide(draws, eta.value, self._seeds)
+
+def _split_sum(sums: ScoredSums, missing: str | None) -> SumSplit:
+    change = _amount(sums, lambda of: of[KK] - of[BB])
+    if not {BK, KB} <= sums.whole.keys():
+        nothing = SeedMean(None, notes=("not re-scored" if missing is None else missing,))
+        return SumSplit(change, nothing, nothing)
+    ruler = _amount(sums, lambda of: 0.5 * ((of[KK] - of[BK]) + (of[KB] - of[BB])))
+    behaviour = _amount(sums, lambda of: 0.5 * ((of[BK] - of[BB]) + (of[KK] - of[KB])))
+    return SumSplit(change, ruler, behaviour)
 
 
-def _divide(numerator: Float, denominator: Float) -> Float:
-    """Element by element; not finite where the denominator is 0, or as good as."""
-    with np.errstate(all="ignore"):
-        ratio: Float = numerator / denominator + 0.0
-    return ratio
+def _amount(sums: ScoredSums, number: Callable[[Sums], Float]) -> SeedMean:
+    """A difference with its interval."""
+    seeds = min(len(each) for each in sums.each.values())
+    value, notes = float(number(sums.whole)[0]), why_no_interval(seeds)
+    if notes:
+        return SeedMean(value, seeds=seeds, notes=notes)
+    return SeedMean(value, *jackknife(number, sums.whole, sums.left_out).interval(), seeds=seeds)
 
 
-def _noise(curve: GroupCurve, which: int) -> Ratio:
-    """What eta would be between halves of one group's own seeds: the noise floor."""
-    if curve.count < 4:
-        return Ratio(None, notes=(f"{curve.count} seeds: halves of them need at least 4",))
-    first, second = split_halves(curve.count)
-    a, b = curve.resample(first)[which], curve.resample(second)[which]
-    ratios = _divide(a, b)
-    if not np.isfinite(ratios).all():
-        return Ratio(None, notes=("a half of the baseline's seeds has an index of 0",))
-    return Ratio(1.0, *percentile_interval(ratios), (f"halves of {curve.count} seeds against each other",))
+def _are_alike(logarithms: Float) -> bool:
+    """Whether single seeds' sizes surely have a small enough spread."""
+    _, largest = spread_range(math.sqrt(variance_of(logarithms)), len(logarithms))
+    return largest <= UNLIKE
+
+
+def _exp(logarithm: float) -> float:
+    """Infinite where it is too large for a number."""
+    with np.errstate(over="ignore"):
+        return float(np.exp(logarithm))
+
+
+def _log(sums: Sums, numerator: Pair, denominator: Pair) -> Float:
+    logarithm: Float = np.log(sums[numerator] / sums[denominator])
+    return logarithm

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from harness.eta.statistics import draw_shares, interval_notes, percentile_interval
+from harness.eta.interval import mean_interval, share_variance, variance_of, why_no_interval
 
 
 @dataclass(frozen=True)
 class SeedMean:
-    """A mean with its 95 % bootstrap interval over seeds.
+    """A mean, or a difference of means, with its 95 % interval over seeds.
 
     Attributes:
         mean: None where there is no value.
@@ -38,19 +38,20 @@ class SeedMean:
         return {**data, "note": self.note}
 
 
-def mean_over_seeds(values: Sequence[float], missing: str | None = None) -> SeedMean:
+def mean_over_seeds(values: Sequence[float], missing: str | None = None, episodes: int | None = None) -> SeedMean:
     """The mean of one value per seed.
 
     Args:
-        values: Finite, in the order of the seeds: means whose seeds are the same are drawn the same.
+        values: Finite.
         missing: Why there is not a value of every seed; becomes the last note. None if there is.
+        episodes: Of so many episodes each value is a share; None where it is not one.
     """
     reasons = () if missing is None else (missing,)
     if not values:
         return SeedMean(None, notes=reasons)
     mean, seeds = float(np.mean(values)), len(values)
-    notes = (*interval_notes(seeds), *reasons)
-    if seeds == 1:
-        return SeedMean(mean, seeds=1, notes=notes)
-    low, high = percentile_interval(draw_shares(seeds) @ np.array(values))
-    return SeedMean(mean, low, high, seeds, notes)
+    notes = (*why_no_interval(seeds), *reasons)
+    if why_no_interval(seeds):
+        return SeedMean(mean, seeds=seeds, notes=notes)
+    variance = variance_of(values) if episodes is None else share_variance(values, [mean], episodes)
+    return SeedMean(mean, *mean_interval(values, variance), seeds, notes)

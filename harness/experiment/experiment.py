@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
+from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, OnEvent
 from harness.experiment.event_log import require_tensorboard
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
@@ -31,9 +32,10 @@ class RunOptions:
         executor: What runs the cells, with its settings: ``"processes"``, ``"mine:nodes=2"`` or a table.
         checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none.
         tensorboard: Whether each cell leaves event files of scalars too, in its folder.
+        curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
 
     Raises:
-        UsageError: A number is out of range.
+        UsageError: A number is out of range, or there is no such curve.
     """
 
     out: str | Path | None = None
@@ -41,11 +43,14 @@ class RunOptions:
     executor: str | Mapping[str, Any] = "processes"
     checkpoint_every: int = 0
     tensorboard: bool = False
+    curve: Kind = "accumulated"
 
     def __post_init__(self) -> None:
         worker_count(self.jobs)
         if self.checkpoint_every < 0:
             raise UsageError(f"checkpoint_every={self.checkpoint_every}: must be at least 1, or 0 for none")
+        if self.curve not in KINDS:
+            raise UsageError(f"curve='{self.curve}': there is {' and '.join(KINDS)}")
 
     @property
     def at_once(self) -> int:
@@ -79,23 +84,25 @@ def run(
     executor: str | Mapping[str, Any] = "processes",
     checkpoint_every: int = 0,
     tensorboard: bool = False,
+    curve: Kind = "accumulated",
     **experiment: Any,
 ) -> Results:
     """Run every combination of an experiment that is not done yet.
 
     Args:
-        out: See `RunOptions`, as the next four.
+        out: See `RunOptions`, as the next five.
         jobs: How many cells at once.
         executor: What runs the cells.
         checkpoint_every: Environment steps from one checkpoint of a training to the next.
         tensorboard: Whether each cell leaves event files of scalars too.
+        curve: Which curves the indices are read from.
         **experiment: The fields of `harness.experiment.plan.Experiment`; the lists may be single names, or text with
             commas.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard)
+    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve)
     return prepare(check_experiment(experiment), options).run()
 
 
@@ -144,7 +151,7 @@ class ExperimentRun:
                 self.executor.run(jobs, self.options.at_once, lambda event: on_event(self._recorded(event)))
             finally:
                 store.discard_partial()
-        return Results(store.folder, self.registry)
+        return Results(store.folder, self.registry, self.options.curve)
 
     def _recorded(self, event: Event) -> Event:
         """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""

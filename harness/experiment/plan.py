@@ -2,8 +2,8 @@
 
 import hashlib
 import itertools
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
@@ -42,7 +42,9 @@ class Experiment:
 
     sim: Annotated[Names, Field(description="simulators")]
     algo: Annotated[Names, Field(description="algorithms")]
-    reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=_arp)
+    reward: Annotated[list[Given], Field(description="proposed rewards; none: the baseline is trained alone")] = Field(
+        default_factory=_arp
+    )
     baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
     task: Annotated[Given, Field(description="the task")] = "fd100-reach"
     robot: Annotated[
@@ -50,8 +52,8 @@ class Experiment:
     ] = None
     seeds: Annotated[
         Count | Annotated[list[Seed], Field(min_length=1)], Field(description="how many seeds (0, 1, ...), or a list")
-    ] = 3
-    steps: Annotated[Count, Field(description="environment steps of training per cell")] = 10_000
+    ] = 6
+    steps: Annotated[Count, Field(description="environment steps of training per cell")] = 5_000
     evaluation_episodes: Annotated[Count, Field(description="episodes of an evaluation")] = 100
     evaluate_every: Annotated[
         Interval, Field(description="environment steps from one evaluation to the next; 0: at the end alone")
@@ -73,14 +75,15 @@ class Plan:
         cells: What to run, in this order.
         skipped: Combinations that cannot work, each with the reason.
         resolved: The experiment with every default filled in, as an experiment file holds it.
-        a_a: Whether the baseline is compared with itself too, the null control that has to give 1.
+        control: Where the baseline is compared with itself, the null control: by each seed the other seed that it is
+            trained with again.
     """
 
     baseline: str
     cells: tuple[Cell, ...]
     skipped: tuple[tuple[Cell, str], ...]
     resolved: dict[str, Any]
-    a_a: bool = False
+    control: Mapping[int, int] = field(default_factory=dict)
 
     @property
     def id(self) -> str:
@@ -128,8 +131,12 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     robot = _locate(experiment.robot or built.robot, registry)
     arm = load_robot(robot, registry)
     built.check(arm)
+    control = _control(experiment.seed_list) if baseline in rewards else {}
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
-    matrix = itertools.product(experiment.seed_list, simulators, algorithms, dict.fromkeys([baseline, *rewards]))
+    matrix = [
+        *itertools.product(experiment.seed_list, simulators, algorithms, dict.fromkeys([baseline, *rewards])),
+        *itertools.product(control.values(), simulators, algorithms, [baseline]),
+    ]
     forms = {algorithm: _fit(algorithm, task, arm, registry, experiment.steps) for algorithm in algorithms}
     cells = [
         Cell(
@@ -144,8 +151,14 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         tuple(cell for cell in cells if not reasons[cell.algorithm]),
         tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
         _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot),
-        a_a=baseline in rewards,
+        control=control,
     )
+
+
+def _control(seeds: Sequence[int]) -> dict[int, int]:
+    """For each seed another one, none of which the experiment has."""
+    beyond = max(seeds) + 1
+    return {seed: seed + beyond for seed in seeds}
 
 
 def _split_names(given: Any) -> Any:

@@ -14,10 +14,10 @@
 
 import json
 import shutil
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import tomli_w
 
@@ -39,6 +39,19 @@ EXPERIMENT, PLAN, CELLS, RESULTS, REPORT, LOCK = (
     "report.html",
     ".lock",
 )
+
+
+class StoredPlan(NamedTuple):
+    """What was asked for in an experiment's folder."""
+
+    baseline: str
+    """Label of the reward that the others are compared with."""
+    a_a: bool
+    """Whether the newest experiment compares the baseline with itself."""
+    control: Mapping[int, int]
+    """By each seed the other seed that the baseline is trained with again for that; version 0.1 had none."""
+    cells: tuple[Cell, ...]
+    """Of all experiments that were run here."""
 
 
 class Store:
@@ -78,8 +91,8 @@ class Store:
                 store.record(cell, "skipped", reason)
         return store
 
-    def read_plan(self) -> tuple[str, bool, list[Cell]]:
-        """Label of the baseline, whether it is compared with itself, and every cell that was asked for.
+    def read_plan(self) -> StoredPlan:
+        """What was asked for.
 
         Raises:
             SchemaError: The file is damaged.
@@ -87,7 +100,9 @@ class Store:
         path = self.folder / PLAN
         try:
             data = json.loads(path.read_text())
-            return data["baseline"], bool(data["a_a"]), [Cell.from_json(cell) for cell in data["cells"]]
+            cells = tuple(Cell.from_json(cell) for cell in data["cells"])
+            control = {int(seed): int(other) for seed, other in data.get("control", [])}
+            return StoredPlan(data["baseline"], bool(data["a_a"]), control, cells)
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise SchemaError(f"{path} is no readable plan: {error!r}") from error
 
@@ -145,9 +160,14 @@ class Store:
     def _write_plan(self, plan: "Plan") -> None:
         """Add the plan's cells to those that are there: a folder grows, nothing is lost."""
         path = self.folder / PLAN
-        known = self.read_plan()[2] if path.exists() else []
+        known = self.read_plan().cells if path.exists() else ()
         cells = dict.fromkeys([*known, *plan.cells, *(cell for cell, _ in plan.skipped)])
-        data = {"baseline": plan.baseline, "a_a": plan.a_a, "cells": [cell.to_json() for cell in cells]}
+        data = {
+            "baseline": plan.baseline,
+            "a_a": bool(plan.control),
+            "control": [list(pair) for pair in plan.control.items()],
+            "cells": [cell.to_json() for cell in cells],
+        }
         write_whole(path, json.dumps(data, indent=1) + "\n")
         write_whole(self.folder / EXPERIMENT, tomli_w.dumps(_without_none(plan.resolved)))
 

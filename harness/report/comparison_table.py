@@ -3,21 +3,23 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from harness.report.behaviour_rows import along_grid, behaviour_grids
 from harness.report.grid_table import show_grid
 from harness.report.return_rows import EXPLANATION, return_grid
 from harness.report.rows import (
     NO_REWARD,
-    PATHS,
     SCALES,
     SPLIT,
-    behaviour_grid,
-    corrected_text,
+    TESTS,
+    advice,
+    answer_text,
     count_cells,
     index_grid,
     ratio_grid,
     rewards_text,
     seeds_text,
     split_grid,
+    sum_grid,
     unfinished_cells,
 )
 from harness.results import Results
@@ -28,10 +30,10 @@ from harness.results.return_matrix import ReturnMatrix, return_matrices
 def comparison_table(results: Results) -> RenderableType:
     """What ``harness run`` and ``harness report`` print at the end: a block per combination, then the cells."""
     combinations = results.combinations
-    blocks = [_combination_block(combination, len(combinations)) for combination in combinations]
+    blocks = [_combination_block(results, combination) for combination in combinations]
     if any(combination.seeds for combination in combinations):
         is_split = any(combination.is_split for combination in combinations)
-        told = [SCALES, *([SPLIT, PATHS] if is_split else []), NO_REWARD]
+        told = [SCALES, *([SPLIT] if is_split else []), NO_REWARD, TESTS]
         blocks.append(Text(" ".join(told) + "\n"))
     matrices = return_matrices(results)
     if matrices:
@@ -40,19 +42,28 @@ def comparison_table(results: Results) -> RenderableType:
     return Group(*blocks, *map(Text, unfinished_cells(results)))
 
 
-def _combination_block(combination: Combination, combinations: int) -> RenderableType:
-    """The verdict first, then what it rests on."""
+def _combination_block(results: Results, combination: Combination) -> RenderableType:
+    """The two answers first, then what they rest on; what the page has beyond that would fill screens."""
+    headline, decomposition = combination.headline, combination.decomposition
     parts: list[RenderableType] = [
         Text(combination.group.title, style="bold"),
         Text(rewards_text(combination)),
-        Text(f"{seeds_text(combination.seeds)} compared, {combination.group.steps:,} training steps per run"),
-        Text(f"policies evaluated {combination.group.manner}\n"),
-        Text(combination.verdict, style="bold"),
+        Text(f"{seeds_text(combination.seeds)} compared, {combination.group.steps:,} training steps per run\n"),
+        Text(f"The robot: {answer_text(headline)}", style="bold"),
+        Text(headline.robot),
     ]
-    corrected = corrected_text(combination, combinations)
-    parts += [Text(line) for line in (combination.basis, corrected) if line]
+    more = advice(results, combination)
+    parts += [Text(more)] if more else []
+    parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
     splits = combination.splits
-    grids = (ratio_grid(splits), split_grid(splits), index_grid(combination.decomposition), behaviour_grid(combination))
+    grids = [
+        *behaviour_grids(combination)[:1],
+        along_grid(combination),
+        ratio_grid(splits),
+        split_grid(splits),
+        sum_grid(decomposition.total if decomposition else None),
+        index_grid(decomposition, results.kind),
+    ]
     for grid in grids:
         parts += show_grid(grid)
     return Group(*parts, Text())

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from harness.eta.curve import GroupCurve, Kind
-from harness.eta.decompose import BB, KK
+from harness.eta.scored_sums import BB, KK
 from harness.report.eta_table import comparison_title, runs_text
 from harness.report.figure import Figure, draw_curve
 from harness.report.page import render_page, write_page
@@ -24,7 +24,7 @@ def write_eta_page(comparison: Comparison, path: Path) -> None:
         "--plot",
         title=comparison_title(comparison),
         runs=runs_text(comparison),
-        verdict=comparison.verdict,
+        number=comparison.number,
         kind=comparison.kind,
         figure=draw_groups(comparison),
     )

@@ -4,21 +4,28 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.report.grid_table import show_grid
-from harness.report.rows import SCALES, index_grid, ratio_grid, split_grid
+from harness.report.rows import SCALES, index_grid, ratio_grid, split_grid, sum_grid
 from harness.score.compare import Comparison
 
 UNKNOWN = "an unknown reward"
 
 
 def eta_table(comparison: Comparison) -> RenderableType:
-    """What ``harness eta`` prints: the verdict first, then what it rests on, as ``harness report`` shows it."""
+    """What ``harness eta`` prints: the number in words first, then what it rests on, as ``harness report`` shows it."""
     splits = comparison.decomposition.splits
     parts: list[RenderableType] = [
         Text(comparison_title(comparison), style="bold"),
         Text(f"{runs_text(comparison)}\n"),
-        Text(comparison.verdict, style="bold"),
+        Text(comparison.number, style="bold"),
     ]
-    for grid in (ratio_grid(splits), split_grid(splits), index_grid(comparison.decomposition, comparison.kind)):
+    decomposition = comparison.decomposition
+    grids = (
+        ratio_grid(splits),
+        split_grid(splits),
+        sum_grid(decomposition.total),
+        index_grid(decomposition, comparison.kind),
+    )
+    for grid in grids:
         parts += show_grid(grid)
     return Group(*parts, Text(f"\n{SCALES}"))
 

@@ -20,6 +20,7 @@ GAP = 2
 def show_grid(grid: Grid) -> list[RenderableType]:
     """The grid with its notes, an empty line before it; nothing if it is empty."""
     parts: list[RenderableType] = [GridTable(grid)] if grid.rows else []
+    parts = [Text(grid.title, style="bold"), *parts] if grid.rows and grid.title else parts
     parts += map(Text, grid.notes)
     return [Text(), *parts] if parts else []
 

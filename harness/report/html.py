@@ -3,13 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from harness.eta.index import Ratio
-from harness.eta.verdict import SUCCESS
+from harness.eta.headline import SUCCESS
 from harness.record.store import EXPERIMENT
+from harness.report.behaviour_rows import BehaviourRow, along_grid, behaviour_grids, behaviour_row, seeds_grid
 from harness.report.facts import shared_facts
 from harness.report.figure import draw_panels
 from harness.report.learning_figure import describe_learning, draw_learning
 from harness.report.page import render_page, write_page
+from harness.report.profile_figure import describe_profile, draw_profile
 from harness.report.question import question
 from harness.report.return_rows import EXPLANATION as RETURNS
 from harness.report.return_rows import TITLE as RETURN_TITLE
@@ -19,19 +20,21 @@ from harness.report.rows import (
     PATHS,
     SCALES,
     SPLIT,
-    BehaviourRow,
+    TESTS,
+    TOTAL,
     Grid,
-    behaviour_grid,
-    behaviour_row,
-    corrected_text,
+    advice,
+    answer_text,
     count_cells,
     index_grid,
     interval_text,
+    path_grid,
     ratio_grid,
     ratio_text,
     rewards_text,
     seeds_text,
     split_grid,
+    sum_grid,
 )
 from harness.report.split_figure import draw_split
 from harness.report.split_rows import describe_split
@@ -57,26 +60,19 @@ def write_html(results: Results, path: Path) -> None:
 
 
 def describe_comparison(combination: Combination) -> str:
-    """In plain words: what was compared, and the numbers."""
+    """In plain words: what was compared."""
     group, seeds = combination.group, combination.seeds
     if not seeds:
         return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
-    sentences = [
+    paid = (
+        f"twice paid by {combination.baseline}, the second time with other seeds"
+        if combination.is_control
+        else f"once paid by {combination.baseline}, once by {combination.proposed}"
+    )
+    return (
         f"The robot {group.robot} learned {group.task.label} in {group.labels['simulator']} with "
-        f"{group.algorithm.label}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: once paid by "
-        f"{combination.baseline}, once by {combination.proposed}.",
-        f"Of the reward accumulated while learning, {_read_out(combination)}.",
-        SCALES,
-    ]
-    success = _success(combination)
-    if success:
-        sentences.append(
-            f"Evaluated after training, without any reward and acting {group.manner}, the policies trained with "
-            f"{combination.baseline} reach the target in {success.baseline} of the episodes, those trained with "
-            f"{combination.proposed} in "
-            f"{success.proposed}, random actions in {success.random}."
-        )
-    return " ".join(sentences)
+        f"{group.algorithm.label}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: {paid}. {SCALES}"
+    )
 
 
 def _render(results: Results) -> str:
@@ -87,7 +83,8 @@ def _render(results: Results) -> str:
         nothing=NOTHING,
         sections=[_section(results, combination) for combination in results.combinations],
         split=SPLIT,
-        paths=PATHS,
+        paths=f"{PATHS} {TOTAL}",
+        tests=TESTS,
         cell_count=count_cells(results),
         returns=_returns(return_matrices(results)),
         transfer=_transfer(load_transfers(results)),
@@ -99,22 +96,35 @@ def _render(results: Results) -> str:
 
 def _section(results: Results, combination: Combination) -> dict[str, Any]:
     """What the template shows of a combination."""
-    corrected = corrected_text(combination, len(results.combinations))
+    headline = combination.headline
     return {
         "title": combination.group.title,
         "rewards": rewards_text(combination),
-        "proposed": combination.proposed,
-        "verdict": combination.verdict,
-        "basis": [line for line in (combination.basis, corrected) if line],
+        "proposed": combination.names.proposed,
+        "answer": answer_text(headline),
+        "badge": headline.answer.name.lower().replace("_", "-"),
+        "robot": headline.robot,
+        "number": headline.number,
+        "advice": advice(results, combination),
         "ratios": [(ratio_text(eta), interval_text(eta, missing="")) for eta in (combination.eta_n, combination.eta_p)],
         "success": _success(combination),
         "summary": describe_comparison(combination),
         "split_panels": _split_panels(combination),
-        "eta_grids": _full([ratio_grid(combination.splits), split_grid(combination.splits)]),
+        "behaviour": _full([*behaviour_grids(combination)[:1], along_grid(combination)]),
+        "other_behaviour": _full([*behaviour_grids(combination)[1:], seeds_grid(combination)]),
+        "eta_grids": _full(
+            [
+                ratio_grid(combination.splits),
+                split_grid(combination.splits),
+                path_grid(combination.splits),
+                _sum_grid(combination),
+            ]
+        ),
         "panels": _label_panels(combination),
         "learning": _learning_panels(results, combination),
+        "profiles": _profile_panels(combination),
         "trajectories": _trajectory_panels(results, combination),
-        "grids": _full([index_grid(combination.decomposition), behaviour_grid(combination)]),
+        "grids": _full([index_grid(combination.decomposition, results.kind)]),
     }
 
 
@@ -142,6 +152,15 @@ def _trajectory_panels(results: Results, combination: Combination) -> list[dict[
     ]
 
 
+def _profile_panels(combination: Combination) -> list[dict[str, Any]]:
+    """Which share of the seeds reaches how much success."""
+    success = combination.success
+    figure = draw_profile(success) if success else None
+    if success is None or figure is None:
+        return []
+    return [{"heading": "Success over seeds", "figure": figure, "caption": describe_profile(success)}]
+
+
 def _returns(matrices: list[ReturnMatrix]) -> dict[str, Any] | None:
     """What the template shows of returns under every reward; None before a cell is done."""
     if not matrices:
@@ -160,6 +179,10 @@ def _transfer(transfers: Transfers) -> dict[str, Any] | None:
         "blocks": [transfer_block(matrix) for matrix in transfers.matrices],
         "failed": failure_lines(transfers.failed),
     }
+
+
+def _sum_grid(combination: Combination) -> Grid:
+    return sum_grid(combination.decomposition.total if combination.decomposition else None)
 
 
 def _full(grids: list[Grid]) -> list[Grid]:
@@ -200,15 +223,3 @@ def _label_panels(combination: Combination) -> list[dict[str, Any]]:
 def _success(combination: Combination) -> BehaviourRow | None:
     """The row of the success rate, if it was measured."""
     return behaviour_row(combination.success) if combination.success else None
-
-
-def _read_out(combination: Combination) -> str:
-    """Both ratios in a sentence."""
-    return " and ".join(_told(name, split.eta) for name, split in combination.splits.items())
-
-
-def _told(name: str, ratio: Ratio) -> str:
-    if ratio.near_zero is not None:
-        return f"{name} says little, as an index is near zero"
-    interval = interval_text(ratio, missing="")
-    return f"{name} is {ratio_text(ratio)}" + (f" (95% interval {interval})" if interval else "")

@@ -8,8 +8,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve
-from harness.eta.decompose import BB, KK
 from harness.eta.index import Index
+from harness.eta.scored_sums import BB, KK
 from harness.report.palette import BLUE, VERMILION
 from harness.results.combination import Combination
 

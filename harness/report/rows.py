@@ -2,15 +2,15 @@
 
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from harness.eta.behaviour_change import Change
 from harness.eta.curve import Kind
-from harness.eta.decompose import Decomposition, Split, Splits
+from harness.eta.decompose import Decomposition, Split, SplitPath, Splits, SumSplit
+from harness.eta.headline import Headline
 from harness.eta.index import Index, Ratio
-from harness.eta.statistics import interval_notes
-from harness.eta.verdict import SUCCESS
+from harness.eta.seed_mean import SeedMean
+from harness.record.store import EXPERIMENT
 from harness.results import Results
 from harness.results.combination import Combination
 
@@ -22,10 +22,18 @@ SPLIT = (
     "the behaviour is the two trainings scored by one reward."
 )
 PATHS = (
-    "The first path takes the ruler on the proposed runs and the behaviour under the baseline reward, the other path "
-    "the ruler on the baseline's runs and the behaviour under the proposed reward; both multiply to eta."
+    "Each part is the geometric mean of two paths: the ruler on the proposed runs with the behaviour under the "
+    "baseline reward, and the ruler on the baseline's runs with the behaviour under the proposed reward. Their "
+    "interaction is the one ruler over the other: 1 where both paths say the same."
+)
+TOTAL = (
+    "I_N + I_P is the sum of the whole curve: its change is a sum, ruler + behaviour, also where no ratio is defined."
 )
 NO_REWARD = "No reward enters the success rate and the other measures of behaviour."
+TESTS = (
+    "p: how often chance alone gives a difference as large, corrected for all claims of the experiment together. A "
+    "result stands only where p is at most 0.05. Intervals are over seeds, 95% each by itself."
+)
 BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
 
 
@@ -35,27 +43,14 @@ class Grid(NamedTuple):
     headings: tuple[str, ...]
     rows: list[tuple[str, ...]]
     notes: list[str]
-
-
-class BehaviourRow(NamedTuple):
-    """One measure of the trained policies and of random actions, ready to print."""
-
-    name: str
-    baseline: str
-    proposed: str
-    difference: str
-    random: str
-    better: str
-    direction: str
-
-
-BEHAVIOUR_HEADINGS = ("behaviour", "baseline", "proposed", "difference", "random", "better", "result")
+    title: str = ""
+    """Stands above; the heading of the names would wrap."""
 
 
 def rewards_text(combination: Combination) -> str:
     """Which rewards were compared."""
     told = f"{combination.proposed} against {combination.baseline}"
-    return f"{told} (A/A, the null control)" if combination.proposed == combination.baseline else told
+    return f"{told}, trained again with other seeds (A/A, the null control)" if combination.is_control else told
 
 
 def seeds_text(seeds: Sequence[int]) -> str:
@@ -64,40 +59,93 @@ def seeds_text(seeds: Sequence[int]) -> str:
     return f"{len(seeds)} {noun} ({', '.join(map(str, seeds))})" if seeds else "no seed"
 
 
+def answer_text(headline: Headline) -> str:
+    """The answer about the robot, as a badge shows it."""
+    return headline.answer.value.upper()
+
+
+def advice(results: Results, combination: Combination) -> str:
+    """The command that adds the seeds that would tell; empty where none would, or none is needed."""
+    needed, seeds = combination.headline.seeds_to_decide, combination.seeds
+    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control:
+        return ""
+    more = next(count for count in needed if count > len(seeds))
+    folder = results.folder
+    return f"More seeds: harness run {folder / EXPERIMENT} --out {folder} --seeds {more}"
+
+
 def ratio_grid(splits: Splits) -> Grid:
-    """eta_N and eta_P with their intervals, beside what the baseline's own seeds give against each other."""
+    """eta_N and eta_P with their intervals, beside what single seeds and the baseline's own runs give."""
     rows: list[tuple[str, ...]] = [
-        (name, ratio_text(split.eta), interval_text(split.eta), BETTER[name]) for name, split in splits.items()
+        (
+            name,
+            ratio_text(split.eta),
+            interval_text(split.eta),
+            ratio_text(split.per_seed),
+            interval_text(split.noise),
+            format_p(split.corrected if split.corrected is not None else split.p),
+            BETTER[name],
+        )
+        for name, split in splits.items()
     ]
-    headings: tuple[str, ...] = ("proposed / baseline", "ratio", "95% interval", "better")
+    headings = ("", "ratio", "95% interval", "seed by seed", "noise", "p", "better")
     notes = _lines(_remarks((name, split.eta) for name, split in splits.items()))
-    if any(split.noise.value is not None for split in splits.values()):
-        rows = [(*row[:3], interval_text(splits[row[0]].noise), row[3]) for row in rows]
-        headings = (*headings[:3], "A/A noise", headings[3])
-        noises = _remarks((name, split.noise) for name, split in splits.items())
-        notes += [f"A/A noise of {line}" for line in _lines(noises)]
-    return Grid(headings, rows, notes)
+    known = {note for split in splits.values() for note in split.eta.notes}
+    for part in ("per_seed", "noise"):
+        told = ((f"{name} {LABELS[part]}", getattr(split, part)) for name, split in splits.items())
+        notes += _lines((name, remark) for name, remark in _remarks(told) if remark not in known)
+    flags = [f"{name}: {flag}" for name, split in splits.items() for flag in split.flags]
+    return Grid(headings, rows, [*notes, *flags], "eta = proposed / baseline")
+
+
+LABELS = {"per_seed": "seed by seed", "noise": "noise"}
 
 
 def split_grid(splits: Splits) -> Grid:
-    """Both etas as ruler x behaviour, on both paths; what is said of the etas themselves is not said again."""
-    headings = ("eta = ruler x behaviour", "ruler", "95% interval", "behaviour", "95% interval")
-    known = {note for split in splits.values() for note in split.eta.notes}
+    """Both etas as ruler x behaviour; what is said of the etas themselves is not said again."""
+    headings = (*PARTS, "interaction")
     if not all(split.is_scored for split in splits.values()):
         reasons = dict.fromkeys(split.ruler.note for split in splits.values() if split.ruler != split.eta)
         return Grid(headings, [], [f"Not split into ruler x behaviour: {reason}" for reason in reasons])
-    rows: list[tuple[str, ...]] = []
-    remarks: list[tuple[str, str]] = []
-    for name, split in splits.items():
-        first, other = (split.ruler, split.behaviour), (split.other_ruler, split.other_behaviour)
-        rows += [
-            (f"{name} = {ratio_text(split.eta)}", *_cells(first)),
-            ("  other path", *_cells(other)),
-        ]
-        parts = (f"{name} ruler", f"{name} behaviour", f"{name} other ruler", f"{name} other behaviour")
-        remarks += _remarks(zip(parts, (*first, *other), strict=True), known)
-    disagreements = [_disagreement(name, split) for name, split in splits.items() if split.paths_disagree]
-    return Grid(headings, rows, disagreements + _lines(remarks))
+    parts = {name: SplitPath(split.ruler, split.behaviour) for name, split in splits.items()}
+    rows: list[tuple[str, ...]] = [
+        (name, *_cells(part), ratio_text(splits[name].interaction)) for name, part in parts.items()
+    ]
+    return Grid(headings, rows, _part_notes(parts, _known(splits.values())), "eta = ruler x behaviour")
+
+
+def path_grid(splits: Splits) -> Grid:
+    """Both paths that each split is the mean of; what is said of the split itself is not said again."""
+    parts = {
+        f"{name} on {where}": path
+        for name, split in splits.items()
+        for where, path in zip(PATH_NAMES, split.paths, strict=False)
+    }
+    known = _known(splits.values()) | {
+        remark for split in splits.values() for part in (split.ruler, split.behaviour) for remark in part.remarks
+    }
+    rows: list[tuple[str, ...]] = [(name, *_cells(path)) for name, path in parts.items()]
+    return Grid(PARTS, rows, _part_notes(parts, known), "ruler x behaviour, on each path")
+
+
+PARTS = ("", "ruler", "95% interval", "behaviour", "95% interval")
+PATH_NAMES = ("proposed runs", "baseline's runs")
+"""Where the ruler of a path is read."""
+
+
+def sum_grid(total: SumSplit | None) -> Grid:
+    """The change of I_N + I_P, and what it is made of; no rows without any."""
+    headings = ("", "difference", "95% interval")
+    if total is None:
+        return Grid(headings, [], [])
+    parts = {"change": total.change, "  of it ruler": total.ruler, "  of it behaviour": total.behaviour}
+    rows: list[tuple[str, ...]] = [
+        (name, format_number(part.mean), mean_interval_text(part))
+        for name, part in parts.items()
+        if part.mean is not None
+    ]
+    reasons = dict.fromkeys(part.note for part in parts.values() if part.note)
+    return Grid(headings, rows, list(reasons), "I_N + I_P, proposed - baseline")
 
 
 def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") -> Grid:
@@ -105,33 +153,9 @@ def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") 
     headings = (f"{kind} reward", "baseline", "proposed")
     if decomposition is None:
         return Grid(headings, [], [])
-    names = ("first negative step", "cross-over step", "steps of the mean curve", "I_N", "I_P")
+    names = ("first negative step", "cross-over step", "steps of the mean curve", "I_N", "I_P", "I_N + I_P")
     columns = _texts(decomposition.baseline), _texts(decomposition.proposed)
     return Grid(headings, list(zip(names, *columns, strict=True)), [])
-
-
-def behaviour_grid(combination: Combination) -> Grid:
-    """Every measure of the trained policies and of random actions, the success rate first."""
-    rows = behaviour_rows(combination)
-    if not rows:
-        return Grid(BEHAVIOUR_HEADINGS, [], [])
-    note = "difference: 95% interval of proposed - baseline; a result only where it leaves out 0"
-    return Grid(BEHAVIOUR_HEADINGS, list(rows), [note, *interval_notes(len(combination.seeds))])
-
-
-def behaviour_rows(combination: Combination) -> list[BehaviourRow]:
-    """One row per measure."""
-    ordered = sorted(combination.changes, key=lambda change: change.name != SUCCESS)
-    return [behaviour_row(change) for change in ordered]
-
-
-def corrected_text(combination: Combination, combinations: int) -> str:
-    """The p-values that hold for all combinations together; empty for one alone, which needs no correction."""
-    names = {"eta_n": "eta_N", "eta_p": "eta_P", "success": "success rate"}
-    told = [f"{names[key]} {_format_p(p)}" for key, p in combination.corrected.items() if p is not None]
-    if combinations < 2 or not told:
-        return ""
-    return f"p of no change, corrected for {combinations} combinations: {', '.join(told)}"
 
 
 def count_cells(results: Results) -> str:
@@ -178,7 +202,32 @@ def format_number(value: float | None) -> str:
     return f"{rounded:,.{max(0, 2 - size)}f}"
 
 
-def _cells(path: tuple[Ratio, Ratio]) -> tuple[str, ...]:
+def mean_interval_text(mean: SeedMean) -> str:
+    """The interval of a mean."""
+    if mean.low is None or mean.high is None:
+        return NOTHING
+    return f"[{format_number(mean.low)}, {format_number(mean.high)}]"
+
+
+def format_p(p: float | None) -> str:
+    """A p-value."""
+    if p is None:
+        return NOTHING
+    return "< 0.001" if p < 0.001 else f"{p:.3f}"
+
+
+def _known(splits: Iterable[Split]) -> set[str]:
+    """What is said of the etas themselves."""
+    return {remark for split in splits for remark in split.eta.remarks}
+
+
+def _part_notes(parts: Mapping[str, SplitPath], known: Collection[str]) -> list[str]:
+    """What is to keep in mind of rulers and behaviours, by what they are parts of."""
+    named = ((f"{what} of {name}", part) for name, path in parts.items() for what, part in path._asdict().items())
+    return _lines(_remarks(named, known))
+
+
+def _cells(path: SplitPath) -> tuple[str, ...]:
     return tuple(text for ratio in path for text in (ratio_text(ratio), interval_text(ratio)))
 
 
@@ -203,51 +252,9 @@ def _lines(remarks: Iterable[tuple[str, str]]) -> list[str]:
     return [f"{', '.join(names)}: {remark}" for remark, names in subjects.items()]
 
 
-def _disagreement(name: str, split: Split) -> str:
-    parts = (split.ruler, split.behaviour, split.other_ruler, split.other_behaviour)
-    if any(part.near_zero is not None for part in parts):  # its number would be a big one
-        return f"{name}: the two paths cannot be compared, a part is near zero"
-    return f"{name}: {split.disagreement}"
-
-
 def _texts(index: Index) -> Iterator[str]:
     for step in (index.first_negative, index.crossover):
         yield "never" if step is None else f"{step:,}"
     yield f"{index.steps:,}"
-    for total in (index.I_N, index.I_P):
+    for total in (index.I_N, index.I_P, index.total):
         yield f"{total:,.1f}"
-
-
-def behaviour_row(change: Change) -> BehaviourRow:
-    """One measure."""
-    values = (change.baseline, change.proposed, change.random)
-    # A metric without a unit is a number like any other; as a percentage it reads best while it is a share.
-    is_share = not change.unit and all(value is None or 0.0 <= value <= 1.0 for value in values)
-    baseline, proposed, random = map(_format_share if is_share else format_number, values)
-    name = change.name.replace("_", " ")
-    needs_unit = change.unit and change.unit not in name.split()
-    return BehaviourRow(
-        f"{name} [{change.unit}]" if needs_unit else name,
-        baseline,
-        proposed,
-        _format_difference(change, is_share),
-        random,
-        change.better,
-        change.direction,
-    )
-
-
-def _format_difference(change: Change, is_share: bool) -> str:
-    if change.low is None or change.high is None:
-        return NOTHING
-    if is_share:  # percentage points
-        return f"[{100 * change.low + 0.0:.1f}, {100 * change.high + 0.0:.1f}] pp"
-    return f"[{format_number(change.low)}, {format_number(change.high)}]"
-
-
-def _format_share(value: float | None) -> str:
-    return NOTHING if value is None else f"{value:.1%}"
-
-
-def _format_p(p: float) -> str:
-    return "< 0.001" if p < 0.001 else f"{p:.3f}"

@@ -73,7 +73,7 @@ def _layout(title: str, rows: list[SplitRow], low: float, high: float) -> Figure
         "font": {"family": FONT, "size": 13, "color": INK},
         "paper_bgcolor": "#ffffff",
         "plot_bgcolor": "#ffffff",
-        "height": 330,
+        "height": 400,
         "margin": {"l": 10, "r": 24, "t": 10, "b": 10},
         "showlegend": False,
         "hovermode": "closest",
@@ -92,7 +92,7 @@ def _layout(title: str, rows: list[SplitRow], low: float, high: float) -> Figure
         },
         "yaxis": {
             **axis,
-            "range": [4.9, -0.8],
+            "range": [7.1, -0.8],
             "tickvals": [row.place for row in rows],
             "ticktext": [row.label for row in rows],
             "showgrid": False,

@@ -18,18 +18,22 @@ class SplitRow(NamedTuple):
     """Down from the top."""
     colour: str
     symbol: str
-    """``circle``, ``square`` or ``diamond``; ``-open`` behind it on the other path."""
+    """``circle``, ``square`` or ``diamond``; ``-open`` behind it on a single path."""
 
 
 def split_rows(name: str, split: Split) -> list[SplitRow]:
-    """An eta and both of its paths, from top to bottom."""
-    return [
+    """An eta, its split, and both paths that this is the mean of, from top to bottom."""
+    rows = [
         SplitRow(name, split.eta, 0.0, INK, "circle"),
         SplitRow("ruler", split.ruler, 1.3, GREY, "square"),
         SplitRow("behaviour", split.behaviour, 2.2, GREEN, "diamond"),
-        SplitRow("ruler, other path", split.other_ruler, 3.5, GREY, "square-open"),
-        SplitRow("behaviour, other path", split.other_behaviour, 4.4, GREEN, "diamond-open"),
     ]
+    for place, (where, path) in enumerate(zip(("proposed runs", "baseline's runs"), split.paths, strict=False)):
+        rows += [
+            SplitRow(f"ruler, {where}", path.ruler, 3.5 + 2.2 * place, GREY, "square-open"),
+            SplitRow(f"behaviour, {where}", path.behaviour, 4.4 + 2.2 * place, GREEN, "diamond-open"),
+        ]
+    return rows
 
 
 def has_parts(rows: list[SplitRow]) -> bool:
@@ -39,6 +43,5 @@ def has_parts(rows: list[SplitRow]) -> bool:
 
 def describe_split(name: str, split: Split) -> str:
     """The same in words."""
-    first = f"ruler {ratio_text(split.ruler)} x behaviour {ratio_text(split.behaviour)}"
-    other = f"ruler {ratio_text(split.other_ruler)} x behaviour {ratio_text(split.other_behaviour)}"
-    return f"{name} {ratio_text(split.eta)} = {first}; other path: {other}."
+    parts = f"ruler {ratio_text(split.ruler)} x behaviour {ratio_text(split.behaviour)}"
+    return f"{name} {ratio_text(split.eta)} = {parts}; interaction {ratio_text(split.interaction)}."

@@ -2,15 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
+from harness.arrays import Float
 from harness.eta.behaviour_change import Change
 from harness.eta.curve import GroupCurve
-from harness.eta.decompose import Decomposition, Pair, Splits, no_splits, splits_to_json
+from harness.eta.decompose import Decomposition, Splits, no_splits, splits_to_json
+from harness.eta.headline import SUCCESS, Answer, Headline, Names, headline_of
 from harness.eta.index import Index, Ratio
-from harness.eta.verdict import SUCCESS, basis, verdict
+from harness.eta.scored_sums import Pair
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
+from harness.results.measured import DETERMINISTIC, STOCHASTIC
 
 
 class Group(NamedTuple):
@@ -59,6 +63,18 @@ class Group(NamedTuple):
         return {**self.labels, "steps": self.steps, "deterministic": self.deterministic}
 
 
+class StepChange(NamedTuple):
+    """What decides about the robot, before the trainings have ended."""
+
+    steps: int
+    """Environment steps of training before the evaluation."""
+    changes: tuple[Change, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"steps": self.steps, "behaviour": [change.to_json() for change in self.changes]}
+
+
 @dataclass(frozen=True, eq=False)
 class Combination:
     """One proposed reward against the baseline, on one simulator, robot, task and algorithm.
@@ -66,13 +82,15 @@ class Combination:
     Attributes:
         group: What both share.
         baseline: Label of the baseline reward.
-        proposed: Label of the proposed reward.
+        proposed: Label of the proposed reward; the baseline's for the null control, whose proposed runs are the
+            baseline trained again with other seeds.
         seeds: Those that are done under both rewards, and compared.
         decomposition: Both etas and how they split; None without a seed.
-        changes: Measures of behaviour of the trained policies, and of random actions.
+        changes: Measures of behaviour: of the trained policies by how they acted, of the trainings, of learning.
         curves: S_r(tau_q) by (r, q), as far as the rewards could be scored.
-        corrected: p-values that hold for all combinations of the experiment together, by ``eta_n``, ``eta_p``,
-            ``success``; None where there is none.
+        along: What decides about the robot, at each evaluation before the end of the trainings.
+        episodes: Finished episodes that the measures of each manner rest on, of each seed at least.
+        claims: How many are made together, in all combinations of the experiment but the null control.
     """
 
     group: Group
@@ -82,7 +100,19 @@ class Combination:
     decomposition: Decomposition | None
     changes: tuple[Change, ...]
     curves: Mapping[Pair, GroupCurve]
-    corrected: Mapping[str, float | None] = field(default_factory=dict)
+    along: tuple[StepChange, ...] = ()
+    episodes: Mapping[str, int] = field(default_factory=dict)
+    claims: int = 0
+
+    @property
+    def is_control(self) -> bool:
+        """Whether it compares the baseline with itself."""
+        return self.baseline == self.proposed
+
+    @property
+    def names(self) -> Names:
+        """What both trainings are called, apart also where they have one reward."""
+        return Names(self.baseline, f"{self.proposed} (other seeds)" if self.is_control else self.proposed)
 
     @property
     def splits(self) -> Splits:
@@ -115,23 +145,49 @@ class Combination:
         return self.decomposition.proposed if self.decomposition else None
 
     @property
-    def verdict(self) -> str:
-        """What it comes to, in one line."""
+    def outcomes(self) -> list[Float | None]:
+        """What every claim would have come to with the names swapped: both etas, all changes, all along the budget."""
         if self.decomposition is None:
-            return f"Nothing to compare: {self._empty}."
-        return verdict(self.decomposition, self.changes, self.corrected.get("success"))
+            return []
+        changes = [*self.changes, *(change for moment in self.along for change in moment.changes)]
+        return [
+            self.decomposition.negative.outcomes,
+            self.decomposition.positive.outcomes,
+            *(change.outcomes for change in changes),
+        ]
 
     @property
-    def basis(self) -> str:
-        """What the verdict rests on."""
-        if self.decomposition is None:
-            return ""
-        return basis(self.decomposition, self.changes, self.group.evaluation_episodes)
+    def own_manner(self) -> str:
+        """How the cells say that policies act; along the budget they were evaluated in no other manner."""
+        return DETERMINISTIC if self.group.deterministic else STOCHASTIC
+
+    @property
+    def manner(self) -> str:
+        """How the policies acted that decide about the robot: as the cells say, unless that is fewer episodes."""
+        own = self.own_manner
+        acted = {manner: self.episodes[manner] for manner in (DETERMINISTIC, STOCHASTIC) if manner in self.episodes}
+        return max(acted, key=lambda manner: (acted[manner], manner == own), default=own)
+
+    def changes_of(self, manner: str) -> tuple[Change, ...]:
+        """The measures of one manner."""
+        return tuple(change for change in self.changes if change.measure.manner == manner)
 
     @property
     def success(self) -> Change | None:
-        """The change of the success rate."""
-        return next((change for change in self.changes if change.name == SUCCESS), None)
+        """The change of the success rate that decides about the robot."""
+        return next((change for change in self.changes_of(self.manner) if change.name == SUCCESS), None)
+
+    @cached_property
+    def headline(self) -> Headline:
+        """What it comes to: the robot, and the number."""
+        if self.decomposition is None:
+            return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self._empty}.", "")
+        return headline_of(self.names, self.decomposition, self.changes_of(self.manner), self.claims)
+
+    def headline_at(self, moment: StepChange) -> Headline:
+        """What it would come to after so many steps."""
+        assert self.decomposition is not None  # there is no evaluation without a cell
+        return headline_of(self.names, self.decomposition, moment.changes, self.claims)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the curves left out."""
@@ -139,17 +195,23 @@ class Combination:
             **self.group.to_json(),
             "baseline": self.baseline,
             "proposed": self.proposed,
+            "is_control": self.is_control,
             "seeds": list(self.seeds),
+            "headline": self.headline.to_json(),
             **splits_to_json(self.splits),
+            "total": self.decomposition and self.decomposition.total.to_json(),
             "baseline_index": self.baseline_index and self.baseline_index.to_json(),
             "proposed_index": self.proposed_index and self.proposed_index.to_json(),
-            "success": {who: self.success and getattr(self.success, who) for who in ("baseline", "proposed", "random")},
+            "claims": self.claims,
+            "episodes": dict(self.episodes),
             "behaviour": [change.to_json() for change in self.changes],
-            "p_corrected": dict(self.corrected),
-            "verdict": self.verdict,
-            "basis": self.basis,
+            "along_the_budget": [
+                {**moment.to_json(), "answer": self.headline_at(moment).answer.value} for moment in self.along
+            ],
         }
 
     @property
     def _empty(self) -> str:
+        if self.is_control:
+            return f"{self.baseline} is not trained again with other seeds yet"
         return f"no seed is done under both {self.baseline} and {self.proposed}"

@@ -5,19 +5,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, evaluation_files
-from harness.record.trace import read_trace
+from harness.metric import is_share
 from harness.results.combination import Combination, Group
-from harness.results.results import Results, Values
-
-
-class Moment(NamedTuple):
-    """One evaluation of one cell."""
-
-    steps: int
-    """Environment steps of training before it."""
-    values: Values
+from harness.results.measured import Moment, Values, moments_by_due
+from harness.results.results import Results
 
 
 @dataclass(frozen=True)
@@ -103,37 +94,42 @@ class Learning:
 
 
 def learning_of(results: Results, combination: Combination) -> Learning | None:
-    """The learning curves of a combination; None where no evaluation was recorded before the end of a training.
+    """The learning curves of a combination.
+
+    None for the null control, and where no training was evaluated before its end.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    if not combination.group.evaluate_every:
+    if not combination.group.evaluate_every or combination.is_control:
         return None
     baseline, proposed = (_curve(results, combination, it) for it in (combination.baseline, combination.proposed))
     if not any(len(run.moments) > 1 for curve in (baseline, proposed) for run in curve.runs):
         return None
-    return Learning(baseline, proposed, {change.name: change.random for change in combination.changes})
+    random = {change.name: change.random for change in combination.changes_of(combination.own_manner)}
+    return Learning(baseline, proposed, random)
 
 
-def learning_points(runs: Sequence[LearningRun], metric: str, group: Group) -> tuple[Point, ...]:
-    """The mean of one metric over seeds at each evaluation.
+def learning_points(
+    runs: Sequence[LearningRun], metric: str, group: Group, is_share: bool = False
+) -> tuple[Point, ...]:
+    """The mean of one metric, which may be a share of episodes, over seeds at each evaluation.
 
-    Evaluations are put together by the multiple of `evaluate_every` that they were due at: algorithms that act for
-    several steps at a time do not all hit it.
+    Evaluations are put together that were due together.
     """
     found: dict[int, list[Moment]] = {}
     for run in runs:
-        for moment in run.moments:
-            due = moment.steps // group.evaluate_every if moment.steps < group.steps else group.steps + 1
+        for due, moment in moments_by_due(run.moments, group.evaluate_every, group.steps):
             found.setdefault(due, []).append(moment)
-    return tuple(_point(moments, metric, len(runs)) for _, moments in sorted(found.items()))
+    episodes = group.evaluation_episodes if is_share else None
+    return tuple(_point(moments, metric, len(runs), episodes) for _, moments in sorted(found.items()))
 
 
-def _point(moments: list[Moment], metric: str, seeds: int) -> Point:
+def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None) -> Point:
     values = [value for moment in moments if (value := moment.values[metric]) is not None]
     missing = None if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
-    return Point(round(sum(moment.steps for moment in moments) / len(moments)), mean_over_seeds(values, missing))
+    steps = round(sum(moment.steps for moment in moments) / len(moments))
+    return Point(steps, mean_over_seeds(values, missing, episodes))
 
 
 def _curve(results: Results, combination: Combination, label: str) -> LearningCurve:
@@ -142,16 +138,12 @@ def _curve(results: Results, combination: Combination, label: str) -> LearningCu
         for cell in results.done_cells
         if Group.of(cell) == combination.group and cell.reward.label == label
     }
-    runs = tuple(LearningRun(seed, _moments(results, cells[seed])) for seed in combination.seeds)
-    return LearningCurve(
-        label, runs, {name: learning_points(runs, name, combination.group) for name in results.metrics}
-    )
-
-
-def _moments(results: Results, cell: Cell) -> tuple[Moment, ...]:
-    folder = results.store.cell_folder(cell)
-    files = {**evaluation_files(folder), cell.steps: folder / EVALUATION}
-    return tuple(Moment(steps, results.measure(read_trace(path))) for steps, path in files.items())
+    runs = tuple(LearningRun(seed, results.moments(cells[seed])) for seed in combination.seeds)
+    points = {
+        name: learning_points(runs, name, combination.group, is_share(metric))
+        for name, metric in results.metrics.items()
+    }
+    return LearningCurve(label, runs, points)
 
 
 def _point_to_json(point: Point) -> dict[str, Any]:

@@ -46,12 +46,14 @@ class Trajectories:
 
 
 def trajectories_of(results: Results, combination: Combination) -> Trajectories | None:
-    """The end effector's ways under both rewards, of the first seed that both have; None where there is none.
+    """The end effector's ways under both rewards, of the first seed that both have.
+
+    None where there is none, and for the null control, which has one reward.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    if not combination.seeds:
+    if not combination.seeds or combination.is_control:
         return None
     seed = combination.seeds[0]
     cells = {

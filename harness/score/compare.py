@@ -10,8 +10,9 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind
-from harness.eta.decompose import BB, BK, KB, KK, Decomposition, Pair, decompose
-from harness.eta.verdict import verdict
+from harness.eta.decompose import Decomposition, decompose
+from harness.eta.headline import Names, number_sentence
+from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.reward import Reward
@@ -49,9 +50,10 @@ class Comparison:
         return self.curves[BB].kind
 
     @property
-    def verdict(self) -> str:
-        """What it comes to, in one line."""
-        return verdict(self.decomposition)
+    def number(self) -> str:
+        """How much the indices changed, and how much of that is ruler, in words; see `harness.eta.headline`."""
+        known = [self.rewards[who] or f"the {who} reward" for who in ("baseline", "proposed")]
+        return number_sentence(Names(*known), self.decomposition)
 
     def to_json(self) -> dict[str, Any]:
         """What ``harness eta --json`` prints."""
@@ -62,7 +64,7 @@ class Comparison:
             "rows_left_out": self.rows_left_out,
             "curve": self.kind,
             "with_events": self.with_events,
-            "verdict": self.verdict,
+            "number": self.number,
         }
 
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
+from harness.eta.headline import SUCCESS
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.eta.verdict import SUCCESS
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION
 from harness.record.returns import mean_return
@@ -152,6 +152,7 @@ class _Table:
         self._seeds: dict[Choice, list[int]] = {}
         self._known: dict[Pair, dict[int, Evaluation]] = {}
         self._failed: dict[Pair, int] = {}
+        self._episodes = next(iter(records)).evaluation_episodes
         for cell, found in sorted(records.items(), key=lambda item: item[0].seed):
             home = cell.simulator
             self._seeds.setdefault(home, []).append(cell.seed)
@@ -164,7 +165,7 @@ class _Table:
                     self._failed[pair] = self._failed.get(pair, 0) + 1
 
     def success(self, home: Choice, place: Choice) -> SeedMean:
-        return self._mean(home, place, lambda seed: self._known[home, place][seed].success)
+        return self._mean(home, place, lambda seed: self._known[home, place][seed].success, is_share=True)
 
     def paid(self, home: Choice, place: Choice) -> SeedMean:
         return self._mean(home, place, lambda seed: self._known[home, place][seed].paid)
@@ -177,14 +178,16 @@ class _Table:
             there, here = self._known[home, home][seed].success, self._known[home, place][seed].success
             return None if there is None or here is None else there - here
 
-        return self._mean(home, place, lost)
+        return self._mean(home, place, lost, is_share=True)
 
-    def _mean(self, home: Choice, place: Choice, value: Callable[[int], float | None]) -> SeedMean:
+    def _mean(
+        self, home: Choice, place: Choice, value: Callable[[int], float | None], is_share: bool = False
+    ) -> SeedMean:
         """Over the seeds that were evaluated; says why there are not all."""
         known = self._known.get((home, place), {})
         values = [number for number in map(value, known) if number is not None]
         missing = None if len(values) == len(known) else "not defined for every seed"
-        return mean_over_seeds(values, self._missing(home, place) or missing)
+        return mean_over_seeds(values, self._missing(home, place) or missing, self._episodes if is_share else None)
 
     def _missing(self, home: Choice, place: Choice) -> str | None:
         """How many seeds have no evaluation, and why; None if all have one."""

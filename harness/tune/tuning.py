@@ -95,7 +95,7 @@ class Setup:
         data = {
             **self.experiment,
             "algo": [table_of(algorithm) for algorithm in algorithms],
-            "reward": [table_of(reward) for reward in rewards[1:] or rewards],
+            "reward": [table_of(reward) for reward in rewards[1:]],
             "baseline": table_of(rewards[0]),
             **keys,
         }

@@ -12,6 +12,7 @@ class SuccessRate:
 
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "higher"
+    is_share: ClassVar[bool] = True
 
     def __call__(self, trace: Trace) -> float | None:
         """None without a finished episode."""

@@ -17,6 +17,7 @@ class Timeouts:
 
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "lower"
+    is_share: ClassVar[bool] = True
 
     def __call__(self, trace: Trace) -> float | None:
         """None without a finished episode."""

@@ -25,20 +25,22 @@ def test_json_is_all_that_goes_to_standard_output(harness, recorded):
     assert (answer.status, answer.err) == (0, "")
     assert data["baseline"] == {"first_negative": 1, "crossover": 3, "steps": 5, "I_N": -1.5, "I_P": 0.8, "total": -0.8}
     assert data["proposed"] == {"first_negative": 1, "crossover": 2, "steps": 4, "I_N": -0.5, "I_P": 1.6, "total": 1.1}
-    assert data["eta_n"]["value"] == pytest.approx(0.5 / 1.5)
-    assert data["eta_p"]["value"] == pytest.approx((0.25 + 1.375) / 0.75)
-    assert data["behaviour_n"]["value"] == pytest.approx(0.5 / 1.5)
-    assert data["ruler_n"]["value"] == pytest.approx(1.0)
-    assert data["other_path"]["ruler_n"]["value"] == pytest.approx(1.25 / 1.5)
+    assert data["eta_N"]["eta"]["value"] == pytest.approx(0.5 / 1.5)
+    assert data["eta_P"]["eta"]["value"] == pytest.approx((0.25 + 1.375) / 0.75)
+    on_proposed, on_baseline = data["eta_N"]["paths"]
+    assert on_proposed["behaviour"]["value"] == pytest.approx(0.5 / 1.5)
+    assert on_proposed["ruler"]["value"] == pytest.approx(1.0)
+    assert on_baseline["ruler"]["value"] == pytest.approx(1.25 / 1.5)
+    assert data["eta_N"]["ruler"]["value"] == pytest.approx((1.25 / 1.5) ** 0.5)
     assert data["rewards"] == {"baseline": "baseline", "proposed": "arp:k1=1,k2=1.5"}
-    assert {"value", "low", "high", "note"} == set(data["ruler_p"])
+    assert {"value", "low", "high", "note"} == set(data["eta_P"]["ruler"])
 
 
 def test_the_table_is_the_default(harness, recorded):
-    """Verdict, ratios, parts and indices go to standard output."""
+    """The number in words, ratios, parts and indices go to standard output."""
     answer = harness("eta", *recorded)
     assert (answer.status, answer.err) == (0, "")
-    for told in ("arp:k1=1,k2=1.5", "baseline 2 runs", "eta_N", "eta_P", "other path", "accumulated reward", "I_N"):
+    for told in ("arp:k1=1,k2=1.5", "baseline 2 runs", "eta_N", "eta_P", "interaction", "accumulated reward", "I_N"):
         assert told in answer.out
 
 

@@ -69,7 +69,7 @@ def test_evaluation_is_told_by_flags(harness, quick, tmp_path):
     """`--evaluate-every` and `--stochastic` are part of the cells, and the report says how policies acted."""
     flags = ("--algo", "narrate", "--seeds", "1", "--evaluate-every", "5", "--stochastic")
     answer = harness("run", *quick[:2], *quick[4:], *flags, "--out", "mine")
-    assert "policies evaluated stochastically" in answer.out
+    assert "trained policies, stochastic" in answer.out
     data = json.loads(harness("report", "mine", "--json").out)
     assert data["combinations"][0]["deterministic"] is False
     curve = data["combinations"][0]["learning"]["metrics"]["success_rate"]["proposed"]
@@ -124,13 +124,17 @@ def test_a_run_prints_both_etas_and_leaves_its_results(harness, quick, tmp_path)
     assert {"experiment.toml", "plan.json", "cells", "results.parquet", "report.html"} <= left
 
 
-def test_a_reward_against_itself_gives_one(harness, quick):
-    """The null control A/A: the baseline as its own proposed reward has both etas at 1, and runs nothing twice."""
+def test_a_reward_against_itself_is_trained_again(harness, quick):
+    """The null control A/A: the baseline with other seeds; its ruler is 1, whatever eta is."""
     harness("run", *quick, "--reward", "baseline", "--seeds", "2", "--out", "mine")
     data = json.loads(harness("report", "mine", "--json").out)
-    assert [entry["proposed"] for entry in data["combinations"]] == ["baseline"]
-    assert [data["combinations"][0]["eta_n"][key] for key in ("value", "low", "high")] == [1.0, 1.0, 1.0]
-    assert len(data["cells"]) == 2
+    (control,) = data["combinations"]
+    assert (control["proposed"], control["is_control"], control["seeds"]) == ("baseline", True, [0, 1])
+    assert [cell["seed"] for cell in data["cells"]] == [0, 1, 2, 3]
+    assert control["headline"]["answer"] == "cannot tell"
+    rulers, etas = ([control[name][part]["value"] for name in ("eta_N", "eta_P")] for part in ("ruler", "eta"))
+    assert set(rulers) - {None} == {1.0}
+    assert 1.0 not in etas
 
 
 def test_the_default_folder_is_named_for_the_plan(harness, quick, tmp_path):
@@ -138,7 +142,7 @@ def test_the_default_folder_is_named_for_the_plan(harness, quick, tmp_path):
     harness("run", *quick)
     again = harness("run", *quick)
     assert len(list((tmp_path / "results" / "runs").iterdir())) == 1
-    assert "6 of 6 cells were done before" in again.err
+    assert "12 of 12 cells were done before" in again.err
 
 
 def test_lists_take_commas_and_repeated_flags(harness, quick):

@@ -50,7 +50,7 @@ def test_table_has_the_matrix(harness, experiment):
     assert "ideal: success" in out
     assert "trained in \\ evaluated in" in out
     assert "% *" in out
-    assert "one seed: no interval" in out
+    assert "one seed: no interval below 3 seeds" in out
 
 
 def test_second_call_evaluates_nothing(harness, experiment):
@@ -93,7 +93,7 @@ def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
     harness("transfer", experiment, "--to", "stuck")
     assert "Transfer between simulators" in harness("report", experiment).out
     data = json.loads(harness("report", experiment, "--json").out)
-    assert set(data) == {"combinations", "cells", "evaluation_returns", "transfer"}
+    assert set(data) == {"curve", "combinations", "cells", "evaluation_returns", "transfer"}
     assert data["transfer"] == json.loads(harness("transfer", experiment, "--to", "stuck", "--json").out)
     harness("report", experiment, "--html", "page.html")
     assert "Transfer between simulators" in (tmp_path / "page.html").read_text()

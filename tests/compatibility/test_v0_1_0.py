@@ -6,7 +6,9 @@
         --task fd100-reach:horizon=25 --steps 120 --evaluation-episodes 2 --evaluate-every 60 --out v0.1.0
     harness transfer v0.1.0 --to mujoco
     harness score v0.1.0 --reward dense --all --json > score.json
-    harness report v0.1.0 --json > report.json
+
+``report.json`` was made by ``harness report v0.1.0 --json`` after the statistics had changed: indices, etas, both paths
+of their split and the means of all measures stayed as they were, intervals and p-values did not.
 """
 
 import json
@@ -97,7 +99,8 @@ def test_report_says_what_it_said(old: Path, capsys: pytest.CaptureFixture[str])
 def test_score_pays_what_it_paid(old: Path, capsys: pytest.CaptureFixture[str]):
     """Every index of every training under every reward; the columns that were there are kept."""
     found = _printed(capsys, "score", old, "--reward", "dense", "--all")
-    _require_equal(found, json.loads((HERE / "score.json").read_text()))
+    before = json.loads((HERE / "score.json").read_text())
+    _require_equal(_known(found, before), before)
 
 
 @pytest.mark.parametrize("name", CELLS)
@@ -126,7 +129,7 @@ def test_nothing_is_run_again(old: Path):
 
 def test_missing_cell_is_done_again(old: Path):
     """With the same rows: bit for bit where machine and numpy are those of then; elsewhere with the same starts."""
-    cell = Store.open(old).read_plan()[2][1]
+    cell = Store.open(old).read_plan().cells[1]
     folder = Store.open(old).cell_folder(cell)
     then, before = read_trace(folder / TRACE), read_manifest(folder)
     shutil.rmtree(folder)

@@ -1,122 +1,200 @@
-"""The change of one measure of behaviour: means, the interval of their difference, its direction."""
+"""The change of one measure of behaviour: means, the interval of their difference, its test and its direction."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.stats
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from harness.eta.behaviour_change import Change, change_of
-from harness.eta.statistics import FEW_SEEDS
+from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.interval import share_variance
+from harness.eta.swaps import p_of, swaps_of
 
 Values = list[float | None]
-VALUES = st.lists(st.none() | st.floats(-10.0, 10.0), min_size=1, max_size=8)
+NUMBER = st.floats(-10.0, 10.0).map(lambda value: round(value, 6))
+VALUES = st.lists(st.none() | NUMBER, min_size=1, max_size=8)
+SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
+DISTANCE = Measure("final_distance", "m", "lower", "deterministic")
 
 
-def success(baseline: Values, proposed: Values, random: Values = ()) -> Change:
-    """A metric of which more is better."""
-    return change_of("success_rate", "", "higher", baseline, proposed, list(random))
+def change(baseline: Values, proposed: Values, measure: Measure = DISTANCE, random: Values | None = None) -> Change:
+    """Of seeds 0, 1, 2 ..."""
+    one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
+    return change_of(measure, one, other, swaps_of(range(len(baseline))), random or [])
 
 
-def distance(baseline: Values, proposed: Values) -> Change:
-    """A metric of which less is better."""
-    return change_of("final_distance", "m", "lower", baseline, proposed, [])
+def corrected(found: Change, p: float | None = None) -> Change:
+    """As a family's only claim, or with this p-value."""
+    return replace(found, corrected=found.p if p is None else p)
+
+
+# Means and differences
 
 
 def test_means_over_seeds():
-    """Under the baseline, under the proposed reward, and of random actions under both."""
-    change = success([0.25, 0.75], [1.0, 0.5], [0.0, 0.0, 0.0, 0.25])
-    assert (change.baseline, change.proposed, change.random) == (0.5, 0.75, 0.0625)
+    """Under the baseline, under the proposed reward, and of random actions."""
+    found = change([0.25, 0.75], [1.0, 0.5], random=[0.0, 0.0, None, 0.25])
+    assert (found.baseline, found.proposed, found.difference) == (0.5, 0.75, 0.25)
+    assert found.random == pytest.approx(0.25 / 3.0)
 
 
 def test_metric_that_is_not_defined_is_none():
     """Steps to a target that is never reached: no number, rather than NaN."""
-    change = distance([None, None], [0.5, None])
-    assert (change.baseline, change.proposed, change.random) == (None, 0.5, None)
-    assert (change.seeds, change.low, change.high, change.p, change.direction) == (0, None, None, None, "")
+    found = change([None, None], [0.5, None])
+    assert (found.baseline, found.proposed, found.random) == (None, 0.5, None)
+    assert (found.seeds, found.left_out) == (0, 2)
+    assert (found.difference, found.low, found.high, found.p, found.variance) == (None,) * 5
+    assert corrected(found).direction == ""
 
 
-def test_difference_is_taken_of_seeds_with_both_values():
-    """A seed without a value under one reward is no pair, and its other value still counts in the mean."""
-    change = distance([1.0, None, 3.0], [2.0, 9.0, 4.0])
-    assert change.seeds == 2
-    assert (change.low, change.high) == (1.0, 1.0)
-    assert change.proposed == 5.0
+def test_only_seeds_with_both_values_are_compared():
+    """Both means are of these, so that they differ by the difference."""
+    found = change([1.0, None, 3.0, 4.0], [2.0, 9.0, 4.0, None])
+    assert (found.seeds, found.left_out) == (2, 2)
+    assert (found.baseline, found.proposed, found.difference) == (2.0, 3.0, 1.0)
+
+
+def test_seeds_are_paired_by_their_name():
+    """Not by their place."""
+    found = change_of(DISTANCE, {3: 1.0, 5: 9.0}, {5: 9.5, 3: 1.5}, swaps_of([3, 5]))
+    assert found.differences == (0.5, 0.5)
+
+
+# Intervals
+
+
+@given(st.lists(st.tuples(NUMBER, NUMBER), min_size=3, max_size=10))
+def test_interval_is_that_of_the_paired_t_test(pairs: list[tuple[float, float]]):
+    """Scipy's."""
+    one, other = (list(values) for values in zip(*pairs, strict=True))
+    assume(np.std(np.subtract(other, one)) > 1e-3)
+    expected = scipy.stats.ttest_rel(other, one).confidence_interval()
+    found = change(one, other)
+    assert (found.low, found.high) == pytest.approx((expected.low, expected.high), rel=1e-6, abs=1e-6)
 
 
 def test_seeds_are_paired():
     """What is added to every seed has no spread, however much the seeds differ."""
-    change = success([0.0, 0.25, 0.5, 0.75], [0.25, 0.5, 0.75, 1.0])
-    assert (change.low, change.high) == (0.25, 0.25)
+    found = change([0.0, 0.25, 0.5, 0.75], [0.25, 0.5, 0.75, 1.0])
+    assert (found.low, found.high) == (0.25, 0.25)
 
 
-def test_one_pair_has_no_interval():
-    """Nothing can be said about its spread."""
-    change = success([0.0], [1.0])
-    assert (change.seeds, change.low, change.high, change.p, change.direction) == (1, None, None, None, "")
+def test_shares_of_episodes_are_never_sure():
+    """No seed fails under either reward: the interval has a width, and both groups' floors are in it."""
+    found = change([1.0] * 5, [1.0] * 5, SUCCESS)
+    assert found.low < 0.0 < found.high
+    assert found.variance == share_variance([0.0] * 5, [1.0, 1.0], 100)
 
 
-def test_interval_agrees_with_scipy():
-    """The paired percentile bootstrap of the mean difference."""
-    rng = np.random.default_rng(0)
-    baseline, proposed = rng.uniform(size=12), rng.uniform(size=12) + 0.3
-    interval = scipy.stats.bootstrap(
-        (proposed - baseline,), np.mean, method="percentile", n_resamples=20_000, rng=np.random.default_rng(1)
-    ).confidence_interval
-    change = success(list(baseline), list(proposed))
-    assert (change.low, change.high) == pytest.approx((interval.low, interval.high), abs=0.02)
+@pytest.mark.parametrize("seeds", [1, 2])
+def test_few_pairs_have_no_interval(seeds: int):
+    """The difference stands alone."""
+    found = change([0.0] * seeds, [1.0] * seeds)
+    assert (found.difference, found.low, found.high) == (1.0, None, None)
 
 
-@pytest.mark.parametrize(
-    ("baseline", "proposed", "higher", "lower"),
-    [
-        ([0.0, 0.1, 0.2], [0.9, 1.0, 0.8], "better", "worse"),
-        ([0.9, 1.0, 0.8], [0.0, 0.1, 0.2], "worse", "better"),
-        ([0.0, 1.0, 0.5], [1.0, 0.0, 0.5], "", ""),
-        ([0.5, 0.5, 0.5], [0.5, 0.5, 0.5], "", ""),
-    ],
-)
-def test_direction(baseline: Values, proposed: Values, higher: str, lower: str):
-    """Better or worse as the metric has it, where the interval does not hold 0."""
-    assert success(baseline, proposed).direction == higher
-    assert distance(baseline, proposed).direction == lower
+# Tests
+
+
+@given(st.lists(st.tuples(NUMBER, NUMBER), min_size=2, max_size=8))
+def test_p_value_is_that_of_swapped_names(pairs: list[tuple[float, float]]):
+    """In how many ways to swap the names of the trainings the difference is as large."""
+    one, other = (list(values) for values in zip(*pairs, strict=True))
+    outcomes = swaps_of(range(len(pairs))).signs @ np.subtract(other, one) / len(pairs)
+    found = change(one, other)
+    assert found.p == p_of(outcomes)
+    assert found.outcomes == pytest.approx(outcomes)
+
+
+def test_p_value_by_hand():
+    """All six seeds agree: 2 of 64 ways. Nothing differs: all ways."""
+    assert change([0.0] * 6, [1.0, 0.9, 0.8] * 2).p == 2 / 64
+    assert change([0.5] * 6, [0.5] * 6).p == 1.0
+
+
+def test_one_pair_has_no_p_value():
+    """Its names may be swapped, and that is all."""
+    assert change([0.0], [1.0]).p is None
+
+
+# Direction
+
+
+@pytest.mark.parametrize(("measure", "up", "down"), [(SUCCESS, "better", "worse"), (DISTANCE, "worse", "better")])
+def test_direction_follows_what_is_better(measure: Measure, up: str, down: str):
+    """More success is better, more distance is worse."""
+    low, high = [0.0, 0.1, 0.0, 0.1, 0.0, 0.1], [0.9, 1.0, 0.8, 0.9, 1.0, 0.8]
+    assert corrected(change(low, high, measure)).direction == up
+    assert corrected(change(high, low, measure)).direction == down
+    assert corrected(change(low, low, measure), 0.0).direction == ""
+
+
+@pytest.mark.parametrize(("p", "told"), [(0.05, "better"), (0.0501, ""), (1.0, "")])
+def test_direction_needs_a_corrected_p_value(p: float, told: str):
+    """Of 0.05 at most."""
+    assert corrected(change([0.0] * 6, [1.0] * 6, SUCCESS), p).direction == told
+
+
+def test_p_value_by_itself_gives_no_direction():
+    """It may be one of hundreds."""
+    assert change([0.0] * 10, [1.0] * 10, SUCCESS).p < 0.01
+    assert change([0.0] * 10, [1.0] * 10, SUCCESS).direction == ""
 
 
 @given(VALUES, VALUES)
-def test_swapping_the_rewards_turns_the_direction(baseline: Values, proposed: Values):
-    """What is better one way is worse the other way."""
+def test_swapping_the_rewards_turns_the_difference(baseline: Values, proposed: Values):
+    """What is better becomes worse, the ends change sides, p stays."""
     count = min(len(baseline), len(proposed))
-    one, other = success(baseline[:count], proposed[:count]), success(proposed[:count], baseline[:count])
-    assert {one.direction, other.direction} in ({""}, {"better", "worse"})
+    one, other = (
+        change(*sides) for sides in ((baseline[:count], proposed[:count]), (proposed[:count], baseline[:count]))
+    )
+    assert one.p == other.p
+    if one.low is not None and one.high is not None:
+        assert (other.low, other.high) == pytest.approx((-one.high, -one.low), abs=1e-12)
+    directions = {corrected(found, 0.01).direction for found in (one, other)}
+    assert directions in ({""}, {"better", "worse"})
 
 
-@given(VALUES, VALUES)
-def test_json_is_strict(baseline: Values, proposed: Values):
+# Equivalence
+
+
+def test_equivalence_is_two_one_sided_t_tests():
+    """As scipy takes them, at 5 % each: the margin decides at the larger of both."""
+    rng = np.random.default_rng(2)
+    one, other = rng.normal(size=9), rng.normal(size=9)
+    found, differences = change(one.tolist(), other.tolist()), other - one
+    for margin in np.linspace(0.1, 3.0, 40):
+        below = scipy.stats.ttest_1samp(differences, margin, alternative="less").pvalue
+        above = scipy.stats.ttest_1samp(differences, -margin, alternative="greater").pvalue
+        assert found.is_within(margin) == (max(below, above) < 0.05)
+
+
+def test_seeds_that_never_fail_are_not_equivalent_at_once():
+    """Five do not show it, twenty do."""
+    for seeds, told in ((5, False), (20, True)):
+        assert change([1.0] * seeds, [1.0] * seeds, SUCCESS).is_within(0.05) == told
+
+
+@pytest.mark.parametrize("seeds", [1, 2])
+def test_few_seeds_are_never_equivalent(seeds: int):
+    """However wide the margin."""
+    assert not change([0.5] * seeds, [0.5] * seeds).is_within(100.0)
+
+
+# JSON
+
+
+@given(VALUES, VALUES, st.booleans())
+def test_json_is_strict(baseline: Values, proposed: Values, is_share: bool):
     """Plain data without NaN, whatever is missing; what is None is null."""
     count = min(len(baseline), len(proposed))
-    change = success(baseline[:count], proposed[:count])
-    data = json.loads(json.dumps(change.to_json(), allow_nan=False))
-    keys = {"name", "unit", "better", "baseline", "proposed", "random", "seeds", "low", "high", "p"}
-    assert set(data) == keys
-    assert change == Change(**data)
-
-
-def test_direction_is_sure_with_enough_seeds():
-    """Below FEW_SEEDS a direction is given, and is not sure."""
-    for seeds, sure in ((FEW_SEEDS - 1, False), (FEW_SEEDS, True)):
-        change = success([0.0] * seeds, [1.0] * seeds)
-        assert change.direction == "better"
-        assert change.sure == sure
-
-
-def test_no_direction_is_never_sure():
-    """However many seeds there are."""
-    assert not success([0.5] * 20, [0.5] * 20).sure
-
-
-def test_p_value_is_that_of_no_difference():
-    """Small where every seed says the same, 1 where nothing differs."""
-    assert success([0.0] * 6, [1.0, 0.9, 0.8] * 2).p < 0.01
-    assert success([0.5] * 6, [0.5] * 6).p == 1.0
+    measure = DISTANCE._replace(episodes=10 if is_share else None)
+    shares = [[value and abs(value) / 10.0 for value in values[:count]] for values in (baseline, proposed)]
+    data = json.loads(json.dumps(change(*shares, measure).to_json(), allow_nan=False))
+    assert set(data) == {
+        *("name", "unit", "better", "manner", "episodes", "baseline", "proposed", "random", "seeds", "left_out"),
+        *("difference", "low", "high", "p", "p_corrected", "result"),
+    }

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import harness.eta.curve as module
-from harness.eta.curve import POINTS, GroupCurve, Kind, curve_of
+from harness.eta.curve import EXCHANGED, POINTS, GroupCurve, Kind, curve_of, mixtures
 from harness.eta.index import Index
 
 PUBLISHED = tomllib.loads(
@@ -309,3 +309,48 @@ def test_curve_that_is_never_negative_has_no_negative_part_in_any_draw(kind: Kin
     rng = np.random.default_rng(2)
     negative, _ = curve_of(list(rng.uniform(0.1, 1.0, (4, 50))), kind).resample(np.full((3, 4), 0.25))
     assert negative.tolist() == [0.0, 0.0, 0.0]
+
+
+# Without each run, each alone, and mixtures of groups
+
+
+@given(st.tuples(st.integers(2, 6), st.integers(1, 20)).flatmap(lambda s: arrays(float, s, elements=STEP)), ANY_KIND)
+def test_left_out_is_the_index_of_the_others(rewards: np.ndarray, kind: Kind):
+    """Without one run at a time, as a group of the rest has it."""
+    runs = curve_of(list(rewards), kind).runs
+    for out, sums in enumerate(zip(*curve_of(list(rewards), kind).left_out(), strict=True)):
+        curve = np.delete(runs, out, axis=0).mean(axis=0)
+        curve[np.abs(curve) < 1e-12] = 0.0  # a value that is 0 but for rounding may have either sign
+        if kind == "accumulated" or not (np.abs(curve) < 1e-9).any():
+            assert sums == pytest.approx(slow_index(curve.tolist(), kind)[3:], rel=1e-9, abs=1e-9)
+
+
+@given(SQUARES, ANY_KIND)
+def test_each_is_the_index_of_a_run_alone(rewards: np.ndarray, kind: Kind):
+    """In the order of the runs."""
+    for reward, sums in zip(rewards, zip(*curve_of(list(rewards), kind).each(), strict=True), strict=True):
+        index = curve_of([reward], kind).index
+        assert sums == pytest.approx((index.negative_sum, index.positive_sum), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_mixture_is_the_index_of_runs_of_several_groups(kind: Kind):
+    """One run of the first group and two of the second, cut to the shorter group."""
+    rng = np.random.default_rng(3)
+    one, other = rng.normal(size=(2, 30)), rng.normal(size=(3, 25))
+    shares = np.array([[0.0, 1.0, 0.0, 1.0, 1.0]]) / 3.0
+    negative, positive = mixtures((curve_of(list(one), kind), curve_of(list(other), kind)), shares)
+    expected = curve_of([one[1], other[1], other[2]], kind).index
+    assert (negative[0], positive[0]) == pytest.approx((expected.negative_sum, expected.positive_sum))
+
+
+def test_mixture_of_long_runs_is_close(long_runs: np.ndarray):
+    """Groups of unlike length are thinned alike, to EXCHANGED points at most: within a hundredth."""
+    short = long_runs[:2, : 3 * POINTS]
+    groups = curve_of(list(long_runs)), curve_of(list(short))
+    assert groups[0].stride > groups[1].stride > 1
+    shares = np.array([[0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0]])
+    negative, positive = mixtures(groups, shares)
+    expected = curve_of([long_runs[2, : 3 * POINTS], short[0]]).index
+    assert negative[0] + positive[0] == pytest.approx(expected.negative_sum + expected.positive_sum, rel=0.01)
+    assert max(group.runs.shape[1] for group in groups) > EXCHANGED

@@ -2,23 +2,45 @@
 
 import json
 
+import numpy as np
 import pytest
-from hypothesis import given
+import scipy.stats
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from harness.eta.interval import UNSEEN
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 
-numbers = st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=12)
+NUMBERS = st.lists(st.floats(-1e3, 1e3).map(lambda value: round(value, 6)), min_size=3, max_size=12)
 
 
-@given(numbers)
-def test_interval_holds_the_mean_and_stays_among_the_values(values: list[float]):
-    """Low <= mean <= high, and no end lies outside of what was seen."""
-    found = mean_over_seeds(values)
-    slack = 1e-9 * (1.0 + max(map(abs, values)))
-    assert found.mean == pytest.approx(sum(values) / len(values), abs=slack)
-    assert min(values) - slack <= found.low <= found.high <= max(values) + slack
+@given(NUMBERS)
+def test_interval_is_students(values: list[float]):
+    """Scipy's for one sample."""
+    assume(np.std(values) > 1e-3)
+    found, expected = mean_over_seeds(values), scipy.stats.ttest_1samp(values, 0.0).confidence_interval()
+    assert (found.low, found.high) == pytest.approx((expected.low, expected.high), rel=1e-6, abs=1e-6)
+    assert found.mean == pytest.approx(sum(values) / len(values), abs=1e-9)
     assert found.seeds == len(values)
+
+
+def test_values_that_are_all_the_same_have_no_spread():
+    """A measure that no seed changes is known."""
+    found = mean_over_seeds([0.25] * 5)
+    assert (found.low, found.high) == (0.25, 0.25)
+
+
+def test_shares_that_are_all_the_same_have_one():
+    """Five seeds without a failure do not show that there is none; the width is that of the seed that was not seen."""
+    found = mean_over_seeds([1.0] * 5, episodes=10**9)
+    assert found.high - found.mean == pytest.approx(2.776 * UNSEEN / 5, rel=1e-3)
+    assert found.mean - found.low == pytest.approx(found.high - found.mean)
+
+
+def test_fewer_episodes_widen_the_interval():
+    """A share of ten is known less well than one of a thousand."""
+    few, many = (mean_over_seeds([1.0] * 8, episodes=episodes) for episodes in (10, 1000))
+    assert few.high > many.high > 1.0
 
 
 def test_more_seeds_give_a_narrower_interval():
@@ -27,9 +49,10 @@ def test_more_seeds_give_a_narrower_interval():
     assert many.high - many.low < few.high - few.low
 
 
-def test_one_seed_has_no_interval():
-    """And says so."""
-    assert mean_over_seeds([0.5]) == SeedMean(0.5, None, None, 1, ("one seed: no interval",))
+@pytest.mark.parametrize(("values", "told"), [([0.5], "one seed"), ([0.25, 0.75], "2 seeds")])
+def test_fewer_than_three_seeds_have_no_interval(values: list[float], told: str):
+    """And say so."""
+    assert mean_over_seeds(values) == SeedMean(0.5, None, None, len(values), (f"{told}: no interval below 3 seeds",))
 
 
 def test_no_value_has_the_reason():
@@ -37,16 +60,15 @@ def test_no_value_has_the_reason():
     assert mean_over_seeds([], "1 of 1 failed") == SeedMean(None, notes=("1 of 1 failed",))
 
 
-def test_few_seeds_are_rough():
-    """Below five seeds the note says so, beside why others are missing; from five on there is nothing to say."""
-    assert mean_over_seeds([0.1, 0.2], "1 of 3 failed").note == (
-        "2 seeds: the interval is rough below 5; 1 of 3 failed"
-    )
+def test_seeds_that_are_missing_are_told_last():
+    """Beside why there is no interval, or alone."""
+    assert mean_over_seeds([0.1, 0.2], "1 of 3 failed").note == "2 seeds: no interval below 3 seeds; 1 of 3 failed"
+    assert mean_over_seeds([0.1] * 5, "1 of 6 failed").note == "1 of 6 failed"
     assert mean_over_seeds([0.1] * 5).note == ""
 
 
 def test_json_is_plain():
     """Field by field."""
     assert json.loads(json.dumps(mean_over_seeds([0.5]).to_json())) == {
-        "mean": 0.5, "low": None, "high": None, "seeds": 1, "note": "one seed: no interval",
+        "mean": 0.5, "low": None, "high": None, "seeds": 1, "note": "one seed: no interval below 3 seeds",
     }  # fmt: skip

@@ -31,14 +31,14 @@ def _write(folder: Path, keys: dict[str, Any]) -> Path:
 
 
 def test_defaults_compare_arp_with_the_baseline(toys: Registry):
-    """With a simulator and an algorithm alone: three seeds, 10,000 steps, 100 episodes of evaluation."""
+    """With a simulator and an algorithm alone: six seeds, 5,000 steps, 100 episodes of evaluation."""
     plan = _plan(toys)
     assert plan.baseline == "baseline"
     assert [(cell.reward.label, cell.seed) for cell in plan.cells] == [
-        (reward, seed) for seed in range(3) for reward in ("baseline", "arp")
+        (reward, seed) for seed in range(6) for reward in ("baseline", "arp")
     ]
     assert {(cell.steps, cell.evaluation_episodes, cell.task.label) for cell in plan.cells} == {
-        (10_000, 100, "fd100-reach")
+        (5_000, 100, "fd100-reach")
     }
 
 
@@ -59,12 +59,12 @@ def test_seeds_are_outermost(toys: Registry):
         ({"reward": ["arp", "arp:k2=1.5", "arp:k1=1,k2=1.5", {"name": "arp", "k2": 1.5}]}, 2),
         ({"sim": ["ideal", "ideal"]}, 2),
         ({"algo": ["wander", "wander:width=4", {"name": "wander", "width": 4.0}]}, 2),
-        ({"reward": ["arp", "baseline"]}, 2),
+        ({"reward": ["arp", "baseline"]}, 3),
         ({"reward": ["arp", "arp:k2=2"]}, 3),
     ],
 )
 def test_what_is_named_twice_runs_once(toys: Registry, keys: dict[str, Any], count: int):
-    """Choices are the same when their parameters are, however they are written; the baseline is no proposal."""
+    """Choices are the same when their parameters are, however written; the baseline runs again as its own control."""
     plan = _plan(toys, seeds=[7, 7], **keys)
     assert len(plan.cells) == count
     assert len({cell.id for cell in plan.cells}) == count
@@ -144,18 +144,35 @@ def test_steps_that_do_not_fit_the_envs_are_skipped_with_the_reason(toys: Regist
     assert {cell.algorithm.label for cell in plan.cells} == {"wander:num_envs=5"}
 
 
-def test_baseline_alone_is_compared_with_itself(toys: Registry):
-    """The baseline as its own proposed reward is the null control A/A: each cell once, and the plan says so."""
+def test_baseline_is_compared_with_itself_by_other_seeds(toys: Registry):
+    """The null control A/A: as many trainings again, after all others, none with a seed of the experiment."""
+    plan = _plan(toys, reward=["arp", "baseline"], seeds=[0, 3])
+    assert plan.control == {0: 4, 3: 7}
+    assert [(cell.seed, cell.reward.label) for cell in plan.cells] == [
+        *((0, "baseline"), (0, "arp"), (3, "baseline"), (3, "arp")),
+        *((4, "baseline"), (7, "baseline")),
+    ]
+
+
+def test_baseline_alone_has_its_control(toys: Registry):
+    """It need not stand beside another reward."""
     plan = _plan(toys, reward=["baseline"], seeds=2)
-    assert plan.a_a
-    assert [cell.seed for cell in plan.cells] == [0, 1]
+    assert [cell.seed for cell in plan.cells] == [0, 1, 2, 3]
+
+
+def test_no_control_where_it_was_not_asked_for(toys: Registry):
+    """No cell is trained for it."""
+    plan = _plan(toys, reward=["arp"], seeds=2)
+    assert plan.control == {}
+    assert {cell.seed for cell in plan.cells} == {0, 1}
 
 
 def test_any_reward_may_be_the_baseline(toys: Registry):
     """The others are compared with the one that is named."""
     plan = _plan(toys, baseline="arp:k2=2", reward=["baseline", "arp:k2=2.0"], seeds=1)
     assert plan.baseline == "arp:k2=2"
-    assert [cell.reward.label for cell in plan.cells] == ["arp:k2=2", "baseline"]
+    assert [cell.reward.label for cell in plan.cells] == ["arp:k2=2", "baseline", "arp:k2=2"]
+    assert plan.control == {0: 1}
 
 
 @pytest.mark.parametrize(
@@ -204,7 +221,6 @@ def test_missing_library_is_noticed_before_anything_runs(write_plugin: Callable[
         ({"evaluation_episodes": 0}, "evaluation_episodes=0: Input should be greater than 0"),
         ({"robot": 3}, "robot=3: Input should be a valid string"),
         ({"reward": [3]}, "reward.0=3: Input should be a valid string"),
-        ({"reward": []}, "reward=[]: List should have at least 1 item"),
     ],
     ids=str,
 )
@@ -277,7 +293,7 @@ def test_resolved_experiment_has_every_key(toys: Registry):
         "deterministic",
     }
     assert resolved["reward"] == [{"name": "arp", "k1": 1.0, "k2": 1.5}]
-    assert resolved["seeds"] == [0, 1, 2]
+    assert resolved["seeds"] == list(range(6))
     assert resolved["task"]["horizon"] == 100
 
 

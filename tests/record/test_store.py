@@ -32,7 +32,7 @@ def test_new_folder_holds_the_plan(make_cell: MakeCell, make_plan: MakePlan, tmp
     """The cells, in their order, and the label of the baseline are read as they were planned."""
     cells = [make_cell(seed=seed) for seed in (1, 0)]
     store = Store.create(tmp_path / "deep" / "down", make_plan(*cells, baseline="base"))
-    assert Store.open(store.folder).read_plan() == ("base", False, cells)
+    assert Store.open(store.folder).read_plan() == ("base", False, {}, tuple(cells))
 
 
 def test_new_folder_holds_the_experiment(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -45,7 +45,7 @@ def test_new_folder_holds_the_experiment(make_cell: MakeCell, make_plan: MakePla
 
 def test_empty_folder_may_be_used(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
     """A folder that was made beforehand is as good as a new one."""
-    assert Store.create(tmp_path, make_plan(make_cell())).read_plan()[2] == [make_cell()]
+    assert Store.create(tmp_path, make_plan(make_cell())).read_plan().cells == (make_cell(),)
 
 
 def test_foreign_folder_is_left_alone(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -125,7 +125,7 @@ def test_run_killed_before_its_plan_goes_on(
         (tmp_path / name).touch()
     with pytest.raises(UsageError, match="is no experiment"):
         Store.open(tmp_path)
-    assert Store.create(tmp_path, make_plan(make_cell())).read_plan()[2] == [make_cell()]
+    assert Store.create(tmp_path, make_plan(make_cell())).read_plan().cells == (make_cell(),)
 
 
 def test_cells_without_a_plan_are_left_alone(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -142,7 +142,7 @@ def test_run_killed_behind_its_plan_goes_on(make_cell: MakeCell, make_plan: Make
     with pytest.raises(UsageError, match=r"is no experiment: it holds no experiment\.toml"):
         Store.open(tmp_path)
     Store.create(tmp_path, make_plan(make_cell(seed=1)))
-    assert Store.open(tmp_path).read_plan()[2] == [make_cell(), make_cell(seed=1)]
+    assert Store.open(tmp_path).read_plan().cells == (make_cell(), make_cell(seed=1))
     assert store.folder == tmp_path
 
 
@@ -161,14 +161,14 @@ def test_second_plan_is_added(make_cell: MakeCell, make_plan: MakePlan, tmp_path
     one, two, three = (make_cell(seed=seed) for seed in range(3))
     Store.create(tmp_path, make_plan(one, two))
     Store.create(tmp_path, make_plan(two, three))
-    assert Store.open(tmp_path).read_plan()[2] == [one, two, three]
+    assert Store.open(tmp_path).read_plan().cells == (one, two, three)
 
 
 def test_skipped_cells_are_recorded_with_their_reason(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
     """A combination that cannot work is in the plan and has a manifest that says why."""
     odd = make_cell(seed=9)
     store = Store.create(tmp_path, make_plan(make_cell(), skipped=((odd, "takes discrete actions"),)))
-    assert store.read_plan()[2] == [make_cell(), odd]
+    assert store.read_plan().cells == (make_cell(), odd)
     assert [(item.cell, item.status, item.reason) for item in store.manifests()] == [
         (odd, "skipped", "takes discrete actions")
     ]
@@ -253,7 +253,7 @@ def test_second_run_in_one_folder_is_refused(make_cell: MakeCell, make_plan: Mak
             pass
         with pytest.raises(UsageError, match="wait for it, or name another --out"):
             Store.create(tmp_path, make_plan(make_cell(seed=1)))
-    assert store.read_plan()[2] == [make_cell()]
+    assert store.read_plan().cells == (make_cell(),)
     with Store.open(tmp_path).locked():
         assert (tmp_path / LOCK).exists()
 
@@ -291,8 +291,26 @@ def test_plan_is_plain_json(make_cell: MakeCell, make_plan: MakePlan, tmp_path: 
     assert json.loads((tmp_path / PLAN).read_text()) == {
         "baseline": "baseline",
         "a_a": False,
+        "control": [],
         "cells": [make_cell().to_json()],
     }
+
+
+def test_null_control_is_read_as_it_was_planned(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """By each seed the other one; JSON has no numbers as keys."""
+    cells = [make_cell(seed=seed) for seed in (0, 7, 8, 15)]
+    Store.create(tmp_path, make_plan(*cells, control={0: 8, 7: 15}))
+    assert json.loads((tmp_path / PLAN).read_text())["control"] == [[0, 8], [7, 15]]
+    assert Store.open(tmp_path).read_plan() == ("baseline", True, {0: 8, 7: 15}, tuple(cells))
+
+
+def test_plan_of_version_0_1_has_no_control(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """It compared the baseline's runs with the very same runs."""
+    store = Store.create(tmp_path, make_plan(make_cell()))
+    data = json.loads((tmp_path / PLAN).read_text())
+    del data["control"]
+    (tmp_path / PLAN).write_text(json.dumps({**data, "a_a": True}))
+    assert store.read_plan() == ("baseline", True, {}, (make_cell(),))
 
 
 def test_done_cell_is_never_touched(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -324,4 +342,4 @@ def test_plan_is_whole_at_every_moment(
     with pytest.raises(OSError, match="No space left"):
         Store.create(tmp_path / "out", make_plan(make_cell(seed=1)))
     assert (tmp_path / "out" / name).read_bytes() == before
-    assert Store.open(tmp_path / "out").read_plan()[2] == [make_cell()]
+    assert Store.open(tmp_path / "out").read_plan().cells == (make_cell(),)

@@ -73,7 +73,7 @@ def build_results(
         ended: How the cell of a (reward, seed) ended, with the reason, where it is not done.
         environment: Of every cell that ran.
         reached: By reward and seed, steps of the evaluation episodes that reach the target, of four in all.
-        a_a: Whether the baseline is compared with itself too.
+        a_a: Whether the baseline is compared with itself too, trained again with as many other seeds.
         deterministic: How the policies were evaluated.
         learned: By environment steps, how many episodes of an evaluation during training reached the target, of four;
             one more under the proposed rewards.
@@ -81,7 +81,9 @@ def build_results(
     runs = {BASELINE: baseline, **proposed}
     manner = {"deterministic": deterministic, "evaluate_every": min(learned, default=0)}
     cells = [_cell(sim, reward, seed, **manner) for seed in range(seeds) for sim in simulators for reward in runs]
-    store = Store.create(folder, Plan(BASELINE, tuple(cells), (), {"seeds": seeds}, a_a))
+    control = {seed: seed + seeds for seed in range(seeds)} if a_a else {}
+    cells += [_cell(sim, BASELINE, seed, **manner) for seed in control.values() for sim in simulators]
+    store = Store.create(folder, Plan(BASELINE, tuple(cells), (), {"seeds": seeds}, control))
     for cell in cells:
         label = cell.reward.label
         status, reason = ended.get((label, cell.seed), ("done", ""))

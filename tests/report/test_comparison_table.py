@@ -5,15 +5,18 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
+from harness.report.behaviour_rows import along_grid, behaviour_grids
 from harness.report.comparison_table import comparison_table
 from harness.report.return_rows import EXPLANATION
-from harness.report.rows import SPLIT, behaviour_grid, index_grid, ratio_grid, split_grid
+from harness.report.rows import SPLIT, TESTS, index_grid, ratio_grid, split_grid, sum_grid
 
 CASES = {
     "plain": {},
     "large": {"baseline": (20, 19, 1e8), "proposed": {"arp": (20, 19, 1e8)}},
     "noise": {"seeds": 5},
     "one seed": {"seeds": 1},
+    "along the budget": {"learned": {10: 1, 20: 2}},
+    "null control": {"a_a": True, "proposed": {}},
     "not scorable": {"proposed": {"gone": (9, 30)}},
     "near zero": {"baseline": (9, 9), "proposed": {"arp": (1, 3_000)}, "seeds": 2},
     "paths disagree": {"baseline": (9, 12), "proposed": {"arp": (1, 20)}},
@@ -30,8 +33,9 @@ def printed(results, width=80, **console):
 
 def grids_of(combination):
     """All that stand in a combination's block."""
-    ratios, parts = ratio_grid(combination.splits), split_grid(combination.splits)
-    return [ratios, parts, index_grid(combination.decomposition), behaviour_grid(combination)]
+    decomposition, splits = combination.decomposition, combination.splits
+    numbers = [ratio_grid(splits), split_grid(splits), sum_grid(decomposition.total), index_grid(decomposition)]
+    return [behaviour_grids(combination)[0], along_grid(combination), *numbers]
 
 
 def squeezed(text):
@@ -57,8 +61,10 @@ def test_nothing_is_cut(build, case, width):
 def test_names_stay_readable_in_a_narrow_window(build):
     """At 60 columns every measure of behaviour has its whole name, word by word, beside each of its values."""
     results = build()
-    words = [word for row in behaviour_grid(results.combinations[0]).rows for word in row[0].split()]
-    _, *tables = re.split("^behaviour  ", printed(results, width=60), flags=re.MULTILINE)
+    words = [word for row in behaviour_grids(results.combinations[0])[0].rows for word in row[0].split()]
+    text = printed(results, width=60)
+    text = text[text.index("Behaviour of") : text.index("eta = proposed")]
+    _, *tables = re.split("^─+$", text, flags=re.MULTILINE)
     assert len(tables) == 2
     for table in tables:
         assert all(word in table for word in words)
@@ -68,12 +74,17 @@ def test_wide_behaviour_is_not_cut(build):
     """Where the numbers of behaviour are as wide as they get, they stand in two tables."""
     results = build(reached={"arp": lambda seed: [9] * seed})
     (combination,) = results.combinations
-    wide = {"unit": "m", "baseline": 0.000123, "proposed": 0.000123, "random": -0.000123}
-    changes = [replace(change, **wide, low=-0.000123, high=-0.000123) for change in combination.changes]
+    wide = {"baseline": 0.000123, "proposed": 0.000123, "random": -0.000123}
+    changes = [
+        replace(
+            change, measure=change.measure._replace(unit="m"), **wide, low=-0.000123, high=-0.000123, corrected=0.01
+        )
+        for change in combination.changes_of("deterministic")
+    ]
     results.__dict__["combinations"] = (replace(combination, changes=tuple(changes)),)
     text = printed(results)
     assert text.count("[-0.000123, -0.000123]") == len(changes)
-    assert text.count("  better") + text.count("  worse") >= len(changes)
+    assert len(re.findall(r" 0\.010\b", text)) >= len(changes)
 
 
 def test_combination_says_what_was_compared(build):
@@ -84,22 +95,22 @@ def test_combination_says_what_was_compared(build):
     assert "2 seeds (0, 1) compared" in text
 
 
-def test_verdict_comes_first(build):
-    """The verdict and what it rests on stand before any number, then the etas, their parts, indices, behaviour."""
+def test_answer_comes_first(build):
+    """The robot, then the number, in words; then behaviour, the etas, their parts, and the indices."""
     results = build()
     (combination,) = results.combinations
     text = squeezed(printed(results))
-    headings = ["proposed / baseline", "eta = ruler x behaviour", "accumulated reward", "behaviour baseline proposed"]
-    places = [text.index(squeezed(part)) for part in (combination.verdict, combination.basis, *headings)]
+    headline = combination.headline
+    words = ["The robot: CANNOT TELL", headline.robot, "The number", headline.number]
+    titles = ["Behaviour of the", "eta = proposed", "eta = ruler x", "I_N + I_P, proposed", "accumulated reward"]
+    places = [text.index(squeezed(part)) for part in (*words, *titles)]
     assert places == sorted(places)
 
 
-def test_verdict_is_bold(build):
-    """In a terminal the verdict stands out; into a pipe goes plain text."""
+def test_answer_is_bold(build):
+    """In a terminal the answer stands out; into a pipe goes plain text."""
     results = build()
-    (combination,) = results.combinations
-    first = combination.verdict[:30]
-    assert f"\x1b[1m{first}" in printed(results, force_terminal=True)
+    assert "\x1b[1mThe robot: CANNOT TELL" in printed(results, force_terminal=True)
     assert "\x1b" not in printed(results)
 
 
@@ -116,10 +127,19 @@ def test_what_is_not_split_is_not_explained(build):
     assert SPLIT not in text
 
 
-def test_corrected_p_values_stand_with_several_combinations(build):
-    """Each block of several has its corrected p-values; one block alone has none."""
-    assert "corrected for" not in printed(build())
-    assert printed(build(simulators=("mujoco", "pybullet"))).count("corrected for 2 combinations") == 2
+def test_what_p_means_is_told_once(build):
+    """However many combinations there are."""
+    text = squeezed(printed(build(simulators=("mujoco", "pybullet"))))
+    assert text.count(TESTS) == 1
+
+
+def test_command_for_more_seeds_stands_under_the_answer(build):
+    """Where more seeds would tell."""
+    results = build()
+    (combination,) = results.combinations
+    combination.__dict__["headline"] = replace(combination.headline, seeds_to_decide=(8, 20))
+    text = printed(results, width=400)
+    assert text.index(combination.headline.robot) < text.index("More seeds: harness run ") < text.index("The number")
 
 
 def test_no_finished_pair_is_said(build):
@@ -159,10 +179,10 @@ def test_returns_under_every_reward_are_shown(build):
     assert squeezed(EXPLANATION) in text
 
 
-@pytest.mark.parametrize("manner", ["deterministically", "stochastically"])
+@pytest.mark.parametrize("manner", ["deterministic", "stochastic"])
 def test_manner_of_evaluation_is_shown(build, manner):
     """Whether policies drew their actions."""
-    assert f"policies evaluated {manner}" in printed(build(deterministic=manner == "deterministically"))
+    assert f"trained policies, {manner}, 4 episodes" in printed(build(deterministic=manner == "deterministic"))
 
 
 def test_wide_returns_are_not_cut(build):

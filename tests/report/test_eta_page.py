@@ -48,11 +48,11 @@ def test_page_is_whole_and_loads_nothing(compare, tmp_path):
     assert json.loads(figure) == draw_groups(comparison)
 
 
-def test_page_has_the_verdict(compare, tmp_path):
+def test_page_has_the_number_in_words(compare, tmp_path):
     """And which rewards and how many runs were compared."""
     comparison = compare()
     page = read_page(comparison, tmp_path / "eta.html")
-    for told in (comparison.verdict, "proposed arp:k1=1,k2=1.5 against baseline", "baseline 2 runs, proposed 2 runs"):
+    for told in (comparison.number, "proposed arp:k1=1,k2=1.5 against baseline", "baseline 2 runs, proposed 2 runs"):
         assert told in page
 
 

@@ -19,11 +19,11 @@ def printed(comparison, width=80):
 
 @pytest.mark.parametrize("width", [60, 80])
 def test_every_number_stands_whole(compare, width):
-    """Both etas, their parts and the indices, below the verdict."""
+    """Both etas, their parts and the indices, below the number in words."""
     comparison = compare()
     text = printed(comparison, width)
     squeezed = " ".join(text.split())
-    assert squeezed.index(comparison.verdict) < squeezed.index("proposed / baseline")
+    assert squeezed.index(comparison.number) < squeezed.index("eta = proposed / baseline")
     splits = comparison.decomposition.splits
     for grid in (ratio_grid(splits), split_grid(splits), index_grid(comparison.decomposition)):
         assert all(value in text for row in grid.rows for value in row[1:])
@@ -41,7 +41,7 @@ def test_runs_without_distances_are_not_split(compare):
     """The etas and the indices stand, and the file that has none is named."""
     text = printed(compare(columns=1), width=400)  # no path is broken
     assert "eta_N" in text
-    assert "other path" not in text
+    assert "interaction" not in text
     assert "0.csv has no distances" in " ".join(text.split())
 
 

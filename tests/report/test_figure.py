@@ -2,7 +2,7 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from harness.eta.decompose import BB, KK
+from harness.eta.scored_sums import BB, KK
 from harness.report.figure import draw_panels
 from harness.report.regions import OMEGA_1, OMEGA_2
 

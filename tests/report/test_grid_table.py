@@ -69,3 +69,13 @@ def test_notes_come_once():
 def test_empty_grid_is_nothing():
     """Not even an empty line."""
     assert show_grid(Grid(("name", "value"), [], [])) == []
+
+
+def test_title_stands_above_its_rows():
+    """Whole and once, also where the table is divided; without rows there is none."""
+    titled = GRID._replace(title="Behaviour of the trained policies")
+    for width in (40, 100):
+        text = printed(titled, width).strip()
+        assert text.startswith("Behaviour of the trained policies\n")
+        assert text.count("Behaviour of") == 1
+    assert printed(titled._replace(rows=[]), 100).strip() == "a note"

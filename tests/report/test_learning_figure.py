@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from harness.eta.verdict import SUCCESS
+from harness.eta.headline import SUCCESS
 from harness.report.learning_figure import describe_learning, draw_learning
 from harness.report.palette import BLUE, VERMILION
 from harness.results.learning import learning_of

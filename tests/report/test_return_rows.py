@@ -22,7 +22,7 @@ def test_one_seed_has_no_rows_of_intervals(build):
     """And a note says why."""
     grid = return_grid(_matrix(build(seeds=1)))
     assert [row[0] for row in grid.rows] == ["baseline", "arp", "events, paid on top"]
-    assert grid.notes == ["one seed: no interval"]
+    assert grid.notes == ["one seed: no interval below 3 seeds"]
 
 
 def test_reward_that_cannot_score_is_na_with_the_reason(build):

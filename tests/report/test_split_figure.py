@@ -18,7 +18,8 @@ def test_every_part_is_drawn_with_its_interval(build):
     """A point per ratio, bars to both ends of its interval, on a logarithmic axis that holds them and 1."""
     both, drawn = figures(build())
     for name, figure in drawn.items():
-        ratios = both[name][:5]
+        split = both[name]
+        ratios = [split.eta, split.ruler, split.behaviour, *(part for path in split.paths for part in path)]
         assert [point["x"][0] for point in figure["data"]] == [ratio.value for ratio in ratios]
         bars = [(point["error_x"]["arrayminus"][0], point["error_x"]["array"][0]) for point in figure["data"]]
         expected = [(ratio.value - ratio.low, ratio.high - ratio.value) for ratio in ratios]
@@ -34,7 +35,7 @@ def test_near_zero_is_a_word_in_the_figure(build):
     """A ratio that says little is no point: it would stretch the axis."""
     _, drawn = figures(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
     figure = drawn["eta_P"]
-    assert [label["text"] for label in figure["layout"]["annotations"]] == ["near zero"] * 4
+    assert [label["text"] for label in figure["layout"]["annotations"]] == ["near zero"] * 6
     assert len(figure["data"]) == 1
     assert figure["layout"]["xaxis"]["range"][1] < 1.0
 
@@ -42,7 +43,7 @@ def test_near_zero_is_a_word_in_the_figure(build):
 def test_missing_part_is_a_word_in_the_figure(build):
     """What has no value is n/a in its row; what has one is still drawn."""
     _, drawn = figures(build(baseline=(39, 0)))
-    assert [label["text"] for label in drawn["eta_P"]["layout"]["annotations"]] == ["n/a"] * 4
+    assert [label["text"] for label in drawn["eta_P"]["layout"]["annotations"]] == ["n/a"] * 6
     assert [point["text"] for point in drawn["eta_P"]["data"]] == [["1.89"]]
 
 
@@ -62,11 +63,11 @@ def test_words_say_the_same(build):
     """The caption has every number of the figure."""
     both, drawn = figures(build())
     text = describe_split("eta_P", both["eta_P"])
-    assert text == "eta_P 1.89 = ruler 1.89 x behaviour 1.00; other path: ruler 1.89 x behaviour 1.00."
-    assert all(point["text"][0] in text for point in drawn["eta_P"]["data"])
+    assert text == "eta_P 1.89 = ruler 1.89 x behaviour 1.00; interaction 1.00."
+    assert all(point["text"][0] in text for point in drawn["eta_P"]["data"][:3])
 
 
 def test_plotly_accepts_the_split(build):
     """Every property of the figures is one that plotly knows."""
     _, drawn = figures(build())
-    assert [len(go.Figure(figure).data) for figure in drawn.values()] == [5, 5]
+    assert [len(go.Figure(figure).data) for figure in drawn.values()] == [7, 7]

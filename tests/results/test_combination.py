@@ -8,28 +8,44 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.eta.behaviour_change import change_of
+from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import curve_of
-from harness.eta.decompose import BB, BK, KB, KK, decompose
+from harness.eta.decompose import decompose
+from harness.eta.headline import Answer
 from harness.eta.index import Ratio
+from harness.eta.scored_sums import BB, BK, KB, KK
+from harness.eta.swaps import swaps_of
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
-from harness.results.combination import Combination, Group
+from harness.results.combination import Combination, Group, StepChange
 
 GROUP = Group(
     "fd100", Choice("fd100-reach", (), "fd100-reach"), Choice("wander", (), "wander"), steps=12, evaluation_episodes=20,
     simulator=Choice("ideal", (), "ideal"),
 )  # fmt: skip
-CURVES = {pair: curve_of([np.array([-1.0, 3.0 * factor])] * 5) for pair, factor in ((BB, 1), (BK, 1), (KB, 2), (KK, 2))}
+CURVES = {pair: curve_of([np.array([-1.0, 3.0 * factor])] * 6) for pair, factor in ((BB, 1), (BK, 1), (KB, 2), (KK, 2))}
+SWAPS = swaps_of(range(6))
+
+
+def change(name: str, manner: str, proposed: float) -> Change:
+    """Of six seeds, from 0.5 under the baseline."""
+    one, other = ({seed: value + 0.001 * seed for seed in range(6)} for value in (0.5, proposed))
+    found = change_of(Measure(name, "", "higher", manner, 20), one, other, SWAPS, [0.0] * 12)
+    return replace(found, corrected=found.p)
+
+
 CHANGES = (
-    change_of("final_distance", "m", "lower", [0.2] * 5, [0.1] * 5, [0.5] * 10),
-    change_of("success_rate", "", "higher", [0.5] * 5, [0.75] * 5, [0.0] * 10),
+    change("closest_distance", "deterministic", 0.5),
+    change("success_rate", "deterministic", 0.75),
+    change("success_rate", "stochastic", 0.25),
 )
 
 
 @pytest.fixture(name="combination")
 def _combination() -> Combination:
-    return Combination(GROUP, "baseline", "arp", (0, 1, 2, 3, 4), decompose(CURVES), CHANGES, CURVES, {"success": 0.01})
+    return Combination(
+        GROUP, "baseline", "arp", tuple(range(6)), decompose(CURVES), CHANGES, CURVES, (), {"deterministic": 20}, 5
+    )
 
 
 @pytest.fixture(name="empty")
@@ -91,42 +107,83 @@ def test_etas_and_indices_are_the_decompositions(combination: Combination):
 
 
 def test_success_is_found_among_the_changes(combination: Combination, empty: Combination):
-    """By its name; there may be none."""
+    """By its name, in the manner that decides; there may be none."""
     assert combination.success is CHANGES[1]
     assert empty.success is None
 
 
-def test_verdict_knows_the_corrected_p_value(combination: Combination):
-    """What holds for all comparisons decides between `behaves` and `seems to behave`."""
-    assert combination.verdict.startswith("The robot behaves better (success 75% against 50%). eta_N 1:")
-    assert replace(combination, corrected={"success": 0.5}).verdict.startswith("The robot seems to behave better")
+@pytest.mark.parametrize(
+    ("deterministic", "episodes", "manner"),
+    [
+        (True, {"deterministic": 20, "stochastic": 20, "while training": 900}, "deterministic"),
+        (False, {"stochastic": 20, "deterministic": 20, "while training": 900}, "stochastic"),
+        (True, {"deterministic": 1, "stochastic": 20, "while training": 900}, "stochastic"),
+        (False, {"stochastic": 20, "deterministic": 1}, "stochastic"),
+        (True, {"deterministic": 20}, "deterministic"),
+        (True, {}, "deterministic"),
+    ],
+)
+def test_manner_with_the_most_episodes_decides(
+    combination: Combination, deterministic: bool, episodes: dict[str, int], manner: str
+):
+    """Of equally many the cells' own; a training, which explores, never does."""
+    group = GROUP._replace(deterministic=deterministic)
+    assert replace(combination, group=group, episodes=episodes).manner == manner
 
 
-def test_basis_names_the_evaluation_episodes(combination: Combination):
-    """As many as the group has."""
-    assert combination.basis.startswith("Rests on 5 paired seeds, 20 evaluation episodes each")
+def test_deciding_manner_gives_the_answer(combination: Combination):
+    """The policies get better acting one way and worse the other."""
+    assert combination.headline.answer is Answer.HELPS
+    drawn = replace(combination, episodes={"deterministic": 1, "stochastic": 20})
+    assert drawn.headline.answer is Answer.HURTS
+
+
+def test_answer_along_the_budget_is_that_of_its_evaluation(combination: Combination):
+    """Whatever comes out at the end."""
+    none, worse = (StepChange(5, (change("success_rate", "after 5 steps", value),)) for value in (0.5, 0.25))
+    assert combination.headline_at(none).answer is Answer.CANNOT_TELL
+    assert combination.headline_at(worse).answer is Answer.HURTS
+    (told,) = replace(combination, along=(worse,)).to_json()["along_the_budget"]
+    assert (told["steps"], told["answer"], [it["name"] for it in told["behaviour"]]) == (5, "hurts", ["success_rate"])
+
+
+def test_null_control_names_its_sides_apart(combination: Combination):
+    """Both are the baseline."""
+    control = replace(combination, proposed="baseline")
+    assert control.is_control
+    assert "75.2% with baseline (other seeds), 50.2% with baseline (" in control.headline.robot
+
+
+def test_claims_decide_how_many_seeds_it_takes(combination: Combination):
+    """More claims, more seeds at most."""
+    unsure = replace(combination, changes=(change("success_rate", "deterministic", 0.5),))
+    few, many = (replace(unsure, claims=claims).headline.seeds_to_decide for claims in (1, 100))
+    assert few[0] == many[0]
+    assert few[1] < many[1]
+
+
+def test_outcomes_are_those_of_every_claim(combination: Combination, empty: Combination):
+    """Both etas first, then measures, then those along the budget."""
+    moment = StepChange(5, (change("success_rate", "after 5 steps", 0.5),))
+    found = replace(combination, along=(moment,)).outcomes
+    split, expected = combination.decomposition, [it.outcomes for it in (*CHANGES, *moment.changes)]
+    assert [id(it) for it in found] == [id(it) for it in (split.negative.outcomes, split.positive.outcomes, *expected)]
+    assert empty.outcomes == []
 
 
 def test_without_a_seed_the_reason_stands_everywhere(empty: Combination):
-    """In both ratios, in the verdict, and nowhere a number."""
+    """In both ratios, in the answer, and nowhere a number."""
     reason = "no seed is done under both baseline and arp"
     assert empty.eta_n == empty.eta_p == Ratio(None, notes=(reason,))
-    assert (empty.baseline_index, empty.proposed_index, empty.basis) == (None, None, "")
-    assert empty.verdict == f"Nothing to compare: {reason}."
+    assert (empty.baseline_index, empty.proposed_index) == (None, None)
+    assert (empty.headline.answer, empty.headline.number) == (Answer.CANNOT_TELL, "")
+    assert empty.headline.robot == f"Nothing to compare: {reason}."
 
 
 def test_json_is_plain_and_the_same_with_and_without_seeds(combination: Combination, empty: Combination):
     """The same keys in the same order, without NaN and without curves."""
     full, nothing = (json.loads(json.dumps(one.to_json(), allow_nan=False)) for one in (combination, empty))
     assert list(full) == list(nothing)
-    assert full["success"] == {"baseline": 0.5, "proposed": 0.75, "random": 0.0}
-    assert [change["name"] for change in full["behaviour"]] == ["final_distance", "success_rate"]
-    assert full["p_corrected"] == {"success": 0.01}
-    assert full["verdict"] == combination.verdict
-
-
-def test_success_of_nobody_is_zero_and_not_null(combination: Combination):
-    """A rate of 0 is a measurement."""
-    never = change_of("success_rate", "", "higher", [0.0], [0.0], [0.0])
-    success = replace(combination, changes=(never,)).to_json()["success"]
-    assert success == {"baseline": 0.0, "proposed": 0.0, "random": 0.0}
+    assert [change["name"] for change in full["behaviour"]] == ["closest_distance", "success_rate", "success_rate"]
+    assert full["headline"] == combination.headline.to_json()
+    assert (full["claims"], full["episodes"]) == (5, {"deterministic": 20})

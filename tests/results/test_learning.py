@@ -32,12 +32,12 @@ def test_points_are_means_over_seeds():
 
 
 def test_points_have_intervals_over_seeds():
-    """From the lowest to the highest seed at most; none of one seed."""
+    """Around the mean; none of one seed."""
     runs = [_run(seed, {100: 0.25 * seed}) for seed in range(5)]
     (point,) = learning_points(runs, "success_rate", GROUP)
-    assert 0.0 <= point.value.low < 0.5 < point.value.high <= 1.0
+    assert point.value.low < 0.5 < point.value.high
     (alone,) = learning_points(runs[:1], "success_rate", GROUP)
-    assert (alone.value.low, alone.value.note) == (None, "one seed: no interval")
+    assert (alone.value.low, alone.value.note) == (None, "one seed: no interval below 3 seeds")
 
 
 def test_evaluations_that_were_due_together_are_one_point():

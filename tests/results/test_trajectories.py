@@ -61,7 +61,9 @@ def _rows(number: int, points: np.ndarray) -> np.ndarray:
 
 def test_path_goes_from_the_start_to_the_target(recorded: Recorded):
     """Every row of an episode that reaches it, in order, and the target."""
-    found = trajectories_of(*recorded(baseline={0: [[(0, 0, 0, 3, 0), (1, 2, 3, 3, 0), (2.98, 0, 0, 3, 1)]]}))
+    found = trajectories_of(
+        *recorded(baseline={0: [[(0, 0, 0, 3, 0), (1, 2, 3, 3, 0), (2.98, 0, 0, 3, 1)]]}, arp={0: [REACHED]})
+    )
     (path,) = found.baseline
     np.testing.assert_array_equal(path.points, [[0, 0, 0], [1, 2, 3], [2.98, 0, 0]])
     np.testing.assert_array_equal(path.target, [3, 0, 0])
@@ -79,7 +81,7 @@ def test_path_of_a_miss_goes_to_the_end(recorded: Recorded):
 def test_path_ends_where_the_target_is_reached_first(recorded: Recorded):
     """Where the episode goes on with another target: the first one is kept."""
     on = [*REACHED, (2, 0, 0, 5, 0), (5, 0, 0, 5, 1)]
-    (path,) = trajectories_of(*recorded(baseline={0: [on]})).baseline
+    (path,) = trajectories_of(*recorded(baseline={0: [on]}, arp={0: [REACHED]})).baseline
     assert (path.points[:, 0].tolist(), path.target.tolist()) == ([0, 1], [1, 0, 0])
 
 
@@ -101,7 +103,6 @@ def test_no_pair_no_paths(recorded: Recorded):
     assert trajectories_of(*recorded(baseline={0: [REACHED]}, arp={1: [REACHED]})) is None
 
 
-def test_baseline_against_itself_has_paths(recorded: Recorded):
-    """The same on both sides."""
-    found = trajectories_of(*recorded(baseline={0: [REACHED]}))
-    np.testing.assert_array_equal(found.baseline[0].points, found.proposed[0].points)
+def test_null_control_has_no_paths(recorded: Recorded):
+    """It has one reward, and asks nothing about its behaviour."""
+    assert trajectories_of(*recorded(baseline={0: [REACHED]})) is None

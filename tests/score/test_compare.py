@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import random
 from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
@@ -10,10 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import harness.score.compare
 from harness.errors import UsageError
-from harness.eta.statistics import draw_shares
 from harness.hookspecs import PROJECT
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
@@ -130,6 +131,33 @@ def indices(runs: list[list[float]], accumulated: bool, shares: Sequence[float] 
     return sum(curve[:end]), sum(curve[end:])
 
 
+def jackknifed(paid, above, below, position, accumulated):
+    """Geometric mean of ratios of indices, and its interval: a run left out at a time, the groups not paired.
+
+    `paid` has the runs by whose reward paid whose runs; the last letter of a name says whose runs they are.
+    """
+
+    def logarithm(without: str = "", left_out: int = -1) -> float:
+        def index(pair: str) -> float:
+            runs = paid[pair]
+            kept = [not (pair[1] == without and number == left_out) for number in range(len(runs))]
+            return indices(runs, accumulated, [there / sum(kept) for there in kept])[position]
+
+        tops, bottoms = [index(pair) for pair in above], [index(pair) for pair in below]
+        if any(bottom == 0 or top / bottom <= 0 for top, bottom in zip(tops, bottoms, strict=True)):
+            return math.nan
+        logarithms = [math.log(top / bottom) for top, bottom in zip(tops, bottoms, strict=True)]
+        return sum(logarithms) / len(logarithms)
+
+    groups = {who: [logarithm(who, number) for number in range(len(paid[who + who]))] for who in "BK"}
+    variances = {who: (len(group) - 1) * float(np.var(group)) for who, group in groups.items()}
+    total = sum(variances.values())
+    freedom = total**2 / sum(variance**2 / (len(groups[who]) - 1) for who, variance in variances.items())
+    reach = stats.t.ppf(0.975, freedom) * math.sqrt(total)
+    middle = logarithm()
+    return math.exp(middle), math.exp(middle - reach), math.exp(middle + reach)
+
+
 @pytest.mark.parametrize("kind", ["accumulated", "per-step"])
 def test_every_figure_equals_plain_python(groups: Path, kind: str):
     """Indices, etas, rulers, behaviours and their intervals, from files of both programs and of different length."""
@@ -152,40 +180,41 @@ def test_every_figure_equals_plain_python(groups: Path, kind: str):
             "steps": len(curve),
             "I_N": pytest.approx(negative, abs=0.0501),
             "I_P": pytest.approx(positive, abs=0.0501),
+            "total": pytest.approx(negative + positive, abs=0.0501),
         }
-    draws = {"B": draw_shares(5, 0).tolist(), "K": draw_shares(4, 1).tolist()}  # not paired: draws of their own
-    sums = {pair: indices(runs, accumulated) for pair, runs in paid.items()}
-    drawn = {pair: [indices(runs, accumulated, shares) for shares in draws[pair[1]]] for pair, runs in paid.items()}
-    for position, letter in enumerate("np"):
+    for position, name in enumerate(("eta_N", "eta_P")):
+        split = data[name]
+        first, second = split["paths"]
         for shown, above, below in (
-            (data[f"eta_{letter}"], "KK", "BB"),
-            (data[f"ruler_{letter}"], "KK", "BK"),
-            (data[f"behaviour_{letter}"], "BK", "BB"),
-            (data["other_path"][f"ruler_{letter}"], "KB", "BB"),
-            (data["other_path"][f"behaviour_{letter}"], "KK", "KB"),
+            (split["eta"], ["KK"], ["BB"]),
+            (first["ruler"], ["KK"], ["BK"]),
+            (first["behaviour"], ["BK"], ["BB"]),
+            (second["ruler"], ["KB"], ["BB"]),
+            (second["behaviour"], ["KK"], ["KB"]),
+            (split["ruler"], ["KK", "KB"], ["BK", "BB"]),
+            (split["behaviour"], ["BK", "KK"], ["BB", "KB"]),
         ):
-            assert shown["value"] == pytest.approx(sums[above][position] / sums[below][position], rel=1e-9)
+            value, low, high = jackknifed(paid, above, below, position, accumulated)
+            assert shown["value"] == pytest.approx(value, rel=1e-9)
             if shown["low"] is None:
-                assert any(two[position] == 0 for two in drawn[below])
+                assert shown["note"]
                 continue
-            ratios = sorted(one[position] / two[position] for one, two in zip(drawn[above], drawn[below], strict=True))
-            assert shown["low"] == pytest.approx(ratios[50] - 0.025 * (ratios[50] - ratios[49]), rel=1e-6)
-            assert shown["high"] == pytest.approx(ratios[1949] + 0.025 * (ratios[1950] - ratios[1949]), rel=1e-6)
+            assert [shown["low"], shown["high"]] == pytest.approx([low, high], rel=1e-6)
     assert data["rewards"] == {"baseline": BASELINE, "proposed": K2}
     assert data["runs"] == {"baseline": 5, "proposed": 4}
     assert data["rows_left_out"] == {"baseline": 5 + 10 + 15 + 20, "proposed": 30 + 20 + 10}
     assert (data["curve"], data["with_events"]) == (kind, False)
-    assert "eta_N" in data["verdict"]
+    assert data["number"].startswith(f"I_N with {K2} is ")
     json.dumps(data, allow_nan=False)
 
 
 def test_ruler_times_behaviour_is_eta_on_both_paths(groups: Path):
     """Nothing of an eta is lost between its parts."""
     data = compare(groups / "base", groups / "k2").to_json()
-    for letter in "np":
-        for part in (data, data["other_path"]):
-            product = part[f"ruler_{letter}"]["value"] * part[f"behaviour_{letter}"]["value"]
-            assert product == pytest.approx(data[f"eta_{letter}"]["value"], rel=1e-12)
+    for split in (data["eta_N"], data["eta_P"]):
+        for part in (split, *split["paths"]):
+            product = part["ruler"]["value"] * part["behaviour"]["value"]
+            assert product == pytest.approx(split["eta"]["value"], rel=1e-12)
 
 
 def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path: Path):
@@ -195,17 +224,16 @@ def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path: Path):
         write_run(tmp_path / "times3" / f"{seed}.csv", arp(3.0, 3.0), seed, 80)
     data = compare(tmp_path / "base", tmp_path / "times3").to_json()
     assert data["rewards"]["proposed"] == "arp:k1=3,k2=3"
-    for letter in "np":
-        assert data[f"eta_{letter}"]["value"] == pytest.approx(3.0, rel=1e-5)
-        assert data[f"ruler_{letter}"]["value"] == pytest.approx(3.0, rel=1e-5)
-        assert data[f"behaviour_{letter}"]["value"] == pytest.approx(1.0, rel=1e-5)
+    for split in (data["eta_N"], data["eta_P"]):
+        values = [split[name]["value"] for name in ("eta", "ruler", "behaviour", "interaction")]
+        assert values == pytest.approx([3.0, 3.0, 1.0, 1.0], rel=1e-5)
 
 
 def test_a_group_against_itself_is_one(groups: Path):
     """Value and both ends of the interval: the same files are paired."""
     data = compare(groups / "base", groups / "base").to_json()
-    for name in ("eta_n", "eta_p"):
-        assert [data[name][end] for end in ("value", "low", "high")] == [1.0, 1.0, 1.0]
+    for name in ("eta_N", "eta_P"):
+        assert [data[name]["eta"][end] for end in ("value", "low", "high")] == [1.0, 1.0, 1.0]
 
 
 @pytest.mark.parametrize("held", [5, 35, 300])
@@ -216,8 +244,9 @@ def test_pieces_of_any_size_give_the_same(groups: Path, monkeypatch: pytest.Monk
     pieces = compare(groups / "base", groups / "k2").to_json()
     assert pieces["baseline"] == whole["baseline"]
     assert pieces["rows_left_out"] == whole["rows_left_out"]
-    for name in ("eta_n", "ruler_n", "behaviour_n", "eta_p", "ruler_p", "behaviour_p"):
-        assert pieces[name]["value"] == pytest.approx(whole[name]["value"], rel=1e-12)
+    for name in ("eta_N", "eta_P"):
+        for part in ("eta", "ruler", "behaviour"):
+            assert pieces[name][part]["value"] == pytest.approx(whole[name][part]["value"], rel=1e-12)
 
 
 # Edges
@@ -226,36 +255,57 @@ def test_pieces_of_any_size_give_the_same(groups: Path, monkeypatch: pytest.Monk
 def test_a_curve_that_is_never_negative_has_no_eta_n(tmp_path: Path):
     """The reason stands in the note, and eta_P is there."""
     data = compare(write_rewards(tmp_path / "b", [1, 2, 3]), write_rewards(tmp_path / "k", [-1, 5, 5])).to_json()
-    assert data["baseline"] == {"first_negative": None, "crossover": None, "steps": 3, "I_N": 0.0, "I_P": 10.0}
-    assert data["eta_n"]["value"] is None
-    assert data["eta_n"]["note"] == "I_N of the baseline is 0: its mean accumulated reward is never negative"
-    assert data["eta_p"]["value"] == pytest.approx((4 + 9) / (1 + 3 + 6))
+    assert data["baseline"] == {
+        "first_negative": None,
+        "crossover": None,
+        "steps": 3,
+        "I_N": 0.0,
+        "I_P": 10.0,
+        "total": 10.0,
+    }
+    assert data["eta_N"]["eta"]["value"] is None
+    assert data["eta_N"]["eta"]["note"] == "I_N of the baseline is 0: its mean accumulated reward is never negative"
+    assert data["eta_P"]["eta"]["value"] == pytest.approx((4 + 9) / (1 + 3 + 6))
 
 
 def test_a_curve_that_never_crosses_has_no_crossover(tmp_path: Path):
     """It is negative to the end: there is no eta_P."""
     data = compare(write_rewards(tmp_path / "b", [0, -1, -1]), write_rewards(tmp_path / "k", [0, -1, 2])).to_json()
-    assert data["baseline"] == {"first_negative": 1, "crossover": None, "steps": 3, "I_N": -3.0, "I_P": 0.0}
+    assert data["baseline"] == {
+        "first_negative": 1,
+        "crossover": None,
+        "steps": 3,
+        "I_N": -3.0,
+        "I_P": 0.0,
+        "total": -3.0,
+    }
     assert (data["proposed"]["first_negative"], data["proposed"]["crossover"]) == (1, 2)
-    assert data["eta_p"]["value"] is None
-    assert "never positive" in data["eta_p"]["note"]
+    assert data["eta_P"]["eta"]["value"] is None
+    assert "never positive" in data["eta_P"]["eta"]["note"]
 
 
 def test_zeros_have_neither_eta(tmp_path: Path):
     """Two notes, and JSON without a number that is not finite."""
     zeros = write_rewards(tmp_path / "b", [0, 0], [0, 0])
     data = compare(zeros, zeros).to_json()
-    assert data["baseline"] == {"first_negative": None, "crossover": None, "steps": 2, "I_N": 0.0, "I_P": 0.0}
-    assert data["eta_n"]["value"] is data["eta_p"]["value"] is None
+    assert data["baseline"] == {
+        "first_negative": None,
+        "crossover": None,
+        "steps": 2,
+        "I_N": 0.0,
+        "I_P": 0.0,
+        "total": 0.0,
+    }
+    assert data["eta_N"]["eta"]["value"] is data["eta_P"]["eta"]["value"] is None
     json.dumps(data, allow_nan=False)
 
 
 def test_one_run_has_etas_and_no_interval(tmp_path: Path):
     """One row is a run, too."""
     data = compare(write_rewards(tmp_path / "b", [-2]), write_rewards(tmp_path / "k", [-1])).to_json()
-    assert data["eta_n"]["value"] == 0.5
-    assert data["eta_n"]["low"] is data["eta_n"]["high"] is None
-    assert "one seed: no interval" in data["eta_n"]["note"]
+    assert data["eta_N"]["eta"]["value"] == 0.5
+    assert data["eta_N"]["eta"]["low"] is data["eta_N"]["eta"]["high"] is None
+    assert "one seed: no interval below 3 seeds" in data["eta_N"]["eta"]["note"]
 
 
 def test_runs_are_cut_to_the_shortest_of_their_group(tmp_path: Path):
@@ -280,14 +330,11 @@ def test_without_distances_the_etas_are_not_split(tmp_path: Path, groups: Path):
     """One bare file is enough; the etas stay, and the parts say which file it is."""
     bare = write_rewards(tmp_path / "bare", [0, -1, 3])
     data = compare(bare, groups / "k2").to_json()
-    assert data["eta_n"]["value"] is not None
-    for name in ("ruler_n", "behaviour_n", "ruler_p", "behaviour_p"):
-        assert data[name] == {
-            "value": None,
-            "low": None,
-            "high": None,
-            "note": f"{bare}/0.csv has no distances to score again",
-        }
+    assert data["eta_N"]["eta"]["value"] is not None
+    nothing = {"value": None, "low": None, "high": None, "note": f"{bare}/0.csv has no distances to score again"}
+    for name in ("eta_N", "eta_P"):
+        assert data[name]["paths"] == []
+        assert data[name]["ruler"] == data[name]["behaviour"] == data[name]["interaction"] == nothing
     assert data["rewards"] == {"baseline": None, "proposed": K2}
 
 
@@ -296,7 +343,9 @@ def test_runs_of_one_group_under_two_rewards_are_not_split(groups: Path):
     write_run(groups / "base" / "9.csv", arp(1.5), 9, 80)
     data = compare(groups / "base", groups / "k2").to_json()
     assert data["rewards"]["baseline"] is None
-    assert data["ruler_n"]["note"].startswith(f"no one reward pays all runs of a group: {groups}/base/9.csv, line ")
+    assert data["eta_N"]["ruler"]["note"].startswith(
+        f"no one reward pays all runs of a group: {groups}/base/9.csv, line "
+    )
 
 
 def test_a_given_reward_is_used_and_checked(groups: Path):
@@ -304,7 +353,8 @@ def test_a_given_reward_is_used_and_checked(groups: Path):
     given = compare(groups / "base", groups / "k2", proposed_reward="arp", baseline_reward="arp:k2=1")
     assert given.rewards == {"baseline": "arp:k2=1", "proposed": "arp"}
     told = compare(groups / "base", groups / "k2").to_json()
-    assert given.to_json() | {"rewards": 0} == told | {"rewards": 0}
+    named = {"rewards": 0, "number": ""}
+    assert given.to_json() | named == told | named
     with pytest.raises(UsageError, match=r"The runs were not paid by arp:k2=2: .*/k2/0\.csv, line \d+: recorded"):
         compare(groups / "base", groups / "k2", proposed_reward="arp:k2=2")
     with pytest.raises(UsageError, match="No reward 'arpp'"):
@@ -350,7 +400,7 @@ def test_traces_and_csv_files_mix(tmp_path: Path, groups: Path, make_cell):
     base = match_recordings(f"{groups}/base/*.csv")
     data = compare_recordings(base, recordings, load_registry()).to_json()
     assert data["runs"] == {"baseline": 5, "proposed": 5}
-    assert data["ruler_n"]["value"] is not None
+    assert data["eta_N"]["ruler"]["value"] is not None
 
 
 def test_event_terms_are_added_on_demand(tmp_path: Path, make_cell):
@@ -368,7 +418,7 @@ def test_event_terms_are_added_on_demand(tmp_path: Path, make_cell):
     assert data["baseline"]["I_P"] == pytest.approx(positive, abs=0.0501)
     assert data["baseline"]["I_N"] == pytest.approx(negative, abs=0.0501)
     assert data["with_events"]
-    assert data["ruler_p"]["value"] is not None
+    assert data["eta_P"]["ruler"]["value"] is not None
     assert compare(*patterns).to_json()["baseline"]["I_P"] < positive
     (tmp_path / "bare.csv").write_text("reward\n1\n")
     with pytest.raises(UsageError, match=r"bare\.csv has no event terms: leave out --with-events"):
@@ -381,10 +431,10 @@ def test_runs_of_known_seeds_are_paired(tmp_path: Path, make_cell):
         write_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline", make_cell)
         write_trace(tmp_path / f"k{9 - seed}", arp(2.0, 2.0), seed, "arp:k2=2", make_cell)
     patterns = f"{tmp_path}/b*/trace.parquet", f"{tmp_path}/k*/trace.parquet"
-    eta = compare(*patterns).to_json()["eta_n"]
+    eta = compare(*patterns).to_json()["eta_N"]["eta"]
     assert [eta["value"], eta["low"], eta["high"]] == pytest.approx([2.0, 2.0, 2.0], rel=1e-12)
     (tmp_path / "b0" / "manifest.json").unlink()  # one seed is not known: nothing is paired
-    eta = compare(*patterns).to_json()["eta_n"]
+    eta = compare(*patterns).to_json()["eta_N"]["eta"]
     assert eta["low"] < 1.9
     assert eta["high"] > 2.1
 
@@ -414,6 +464,6 @@ def register_rewards(register):
     groups = (match_recordings(f"{tmp_path}/{name}/*.csv") for name in "bk")
     data = compare_recordings(*groups, registry).to_json()
     assert data["rewards"] == {"baseline": BASELINE, "proposed": "inverse"}
-    assert data["eta_n"]["value"] == 1.75
-    assert data["ruler_n"]["value"] is None
-    assert data["ruler_n"]["note"] == "one group's reward is not finite on the other group's runs"
+    assert data["eta_N"]["eta"]["value"] == 1.75
+    assert data["eta_N"]["ruler"]["value"] is None
+    assert data["eta_N"]["ruler"]["note"] == "one group's reward is not finite on the other group's runs"

@@ -113,7 +113,7 @@ def test_home_is_what_was_recorded(train: Train, here: list[Order]):
     transfers = transfer(results.folder, "ideal,stuck")
     assert [order.work.simulator.name for order in here] == ["stuck"] * 4
     rates = [
-        results.evaluations[cell.id]["success_rate"]
+        results.measured(cell).own["success_rate"]
         for cell in results.done_cells
         if cell.reward.label == transfers.matrices[0].group.reward.label
     ]

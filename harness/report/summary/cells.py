@@ -36,7 +36,7 @@ def _row(results: Results, manifest: Manifest) -> dict[str, Any]:
     row = dict(zip(_describe_names(), _describe(manifest), strict=True))
     if manifest.status != "done":
         return row
-    values = results.evaluations[manifest.cell.id]
+    values = results.measured(manifest.cell).own
     return {**row, **_own(results, manifest), **{name: values[name] for name in results.metrics}}
 
 

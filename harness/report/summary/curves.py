@@ -63,9 +63,10 @@ def thin(curve: GroupCurve) -> tuple[np.ndarray, np.ndarray, int]:
 
 def _label(combination: Combination) -> Iterator[tuple[dict[str, Any], GroupCurve]]:
     group, seeds = combination.group, " ".join(map(str, combination.seeds))
-    rewards = {"baseline": combination.baseline, "proposed": combination.proposed}
+    scorers = {"baseline": combination.baseline, "proposed": combination.proposed}
+    trained = combination.names._asdict()
     for (scorer, taught), curve in combination.curves.items():
-        values = (*group.labels.values(), rewards[taught], rewards[scorer], seeds)
+        values = (*group.labels.values(), trained[taught], scorers[scorer], seeds)
         yield {**dict(zip(LABELS, values, strict=True)), "training_steps": group.steps}, curve
 
 

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from harness.eta.verdict import SUCCESS
+from harness.eta.headline import SUCCESS
 from harness.report.palette import BLUE, GREY, VERMILION
 from harness.report.rows import rewards_text
 from harness.report.summary.headline import WIDTH, headline, height_of, put_headline

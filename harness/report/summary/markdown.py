@@ -6,14 +6,17 @@ from typing import TypeAlias
 
 from harness.eta.behaviour_change import Change
 from harness.record.store import EXPERIMENT
+from harness.report.behaviour_rows import along_grid, behaviour_grids
 from harness.report.facts import Fact, shared_facts
 from harness.report.question import question
 from harness.report.rows import (
     NOTHING,
     SCALES,
     SPLIT,
-    corrected_text,
+    TESTS,
+    answer_text,
     count_cells,
+    path_grid,
     ratio_grid,
     ratio_text,
     ratio_with_interval,
@@ -35,7 +38,7 @@ SHOWN = {
     "learning": "Success rate while learning",
 }
 HEADINGS = (
-    *("", "combination", "reward"),
+    *("", "combination", "reward", "the robot"),
     *("eta_N", "= ruler x behaviour", "eta_P", "= ruler x behaviour"),
     *("success: baseline", "proposed", "random", "seeds", "not done"),
 )
@@ -60,7 +63,7 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
         *_overview(results, overview),
     ]
     for number, (combination, paths) in enumerate(zip(combinations, pictures, strict=True), 1):
-        parts += _section(number, combination, len(combinations), paths)
+        parts += _section(number, combination, paths)
     unfinished = [f"* {_escape(line)}" for line in unfinished_cells(results)]
     parts += ["## Cells that are not done", "\n".join(unfinished)] if unfinished else []
     parts += ["## What it took", _effort(results)]
@@ -77,7 +80,7 @@ def _overview(results: Results, path: str) -> list[str]:
         _row(number, combination, missing_text(results, combination))
         for number, combination in enumerate(combinations, 1)
     ]
-    parts = [_table(HEADINGS, rows), f"{SCALES} {SPLIT} Intervals: 95%, over seeds."]
+    parts = [_table(HEADINGS, rows), f"{SCALES} {SPLIT} {TESTS}"]
     if not any(combination.seeds for combination in combinations):
         parts.append("No combination is finished: no seed is done under both of its rewards.")
     return [*parts, f"![eta of every combination, with ruler and behaviour]({path})"] if path else parts
@@ -88,11 +91,12 @@ def _row(number: int, combination: Combination, missing: str) -> tuple[str, ...]
     etas = {name: split.eta for name, split in combination.splits.items()}
     parts = [text for name, eta in etas.items() for text in (ratio_with_interval(eta), _parts(combination, name))]
     shares = [_share(success, who) for who in ("baseline", "proposed", "random")]
-    return (str(number), title, rewards_text(combination), *parts, *shares, str(len(combination.seeds)), missing)
+    named = (str(number), title, rewards_text(combination), answer_text(combination.headline))
+    return (*named, *parts, *shares, str(len(combination.seeds)), missing)
 
 
 def _parts(combination: Combination, name: str) -> str:
-    """Of the first path; the other one is in the section."""
+    """Geometric means of both paths."""
     split = combination.splits[name]
     if split.ruler.value is None and split.behaviour.value is None:
         return NOTHING
@@ -104,15 +108,22 @@ def _share(success: Change | None, who: str) -> str:
     return NOTHING if value is None else f"{value:.1%}"
 
 
-def _section(number: int, combination: Combination, combinations: int, paths: Pictures) -> list[str]:
-    """The verdict, what it rests on, every remark, and the figures."""
+def _section(number: int, combination: Combination, paths: Pictures) -> list[str]:
+    """Both answers, what they rest on, every remark, and the figures."""
     title = f"## {number}. {combination.group.title}: {rewards_text(combination)}"
-    told = [combination.basis, corrected_text(combination, combinations)]
-    grids = (ratio_grid(combination.splits), split_grid(combination.splits)) if combination.seeds else ()
-    notes = [f"* {_escape(note)}" for grid in grids for note in grid.notes]
+    headline, splits = combination.headline, combination.splits
+    numbers = (ratio_grid(splits), split_grid(splits), path_grid(splits))
+    grids = (*behaviour_grids(combination), along_grid(combination), *numbers)
+    shown = grids if combination.seeds else ()
+    tables = [part for grid in shown if grid.rows for part in (grid.title, _table(grid.headings, grid.rows))]
+    notes = [f"* {_escape(note)}" for grid in shown for note in grid.notes]
     images = [f"![{SHOWN[what]}]({path})" for what, path in paths.items()]
-    parts = [_escape(title), f"**{_escape(combination.verdict)}**", _escape(" ".join(filter(None, told)))]
-    return [part for part in [*parts, "\n".join(notes), *images] if part]
+    parts = [
+        _escape(title),
+        f"**The robot: {answer_text(headline)}.** {_escape(headline.robot)}",
+        _escape(headline.number and f"The number: {headline.number}"),
+    ]
+    return [part for part in [*parts, *tables, "\n".join(notes), *images] if part]
 
 
 def _effort(results: Results) -> str:

@@ -15,7 +15,9 @@ def missing_text(results: Results, combination: Combination) -> str:
     statuses = Counter(
         manifest.status
         for manifest in results.manifests
-        if manifest.cell.reward.label in rewards and Group.of(manifest.cell) == combination.group
+        if manifest.cell.reward.label in rewards
+        and Group.of(manifest.cell) == combination.group
+        and (combination.is_control or not results.is_control(manifest.cell))
     )
     told = [f"{statuses[status]} {status}" for status in STATUSES if statuses[status]]
     return f"{', '.join(told)} of {statuses.total()} cells" if told else ""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 POINTS = 4_000
-"""Of all curves of a figure together: about 80 kB."""
+"""Of all curves and regions of a figure together: about 80 kB."""
 FEWEST, MOST = 40, 500
 """Of one curve."""
 
@@ -52,7 +52,7 @@ def _fill(figure: "Figure", panels: tuple[Panel, Panel], text: str) -> None:
 
 def _draw(axes: "Axes", panel: Panel, last: float) -> None:
     """Thin runs, the thick mean, its regions, and both marked steps."""
-    points = max(FEWEST, min(MOST, POINTS // (2 * len(panel.runs) + 2)))
+    points = max(FEWEST, min(MOST, POINTS // (2 * len(panel.runs) + 6)))  # a region goes there and back
     for values, width, alpha in [*((run, 0.8, 0.5) for run in panel.runs), (panel.mean, 2.6, 1.0)]:
         steps = select_points(values, points)
         axes.plot(steps * panel.stride, values[steps], color=panel.colour, linewidth=width, alpha=alpha)

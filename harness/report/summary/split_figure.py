@@ -20,7 +20,7 @@ def draw_splits(combination: Combination, missing: str = "") -> bytes | None:
         return None
     title = f"Ruler x behaviour: {combination.group.title}: {rewards_text(combination)}"
     text = headline(combination, missing)
-    return draw_svg(title, WIDTH, 3.3 + height_of(text), lambda figure: _fill(figure, rows, text))
+    return draw_svg(title, WIDTH, 4.0 + height_of(text), lambda figure: _fill(figure, rows, text))
 
 
 def _fill(figure: "Figure", rows: dict[str, list[SplitRow]], text: str) -> None:
@@ -32,5 +32,5 @@ def _fill(figure: "Figure", rows: dict[str, list[SplitRow]], text: str) -> None:
         axes.set_xlabel(f"ratio; {BETTER[name]} is called better")
         labels = ["eta", *(part.label for part in parts[1:])]
         axes.set_yticks([part.place for part in parts], labels)
-        axes.set_ylim(5.0, -0.6)
+        axes.set_ylim(7.2, -0.6)
     figure.supxlabel(ENDLESS, x=0.01, ha="left", fontsize=9)

@@ -92,7 +92,7 @@ def test_twenty_files_take_three_times_as_long_as_reading_them(tmp_path: Path, r
         data, peaks["eta"] = measure_eta(tmp_path / "base" / "*.csv", tmp_path / "k2" / "*.csv")
         assert data["rewards"] == {"baseline": "baseline", "proposed": "arp:k1=1,k2=1.5"}
         assert data["baseline"]["steps"] == rows
-        assert data["ruler_p"]["value"] is not None
+        assert data["eta_P"]["ruler"]["value"] is not None
 
     require_speed(read, eta, at_least=1 / 3, rounds=3)
     print(f"\n  harness eta: {peaks['eta']:.0f} MB, reading alone: {peaks['reading']:.0f} MB")  # noqa: T201
@@ -113,5 +113,5 @@ def test_ten_million_rows_take_hardly_more_memory(tmp_path: Path):
     of_short = measure_eta(short, short)[1]
     print(f"\n  1e7 rows, twice: {megabytes:.0f} MB; 1e5 rows, twice: {of_short:.0f} MB")  # noqa: T201
     assert data["baseline"]["steps"] == 10_000_000
-    assert data["eta_n"]["value"] == 1.0
+    assert data["eta_N"]["eta"]["value"] == 1.0
     assert megabytes < 2.0 * of_short

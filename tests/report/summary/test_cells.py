@@ -19,7 +19,7 @@ def rows(results):
 def test_rows_are_in_the_order_of_the_plan(build):
     """Whatever ended first, and however."""
     results = build(ended={("baseline", 0): ("failed", "it broke"), ("arp", 1): ("pending", "")})
-    assert [row["id"] for row in rows(results)] == [cell.id for cell in results.store.read_plan()[2]]
+    assert [row["id"] for row in rows(results)] == [cell.id for cell in results.store.read_plan().cells]
 
 
 def test_indices_are_those_of_the_run_alone(build):
@@ -38,7 +38,7 @@ def test_numbers_are_read_back_exactly(build):
         reward = read_trace(results.store.cell_folder(manifest.cell) / TRACE, ["reward"])["reward"]
         assert float(row["final_accumulated_reward"]) == np.cumsum(reward)[-1]
         assert float(row["seconds"]) == manifest.seconds
-        for name, value in results.evaluations[manifest.cell.id].items():
+        for name, value in results.measured(manifest.cell).own.items():
             if not name.startswith("random_"):
                 assert row[name] == "" if value is None else float(row[name]) == value
 

@@ -4,7 +4,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from harness.eta.decompose import BB, BK, KB, KK
+from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.report.summary.curves import ROWS, write_curves
 
 LABELS = {"baseline": "baseline", "proposed": "arp"}
@@ -52,6 +52,17 @@ def test_curves_over_other_seeds_stand_apart(build):
     results = build(proposed={"arp": (9, 30), "relative": (9, 30)}, ended={("arp", 1): ("failed", "it broke")})
     _, curves = read(results)
     assert {row["seeds"] for row in curves["baseline", "baseline"]} == {"0 2", "0 1 2"}
+
+
+def test_null_control_has_curves_of_its_own(build):
+    """The baseline trained again does not stand where the baseline's runs are looked for."""
+    results = build(a_a=True)
+    asked, control = results.combinations
+    _, curves = read(results)
+    for trained, curve in (("baseline", asked.curves[BB]), ("baseline (other seeds)", control.curves[KK])):
+        assert curve.index.positive_sum == pytest.approx(
+            sum(max(row["value"], 0.0) * row["every"] for row in curves["baseline", trained]), rel=1e-6
+        )
 
 
 def test_unscored_runs_have_their_own_curves(build):

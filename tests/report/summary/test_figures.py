@@ -72,7 +72,7 @@ def test_split_has_every_number_with_its_interval(build):
     """As the table says them."""
     told = words(draw_splits(build(proposed={"arp": (5, 34)}).combinations[0]))
     assert {"eta_N = ruler x behaviour", "eta_P = ruler x behaviour"} <= set(told)
-    assert sum(text.endswith("]") and "[" in text for text in told) == 10
+    assert sum(text.endswith("]") and "[" in text for text in told) == 14
 
 
 def test_near_zero_is_a_word_in_the_split(build):
@@ -86,7 +86,7 @@ def test_near_zero_is_a_word_in_the_split(build):
 
 def test_missing_part_is_a_word_in_the_split(build):
     """So is one that is not defined."""
-    assert words(draw_splits(build(baseline=(39, 0)).combinations[0])).count("n/a") == 4
+    assert words(draw_splits(build(baseline=(39, 0)).combinations[0])).count("n/a") == 6
 
 
 def test_unsplit_combination_has_no_split(build):

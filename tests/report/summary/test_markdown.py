@@ -17,18 +17,43 @@ def test_table_has_what_the_report_says(build, tmp_path):
     line = next(line for line in (tmp_path / "mine" / "summary.md").read_text().split("\n") if line.startswith("| 1 |"))
     cells = [cell.strip() for cell in line.strip("|").split("|")]
     assert cells == [
-        *("1", "mujoco · sac · fd100 · fd100-reach", "arp against baseline"),
-        *("0.843 [0.833, 0.847]", "0.843 x 1.00", "1.89 [1.84, 1.95]", "1.89 x 1.00"),
+        *("1", "mujoco · sac · fd100 · fd100-reach", "arp against baseline", "CANNOT TELL"),
+        *("0.843 [0.823, 0.863]", "0.843 x 1.00", "1.89 [1.77, 2.02]", "1.89 x 1.00"),
         *("75.0%", "75.0%", "0.0%", "3", ""),
     ]
 
 
-def test_verdict_and_remarks_stand_under_the_table(summarise):
-    """What it comes to, what it rests on, and what to keep in mind."""
+def test_both_answers_stand_under_the_table(summarise):
+    """The robot first, then the number, then what to keep in mind."""
     text = page(summarise)
-    assert "**The robot behaves no differently as far as 3 seeds tell" in text
-    assert "Rests on 3 paired seeds" in text
-    assert "* eta_N, eta_P: 3 seeds: the interval is rough below 5" in text
+    told = (
+        "**The robot: CANNOT TELL.** Cannot tell from 3 seeds",
+        "The number: I_N with arp is 0.843 ",
+        "* eta_N noise",
+    )
+    places = [text.index(part) for part in told]
+    assert places == sorted(places)
+
+
+def test_every_grid_is_a_table_with_its_title(summarise):
+    """Behaviour in every manner, along the budget, both etas, their split and its paths."""
+    text = page(summarise, learned={10: 1})
+    for title in (
+        "Behaviour of the trained policies, deterministic, 4 episodes per seed",
+        "Behaviour while training, 1 episode or more per seed",
+        "Behaviour while learning",
+        "Along the budget of training, deterministic",
+        "eta = proposed / baseline",
+        "eta = ruler x behaviour",
+        "ruler x behaviour, on each path",
+    ):
+        assert re.search(rf"\n\n{re.escape(title)}\n\n\|  \| ", text), title
+
+
+def test_tables_of_markdown_are_whole(summarise):
+    """Every row has as many cells as its heading."""
+    for table in re.findall(r"(?:^\|.*\n)+", page(summarise, learned={10: 1}), re.MULTILINE):
+        assert len({line.count("|") - line.count("\\|") for line in table.splitlines()}) == 1
 
 
 def test_reason_of_what_is_missing_is_told(summarise):
@@ -49,7 +74,8 @@ def test_nothing_finished_is_said(summarise):
     """In words."""
     text = page(summarise, seeds=1, ended={("arp", 0): ("failed", "it broke")})
     assert "No combination is finished: no seed is done under both of its rewards." in text
-    assert "**Nothing to compare: no seed is done under both baseline and arp.**" in text
+    assert "**The robot: CANNOT TELL.** Nothing to compare: no seed is done under both baseline and arp." in text
+    assert "eta = " not in text.split("## 1.")[1]
 
 
 def test_cost_and_machine_are_told(summarise):

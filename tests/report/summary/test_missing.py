@@ -17,8 +17,11 @@ def test_nothing_is_said_where_all_are_done(build):
     assert missing_text(results, results.combinations[0]) == ""
 
 
-def test_null_control_counts_its_cells_once(build):
-    """Its two rewards are one."""
+def test_null_control_counts_both_trainings_of_the_baseline(build):
+    """Those with other seeds belong to it alone."""
     results = build(a_a=True, ended={("baseline", 0): ("failed", "it broke")})
     told = {combination.proposed: missing_text(results, combination) for combination in results.combinations}
-    assert told == {"baseline": "1 failed of 3 cells", "arp": "1 failed of 6 cells"}
+    assert told == {"baseline": "1 failed of 6 cells", "arp": "1 failed of 6 cells"}
+    results = build(a_a=True, ended={("baseline", 5): ("failed", "it broke")})
+    told = {combination.proposed: missing_text(results, combination) for combination in results.combinations}
+    assert told == {"baseline": "1 failed of 6 cells", "arp": ""}

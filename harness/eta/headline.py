@@ -1,0 +1,207 @@
+"""What a comparison comes to: first the robot, then the number, one sentence each.
+
+A word of better or worse stands here only where a test says so whose error rate is known; see ``docs/statistics.md``.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+from harness.eta.behaviour_change import Change
+from harness.eta.decompose import Decomposition, Split
+from harness.eta.index import Ratio
+from harness.eta.power import Range, seeds_to_tell
+from harness.eta.swaps import ALPHA, fewest_seeds
+
+SUCCESS, TIME = "success_rate", "time_to_target"
+DECIDING = (SUCCESS, TIME)
+"""Measures that decide about the robot, the first that tells the two trainings apart; both count failures."""
+SUCCESS_MARGIN = 0.05
+"""A difference of success below this, as a share of the episodes, is taken for none."""
+TIME_MARGIN = 0.10
+"""The same for the time to the target, as a share of the baseline's."""
+
+
+class Answer(StrEnum):
+    """Whether the proposed reward makes the robot behave better."""
+
+    HELPS = "helps"
+    HURTS = "hurts"
+    NO_DIFFERENCE = "no difference"
+    CANNOT_TELL = "cannot tell"
+
+
+class Names(NamedTuple):
+    """Labels of the two rewards."""
+
+    baseline: str
+    proposed: str
+
+
+@dataclass(frozen=True)
+class Headline:
+    """Two answers: about the robot, and about the number.
+
+    Attributes:
+        answer: About the robot.
+        robot: It in a sentence.
+        number: How much the indices changed, and how much of that is ruler, in a sentence.
+        decided_by: The measure that decided; None where none did.
+        seeds_to_decide: How many seeds would tell a difference as large as the margin, as a range; None where the
+            robot's answer needs no more, or no number can be told.
+    """
+
+    answer: Answer
+    robot: str
+    number: str
+    decided_by: str | None = None
+    seeds_to_decide: Range | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "answer": self.answer.value,
+            "robot": self.robot,
+            "number": self.number,
+            "decided_by": self.decided_by,
+            "seeds_to_decide": self.seeds_to_decide and list(self.seeds_to_decide),
+        }
+
+
+def headline_of(
+    names: Names, decomposition: Decomposition, changes: Sequence[Change] = (), claims: int = 1
+) -> Headline:
+    """Both answers.
+
+    Args:
+        names: Of the rewards.
+        decomposition: Of both etas.
+        changes: Measures of behaviour of one manner; empty where only rewards were recorded.
+        claims: How many are made together with these, for the number of seeds that would decide.
+    """
+    number = number_sentence(names, decomposition)
+    deciding = [change for name in DECIDING for change in changes if change.name == name and change.seeds]
+    if not deciding:
+        return Headline(Answer.CANNOT_TELL, "How the robot behaves was not measured.", number)
+    decisive = next((change for change in deciding if change.direction), None)
+    if decisive is not None:
+        answer = Answer.HELPS if decisive.direction == "better" else Answer.HURTS
+        return Headline(answer, _decided(names, decisive), number, decisive.name)
+    if all(change.is_within(margin_of(change)) for change in deciding):
+        return Headline(Answer.NO_DIFFERENCE, _no_difference(names, deciding), number)
+    needed = _seeds_needed(deciding, claims)
+    return Headline(Answer.CANNOT_TELL, _undecided(names, deciding, needed), number, seeds_to_decide=needed)
+
+
+def margin_of(change: Change) -> float:
+    """A smaller difference of this measure is taken for none, in its unit."""
+    if change.name == SUCCESS:
+        return SUCCESS_MARGIN
+    return TIME_MARGIN * abs(change.baseline or 0.0)
+
+
+def number_sentence(names: Names, decomposition: Decomposition) -> str:
+    """How much each index changed, what the ruler alone makes of it, and what the runs themselves do."""
+    told = [_index_sentence(name, names, split) for name, split in decomposition.splits.items()]
+    return " ".join([*told, *_flags(decomposition)])
+
+
+def seeds_text(seeds: int) -> str:
+    """How many."""
+    return "1 seed" if seeds == 1 else f"{seeds} seeds"
+
+
+def amount_text(change: Change, value: float | None) -> str:
+    """A value of a deciding measure, with its unit."""
+    if value is None:
+        return "n/a"
+    return f"{value:.1%}" if change.name == SUCCESS else f"{value:.3g} {change.measure.unit}".rstrip()
+
+
+def _decided(names: Names, change: Change) -> str:
+    verb = "helps" if change.direction == "better" else "hurts"
+    corrected = change.corrected or 0.0
+    p = "< 0.001" if corrected < 0.001 else f"{corrected:.3f}"
+    return f"{names.proposed} {verb}: {_values(names, change)}; {seeds_text(change.seeds)}, corrected p {p}."
+
+
+def _no_difference(names: Names, changes: Sequence[Change]) -> str:
+    told = "; ".join(f"{_values(names, change)}, less than {_margin_text(change)} apart" for change in changes)
+    tests = f"equivalence by two one-sided tests, {ALPHA:.0%} each"
+    return f"{names.proposed} makes no difference that counts: {told} ({tests})."
+
+
+def _undecided(names: Names, changes: Sequence[Change], needed: Range | None) -> str:
+    seeds, fewest = changes[0].seeds, fewest_seeds()
+    told = (
+        f"Cannot tell from {seeds_text(seeds)} whether {names.proposed} helps or hurts: "
+        f"{'; '.join(_values(names, change) for change in changes)}."
+    )
+    if needed is None:
+        return f"{told} Fewer than {fewest} seeds cannot show anything." if seeds < fewest else told
+    return (
+        f"{told} {needed[0]} to {needed[1]} seeds would tell a difference of "
+        f"{' or of '.join(map(_margin_text, changes))}."
+    )
+
+
+def _values(names: Names, change: Change) -> str:
+    """Whose value is whose, and the difference's interval."""
+    told = (
+        f"{change.name.replace('_', ' ')} {amount_text(change, change.proposed)} with {names.proposed}, "
+        f"{amount_text(change, change.baseline)} with {names.baseline}"
+    )
+    if change.low is None or change.high is None:
+        return told
+    if change.name == SUCCESS:
+        return f"{told} (difference {100 * change.low:+.1f} to {100 * change.high:+.1f} points)"
+    return f"{told} (difference {change.low:+.3g} to {change.high:+.3g} {change.measure.unit})"
+
+
+def _margin_text(change: Change) -> str:
+    if change.name == SUCCESS:
+        return f"{100 * SUCCESS_MARGIN:g} points of success"
+    return f"{TIME_MARGIN:.0%} of the time"
+
+
+def _seeds_needed(changes: Sequence[Change], claims: int) -> Range | None:
+    """For every deciding measure to tell a difference as large as its margin."""
+    ranges = [
+        seeds_to_tell(margin_of(change), math.sqrt(change.variance), change.seeds, claims)
+        for change in changes
+        if change.variance is not None and margin_of(change) > 0.0
+    ]
+    known = [found for found in ranges if found is not None]
+    if not known or len(known) < len(ranges):
+        return None
+    low, high = (max(ends) for ends in zip(*known, strict=True))
+    return low, max(high, changes[0].seeds + 1)
+
+
+def _index_sentence(name: str, names: Names, split: Split) -> str:
+    eta = split.eta
+    if eta.value is None:
+        return f"{name} n/a: {eta.note}."
+    if eta.near_zero is not None:
+        return f"{name} says little: {eta.near_zero}."
+    index = name.replace("eta", "I")
+    told = f"{index} with {names.proposed} is {_text(eta)} times that with {names.baseline}"
+    if split.ruler.value is None or split.ruler.near_zero is not None:
+        return f"{told}; not split: {split.ruler.near_zero or split.ruler.note}."
+    return (
+        f"{told}: x {_text(split.ruler)} because {names.proposed} counts the same runs otherwise (ruler), "
+        f"x {_text(split.behaviour)} because the runs differ (behaviour)."
+    )
+
+
+def _flags(decomposition: Decomposition) -> list[str]:
+    return [f"{name}: {flag}." for name, split in decomposition.splits.items() for flag in split.flags]
+
+
+def _text(ratio: Ratio) -> str:
+    told = f"{ratio.value:.3g}"
+    if ratio.low is None or ratio.high is None:
+        return told
+    return f"{told} [{ratio.low:.3g}, {ratio.high:.3g}]"

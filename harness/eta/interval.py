@@ -1,0 +1,138 @@
+"""Intervals over seeds that cover what they say: Student's t, and a jackknife for what is no mean.
+
+``docs/statistics.md`` shows by simulation how often they hold the truth, and why resampling was not taken.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from harness.arrays import Float
+
+CONFIDENCE = 0.95
+LEAST_SEEDS = 3
+"""Two seeds have one degree of freedom: an interval of theirs is 18 times as wide as that of many and says nothing."""
+
+Interval: TypeAlias = tuple[float, float]
+
+
+def why_no_interval(seeds: int) -> tuple[str, ...]:
+    """The reason why so few seeds have none, as notes; empty where they have one."""
+    if seeds >= LEAST_SEEDS:
+        return ()
+    told = "one seed" if seeds == 1 else f"{seeds} seeds"
+    return (f"{told}: no interval below {LEAST_SEEDS} seeds",)
+
+
+def quantile(confidence: float, freedom: float) -> float:
+    """How many standard errors Student's interval reaches to both sides."""
+    from scipy.special import stdtrit  # scipy costs every command that needs none of it
+
+    return float(stdtrit(freedom, 0.5 + confidence / 2.0))
+
+
+def mean_interval(values: Sequence[float] | Float, variance: float, confidence: float = CONFIDENCE) -> Interval:
+    """Student's interval for the mean that values, one per seed, are drawn around.
+
+    Args:
+        values: At least `LEAST_SEEDS`, independent of one another.
+        variance: Of a single value, see `variance_of` and `share_variance`.
+        confidence: How often it holds the mean.
+    """
+    reach = quantile(confidence, len(values) - 1) * math.sqrt(variance / len(values))
+    middle = float(np.mean(values))
+    return middle - reach, middle + reach
+
+
+def variance_of(values: Sequence[float] | Float) -> float:
+    """Of a single value, from at least two."""
+    return float(np.var(values, ddof=1))
+
+
+def spread_range(spread: float, seeds: int) -> Interval:
+    """The smallest and the largest spread that values with this one are likely drawn from, an 80 % interval.
+
+    Args:
+        spread: Standard deviation of the values.
+        seeds: How many there are, at least two.
+    """
+    from scipy.special import chdtri
+
+    freedom = seeds - 1
+    smallest, largest = (spread * math.sqrt(freedom / float(chdtri(freedom, tail))) for tail in (0.1, 0.9))
+    return smallest, largest
+
+
+def share_variance(values: Sequence[float] | Float, shares: Sequence[float], episodes: int) -> float:
+    """The same where values are shares of episodes, or differences of such.
+
+    Seeds that all succeed do not tell how often one fails: their own variance is 0 and an interval by it is a point.
+    Two things stand for what they do not show. A share of so many episodes varies by itself, after Agresti and Coull
+    (1998) with four more episodes, half of them successful. And one seed that was not seen lies `UNSEEN` away; it
+    loses its weight as seeds come in.
+
+    Args:
+        values: One per seed, at least two.
+        shares: The mean shares that a value is made of: one, or both that it is the difference of.
+        episodes: That each share is of.
+    """
+    count = len(values)
+    floor = sum(_binomial_variance(share, episodes) for share in shares)
+    return ((count - 1) * max(variance_of(values), floor) + UNSEEN**2) / count
+
+
+UNSEEN = 0.25
+"""By simulation: with less, the interval misses where most seeds never fail and a rare one does."""
+
+
+def _binomial_variance(share: float, episodes: int) -> float:
+    shrunk = (min(1.0, max(0.0, share)) * episodes + 2.0) / (episodes + 4.0)
+    return shrunk * (1.0 - shrunk) / (episodes + 4.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Jackknife:
+    """A number, and what it would be without each of the seeds that it rests on.
+
+    Attributes:
+        value: From all seeds.
+        left_out: Without one seed at a time, (seeds,); a group of seeds each where two groups are not paired.
+    """
+
+    value: float
+    left_out: tuple[Float, ...]
+
+    @property
+    def is_defined(self) -> bool:
+        """Whether it is a number without any one of the seeds."""
+        return bool(np.isfinite(self.value)) and all(np.isfinite(group).all() for group in self.left_out)
+
+    def interval(self, confidence: float = CONFIDENCE) -> Interval:
+        """Delete-one-seed jackknife with Student's t; Welch's degrees of freedom where groups are not paired."""
+        variances = [(len(group) - 1) * float(group.var()) for group in self.left_out]
+        total = sum(variances)
+        if total == 0.0:
+            return self.value, self.value
+        parts = zip(variances, self.left_out, strict=True)
+        freedom = 1.0 / sum((variance / total) ** 2 / (len(group) - 1) for variance, group in parts)
+        reach = quantile(confidence, freedom) * float(np.sqrt(total))
+        return self.value - reach, self.value + reach
+
+
+Sums: TypeAlias = Mapping[Any, Float]
+"""An index of each scored group, by whose reward scored whose runs; several values of each side by side."""
+
+
+def jackknife(number: Callable[[Sums], Float], whole: Sums, left_out: Sequence[Sums]) -> Jackknife:
+    """The jackknife of any number made of indices.
+
+    Args:
+        number: From indices, each (count,), to the number, (count,); not finite where it is not defined.
+        whole: The indices of all seeds, each (1,).
+        left_out: The indices without one seed at a time, each (seeds,); one entry per group of seeds.
+    """
+    with np.errstate(all="ignore"):  # a number that is not defined says so
+        return Jackknife(float(number(whole)[0]), tuple(number(sums) for sums in left_out))

@@ -1,0 +1,63 @@
+"""The noise floor: what eta comes to between two groups of runs that differ by their seeds alone."""
+
+import math
+from statistics import NormalDist
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.eta.curve import GroupCurve, mixtures
+from harness.eta.index import Ratio
+from harness.eta.interval import CONFIDENCE, quantile
+
+SEED = 105
+SPLITS = 200
+LEAST_RUNS = 4
+
+
+def noise_floor(baseline: GroupCurve, control: GroupCurve | None, which: int) -> Ratio:
+    """1, with the range that holds `CONFIDENCE` of such etas.
+
+    With a control, the baseline trained again with as many other seeds, halves of all runs are as large as the groups
+    that are compared. Without one, halves of the baseline's runs are smaller than they and differ more: their
+    logarithms are scaled by the root of how much smaller. So few runs know their spread only roughly: the range is as
+    much wider as Student's interval is than that of the normal distribution.
+
+    Args:
+        baseline: Its runs, scored by their own reward.
+        control: The same trained again with other seeds; None where it was not.
+        which: 0 for I_N, 1 for I_P.
+    """
+    groups = [baseline] if control is None else [baseline, control]
+    count = sum(group.count for group in groups)
+    if count < LEAST_RUNS:
+        return Ratio(None, notes=(f"{count} runs of the baseline: halves of them need at least {LEAST_RUNS}",))
+    half = count // 2
+    first, second = (mixtures(groups, shares)[which] for shares in split_halves(count))
+    with np.errstate(all="ignore"):
+        logarithms = np.log(first / second) * math.sqrt(half / baseline.count) * _widening(count)
+    if not np.isfinite(logarithms).all():
+        return Ratio(None, notes=("a half of the baseline's runs has an index of 0",))
+    tail = (1.0 - CONFIDENCE) / 2.0
+    low, high = np.exp(np.quantile(logarithms, [tail, 1.0 - tail]))
+    told = (
+        "the baseline trained again with other seeds"
+        if control is not None
+        else f"halves of {count} runs, scaled to all"
+    )
+    return Ratio(1.0, float(low), float(high), (told,))
+
+
+def _widening(runs: int) -> float:
+    return quantile(CONFIDENCE, runs - 1) / NormalDist().inv_cdf(0.5 + CONFIDENCE / 2.0)
+
+
+def split_halves(count: int, splits: int = SPLITS) -> tuple[Float, Float]:
+    """Shares of two disjoint halves of `count` runs, drawn at random, (splits, count) both."""
+    rng = np.random.default_rng([SEED, count])
+    half = count // 2
+    order = rng.permuted(np.tile(np.arange(count), (splits, 1)), axis=1)
+    first, second = np.zeros((splits, count)), np.zeros((splits, count))
+    np.put_along_axis(first, order[:, :half], 1.0 / half, axis=1)
+    np.put_along_axis(second, order[:, half : 2 * half], 1.0 / half, axis=1)
+    return first, second

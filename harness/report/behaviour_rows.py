@@ -1,0 +1,124 @@
+"""Measures of behaviour as text: what the terminal, the page and the summary share."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from harness.eta.behaviour_change import Change
+from harness.eta.headline import SUCCESS, seeds_text
+from harness.report.rows import NOTHING, Grid, format_number, format_p
+from harness.results.combination import Combination, StepChange
+from harness.results.measured import TRAINING
+
+HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
+
+
+class BehaviourRow(NamedTuple):
+    """One measure of the trained policies and of random actions, ready to print."""
+
+    name: str
+    baseline: str
+    proposed: str
+    difference: str
+    random: str
+    better: str
+    p: str
+    result: str
+
+
+def behaviour_grids(combination: Combination) -> list[Grid]:
+    """A grid for each manner in which behaviour was measured, the one that decides first."""
+    manners = dict.fromkeys([combination.manner, *(change.measure.manner for change in combination.changes)])
+    grids = [_grid(combination, manner) for manner in manners]
+    return [grid for grid in grids if grid.rows]
+
+
+def behaviour_row(change: Change) -> BehaviourRow:
+    """One measure."""
+    text = _text_of(change)
+    return BehaviourRow(
+        _name(change),
+        text(change.baseline),
+        text(change.proposed),
+        _difference(change, is_share=text is _share),
+        text(change.random),
+        change.measure.better,
+        format_p(change.corrected),
+        change.direction,
+    )
+
+
+def along_grid(combination: Combination) -> Grid:
+    """What would have been said of the robot at each evaluation, the last one after the trainings."""
+    headings = ("", "success: baseline", "proposed", "difference", "the robot")
+    manner = combination.own_manner
+    moments = [*combination.along, StepChange(combination.group.steps, combination.changes_of(manner))]
+    rows = [_moment_row(combination, moment) for moment in moments] if combination.along else []
+    return Grid(headings, rows, [], f"Along the budget of training, {manner}")
+
+
+def seeds_grid(combination: Combination) -> Grid:
+    """What single seeds say where a mean may hide it: of the manner that decides."""
+    headings = ("over seeds", "middle half: baseline", "proposed", "chance that a run is better")
+    rows: list[tuple[str, ...]] = []
+    for change in combination.changes_of(combination.manner):
+        if change.improvement is not None:
+            text = _text_of(change)
+            rows.append((_name(change), *map(text, change.middles), f"{change.improvement:.0%}"))
+    return Grid(headings, rows, [])
+
+
+def _grid(combination: Combination, manner: str) -> Grid:
+    """The success rate first; what is not defined under either reward is left out."""
+    changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
+    ordered = sorted(changes, key=lambda change: change.name != SUCCESS)
+    notes = [
+        f"{change.name.replace('_', ' ')}: {seeds_text(change.seeds)} compared, {change.left_out} without a value"
+        for change in ordered
+        if change.left_out
+    ]
+    return Grid(HEADINGS, [tuple(behaviour_row(change)) for change in ordered], notes, _title(combination, manner))
+
+
+def _title(combination: Combination, manner: str) -> str:
+    """How the policies acted, and how many episodes were seen."""
+    episodes = combination.episodes.get(manner)
+    if episodes is None:
+        return f"Behaviour {manner}"
+    seen = f"{episodes:,} episode{'s' * (episodes != 1)}"
+    # Trainings need not have the same number of episodes.
+    if manner == TRAINING:
+        return f"Behaviour {manner}, {seen} or more per seed"
+    return f"Behaviour of the trained policies, {manner}, {seen} per seed"
+
+
+def _moment_row(combination: Combination, moment: StepChange) -> tuple[str, ...]:
+    """An evaluation, and what would have been said after it."""
+    success = next((change for change in moment.changes if change.name == SUCCESS), None)
+    told = behaviour_row(success) if success else None
+    values = (told.baseline, told.proposed, told.difference) if told else (NOTHING,) * 3
+    return (f"after {moment.steps:,} steps", *values, combination.headline_at(moment).answer.value)
+
+
+def _name(change: Change) -> str:
+    name, unit = change.name.replace("_", " "), change.measure.unit
+    return f"{name} [{unit}]" if unit and unit not in name.split() else name
+
+
+def _text_of(change: Change) -> Callable[[float | None], str]:
+    """A metric without a unit is a number like any other; as a percentage it reads best while it is a share."""
+    values = (change.baseline, change.proposed, change.random)
+    is_share = not change.measure.unit and all(value is None or 0.0 <= value <= 1.0 for value in values)
+    return _share if is_share else format_number
+
+
+def _difference(change: Change, is_share: bool) -> str:
+    """The interval of proposed - baseline."""
+    if change.low is None or change.high is None:
+        return NOTHING
+    if is_share:  # percentage points
+        return f"[{100 * change.low + 0.0:.1f}, {100 * change.high + 0.0:.1f}] pp"
+    return f"[{format_number(change.low)}, {format_number(change.high)}]"
+
+
+def _share(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.1%}"

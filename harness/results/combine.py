@@ -1,0 +1,214 @@
+"""From an experiment's records to its comparisons."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.curve import GroupCurve, curve_of
+from harness.eta.decompose import decompose
+from harness.eta.headline import DECIDING
+from harness.eta.scored_sums import BB, BK, KB, KK, Pair
+from harness.eta.swaps import Swaps, corrected_p, swaps_of
+from harness.metric import is_share
+from harness.record.cell import Cell
+from harness.record.trace import Trace
+from harness.registry.choice import Choice
+from harness.results.combination import Combination, Group, StepChange
+from harness.results.measured import AREA, LEARNING, STEPS_TO_GOAL, Measured, Values, learning_values, moments_by_due
+from harness.results.records import Records
+from harness.score.scored_runs import score_runs
+
+
+def combine(records: Records) -> tuple[Combination, ...]:
+    """Every proposed reward against the baseline; a baseline that is its own proposed reward is the null control."""
+    compared = dict.fromkeys(
+        (Group.of(manifest.cell), manifest.cell.reward)
+        for manifest in records.manifests
+        if (manifest.cell.reward.label != records.baseline or records.plan.a_a) and manifest.status != "skipped"
+    )
+    asked = sorted(compared, key=lambda pair: pair[1].label == records.baseline)  # the null control comes last
+    matches = [_match(records, group, reward) for group, reward in asked]
+    swaps = swaps_of(sorted({seed for match in matches for seed in match.seeds}))
+    found = [_compare(records, match, swaps) for match in matches]
+    # The null control asks nothing of the rewards: it must not make the others' corrections stricter.
+    controls = [_correct([combination])[0] for combination in found if combination.is_control]
+    return (*_correct([combination for combination in found if not combination.is_control]), *controls)
+
+
+class _Match(NamedTuple):
+    """The cells of one comparison, in the order of the seeds."""
+
+    group: Group
+    proposed: Choice
+    seeds: tuple[int, ...]
+    """Of the baseline's cells; of the others too unless this is the null control."""
+    of_baseline: list[Cell]
+    of_proposed: list[Cell]
+    control: list[Cell]
+    """The baseline trained again with other seeds, where that is done for all."""
+
+
+def _match(records: Records, group: Group, proposed: Choice) -> _Match:
+    members = [manifest.cell for manifest in records.done if Group.of(manifest.cell) == group]
+    baseline = {cell.seed: cell for cell in members if cell.reward.label == records.baseline}
+    control = {seed: baseline[other] for seed, other in records.plan.control.items() if other in baseline}
+    other = control if proposed.label == records.baseline else {it.seed: it for it in members if it.reward == proposed}
+    seeds = tuple(sorted(baseline.keys() & other.keys()))
+    again = [control[seed] for seed in seeds if seed in control]
+    return _Match(
+        group,
+        proposed,
+        seeds,
+        [baseline[seed] for seed in seeds],
+        [other[seed] for seed in seeds],
+        again if len(again) == len(seeds) else [],
+    )
+
+
+def _compare(records: Records, match: _Match, swaps: Swaps) -> Combination:
+    if not match.seeds:
+        return Combination(match.group, records.baseline, match.proposed.label, (), None, (), {})
+    curves, missing = _score(records, match)
+    control = _recorded_curve(records, records.traces(match.control)) if match.control else None
+    decomposition = decompose(curves, missing=missing, signs=swaps.of(match.seeds), control=control)
+    comparison = _Measures(records, match, swaps)
+    return Combination(
+        match.group,
+        records.baseline,
+        match.proposed.label,
+        match.seeds,
+        decomposition,
+        comparison.changes(),
+        curves,
+        along=comparison.along(),
+        episodes=comparison.episodes,
+    )
+
+
+def _score(records: Records, match: _Match) -> tuple[dict[Pair, GroupCurve], str | None]:
+    """The curves of both trainings under both rewards; under their own alone, with the reason, if need be."""
+    traces_b, traces_k = records.traces(match.of_baseline), records.traces(match.of_proposed)
+    curves = {BB: _recorded_curve(records, traces_b), KK: _recorded_curve(records, traces_k)}
+    by_b = score_runs(match.of_baseline[0].reward, records.registry, traces_b[0], traces_k)
+    by_k = score_runs(match.of_proposed[0].reward, records.registry, traces_k[0], traces_b)
+    if by_b.values is None or by_k.values is None:
+        return curves, by_b.reason or by_k.reason
+    return {**curves, BK: curve_of(by_b.values, records.kind), KB: curve_of(by_k.values, records.kind)}, None
+
+
+def _recorded_curve(records: Records, traces: Sequence[Trace]) -> GroupCurve:
+    return curve_of([trace["reward"] for trace in traces], records.kind)
+
+
+class _Measures:
+    """Every measure of one comparison."""
+
+    def __init__(self, records: Records, match: _Match, swaps: Swaps) -> None:
+        self._records, self._match, self._swaps = records, match, swaps
+        self._one, self._other = (
+            [records.measured(cell) for cell in cells] for cells in (match.of_baseline, match.of_proposed)
+        )
+        self.episodes = _fewest_episodes([*self._one, *self._other])
+        """Of each manner that every cell was measured in, as many as the cell with the fewest has."""
+
+    def changes(self) -> tuple[Change, ...]:
+        """Of the trained policies by how they acted, of the trainings, and of how fast they learned."""
+        random = [it.random for it in (*self._one, *self._other)]
+        found = [
+            self._change(
+                self._measure(name, manner, episodes),
+                [it.manners[manner][name] for it in self._one],
+                [it.manners[manner][name] for it in self._other],
+                [values[name] for values in random],
+            )
+            for manner, episodes in self.episodes.items()
+            for name in self._records.metrics
+        ]
+        return (*found, *self._learning()) if self._match.group.evaluate_every else tuple(found)
+
+    def along(self) -> tuple[StepChange, ...]:
+        """What decides about the robot, at each evaluation before the end of the trainings."""
+        every = self._match.group.evaluate_every
+        if not every:
+            return ()
+        one, other = (
+            [
+                {due: moment.values for due, moment in moments_by_due(self._records.moments(cell), every, cell.steps)}
+                for cell in cells
+            ]
+            for cells in (self._match.of_baseline, self._match.of_proposed)
+        )
+        in_all = set.intersection(*(set(moments) for moments in (*one, *other)))
+        return tuple(
+            StepChange(due, self._deciding(due, one, other)) for due in sorted(in_all) if due < self._match.group.steps
+        )
+
+    def _deciding(self, due: int, one: list[dict[int, Values]], other: list[dict[int, Values]]) -> tuple[Change, ...]:
+        episodes = next(iter(self.episodes.values()))  # of the cells' own manner
+        return tuple(
+            self._change(
+                self._measure(name, f"after {due:,} steps", episodes),
+                [moments[due][name] for moments in one],
+                [moments[due][name] for moments in other],
+            )
+            for name in DECIDING
+            if name in self._records.metrics
+        )
+
+    def _learning(self) -> list[Change]:
+        one, other = (
+            [learning_values(self._records.moments(cell), cell.steps) for cell in cells]
+            for cells in (self._match.of_baseline, self._match.of_proposed)
+        )
+        measures = (Measure(AREA, "", "higher", LEARNING), Measure(STEPS_TO_GOAL, "steps", "lower", LEARNING))
+        return [
+            self._change(it, [values[it.name] for values in one], [values[it.name] for values in other])
+            for it in measures
+        ]
+
+    def _measure(self, name: str, manner: str, episodes: int) -> Measure:
+        metric = self._records.metrics[name]
+        return Measure(name, metric.unit, metric.better, manner, episodes if is_share(metric) else None)
+
+    def _change(
+        self,
+        measure: Measure,
+        baseline: Sequence[float | None],
+        proposed: Sequence[float | None],
+        random: Sequence[float | None] = (),
+    ) -> Change:
+        seeds = self._match.seeds
+        one, other = (dict(zip(seeds, given, strict=True)) for given in (baseline, proposed))
+        return change_of(measure, one, other, self._swaps, random)
+
+
+def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:
+    """By manner; one that a cell was not measured in, as by version 0.1, is left out."""
+    return {
+        manner: min(it.episodes[manner] for it in measured)
+        for manner in measured[0].manners
+        if all(manner in it.manners for it in measured)
+    }
+
+
+def _correct(family: Sequence[Combination]) -> list[Combination]:
+    """Combinations with p-values that hold for all of their claims together."""
+    claims = [outcomes for combination in family for outcomes in combination.outcomes]
+    corrected = iter(corrected_p([outcomes for outcomes in claims if outcomes is not None]))
+    p_values = iter([None if outcomes is None else next(corrected) for outcomes in claims])
+    count = sum(outcomes is not None for outcomes in claims)
+    return [replace(_corrected(combination, p_values), claims=count) for combination in family]
+
+
+def _corrected(combination: Combination, p_values: Iterator[float | None]) -> Combination:
+    """In the order of `Combination.outcomes`."""
+    decomposition = combination.decomposition
+    if decomposition is not None:
+        decomposition = decomposition.with_corrected(next(p_values), next(p_values))
+    changes = tuple(replace(change, corrected=next(p_values)) for change in combination.changes)
+    along = tuple(
+        moment._replace(changes=tuple(replace(change, corrected=next(p_values)) for change in moment.changes))
+        for moment in combination.along
+    )
+    return replace(combination, decomposition=decomposition, changes=changes, along=along)

@@ -1,0 +1,200 @@
+"""Intervals over seeds, against scipy's and against the formulas written out in loops."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.stats
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from harness.eta.interval import (
+    LEAST_SEEDS,
+    UNSEEN,
+    Jackknife,
+    jackknife,
+    mean_interval,
+    quantile,
+    share_variance,
+    spread_range,
+    variance_of,
+    why_no_interval,
+)
+
+NUMBERS = st.floats(-100.0, 100.0).map(lambda value: round(value, 6))
+VALUES = st.lists(NUMBERS, min_size=LEAST_SEEDS, max_size=12)
+RATES = st.lists(st.integers(0, 50).map(lambda count: count / 50), min_size=2, max_size=12)
+
+
+def mean_knife(*groups: list[float]) -> Jackknife:
+    """Of the mean of one group, or of the difference of two groups' means, in loops."""
+    means = [sum(group) / len(group) for group in groups]
+    value = means[0] if len(groups) == 1 else means[1] - means[0]
+    left_out = []
+    for which, group in enumerate(groups):
+        without = [(sum(group) - out) / (len(group) - 1) for out in group]
+        sign = 1.0 if len(groups) == 1 or which == 1 else -1.0
+        left_out.append(np.array([value + sign * (mean - means[which]) for mean in without]))
+    return Jackknife(value, tuple(left_out))
+
+
+# Student's t
+
+
+@given(VALUES, st.sampled_from([0.5, 0.9, 0.95]))
+def test_interval_of_a_mean_is_scipys(values: list[float], confidence: float):
+    """Student's interval for one sample."""
+    assume(np.std(values) > 1e-3)
+    expected = scipy.stats.ttest_1samp(values, 0.0).confidence_interval(confidence)
+    found = mean_interval(values, variance_of(values), confidence)
+    assert found == pytest.approx((expected.low, expected.high), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(("confidence", "freedom", "told"), [(0.95, 2.0, 4.303), (0.95, 9.0, 2.262), (0.9, 9.0, 1.833)])
+def test_quantile_is_the_tables(confidence: float, freedom: float, told: float):
+    """As printed in textbooks."""
+    assert quantile(confidence, freedom) == pytest.approx(told, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("seeds", "notes"),
+    [
+        (1, ("one seed: no interval below 3 seeds",)),
+        (2, ("2 seeds: no interval below 3 seeds",)),
+        (3, ()),
+        (20, ()),
+    ],
+)
+def test_too_few_seeds_have_a_reason_and_no_interval(seeds: int, notes: tuple[str, ...]):
+    """From three on there is nothing to say."""
+    assert why_no_interval(seeds) == notes
+
+
+@pytest.mark.parametrize("seeds", [2, 3, 10])
+def test_spread_of_a_few_seeds_is_known_roughly(seeds: int):
+    """Drawn 20,000 times, the true spread lies above the range in a tenth of all, and below it in another."""
+    drawn = np.random.default_rng(seeds).normal(size=(20_000, seeds)).std(axis=1, ddof=1)
+    smallest, largest = np.array([spread_range(spread, seeds) for spread in drawn]).T
+    assert (largest < 1.0).mean() == pytest.approx(0.1, abs=0.01)
+    assert (smallest > 1.0).mean() == pytest.approx(0.1, abs=0.01)
+
+
+# Shares of episodes
+
+
+def test_share_variance_by_hand():
+    """Rates 1, 0.9, 1, 0.7 of 10 episodes: s^2 is 0.02; 0.9 shrinks to 11 of 14, 0.012; the pseudo seed counts 1/4."""
+    floor = 11 / 14 * 3 / 14 / 14
+    assert floor < 0.02
+    assert share_variance([1.0, 0.9, 1.0, 0.7], [0.9], 10) == pytest.approx((3 * 0.02 + UNSEEN**2) / 4)
+    assert share_variance([0.9] * 4, [0.9], 10) == pytest.approx((3 * floor + UNSEEN**2) / 4)
+
+
+@given(st.integers(2, 30), st.sampled_from([0.0, 1.0]), st.integers(1, 1000))
+def test_seeds_that_all_agree_leave_a_spread(seeds: int, share: float, episodes: int):
+    """An interval of none would say that no seed ever fails."""
+    assert share_variance([share] * seeds, [share], episodes) > 0.0
+
+
+@given(RATES, st.integers(1, 200))
+def test_share_and_its_rest_have_one_spread(rates: list[float], episodes: int):
+    """Failures are as uncertain as successes."""
+    mean = float(np.mean(rates))
+    rest = share_variance([1.0 - rate for rate in rates], [1.0 - mean], episodes)
+    assert share_variance(rates, [mean], episodes) == pytest.approx(rest, rel=1e-9)
+
+
+def test_difference_of_shares_has_both_groups_floors():
+    """Each group's episodes are drawn by themselves."""
+    one = share_variance([0.0] * 5, [1.0], 20)
+    both = share_variance([0.0] * 5, [1.0, 1.0], 20)
+    seed = UNSEEN**2 / 5
+    assert both - seed == pytest.approx(2.0 * (one - seed))
+
+
+def test_unseen_seed_loses_its_weight():
+    """Of many seeds the spread is their own."""
+    rates = [0.2, 0.8] * 5_000
+    assert share_variance(rates, [0.5], 100) == pytest.approx(variance_of(rates), rel=1e-3)
+
+
+def test_more_episodes_say_more():
+    """Where the seeds agree, the floor falls with the number of episodes."""
+    few, many = (share_variance([1.0] * 5, [1.0], episodes) for episodes in (10, 1000))
+    assert many < few
+
+
+# The jackknife
+
+
+@given(VALUES)
+def test_jackknife_of_a_mean_is_students_interval(values: list[float]):
+    """It is known to be: leaving one out shows the standard error of a mean exactly."""
+    assume(np.std(values) > 1e-3)
+    expected = mean_interval(values, variance_of(values))
+    assert mean_knife(values).interval() == pytest.approx(expected, rel=1e-6, abs=1e-6)
+
+
+@given(VALUES, VALUES)
+def test_jackknife_of_two_groups_is_welchs_interval(one: list[float], other: list[float]):
+    """Groups without pairs, each with its own spread and size."""
+    assume(min(np.std(one), np.std(other)) > 1e-3)
+    expected = scipy.stats.ttest_ind(other, one, equal_var=False).confidence_interval()
+    assert mean_knife(one, other).interval() == pytest.approx((expected.low, expected.high), rel=1e-6, abs=1e-6)
+
+
+def test_group_that_does_not_matter_costs_nothing():
+    """A number of one group alone has that group's degrees of freedom."""
+    values, others = [1.0, 2.0, 4.0], [5.0] * 8
+    alone, beside = mean_knife(values), mean_knife(others, values)
+    assert np.diff(beside.interval()) == pytest.approx(np.diff(alone.interval()))
+
+
+def test_number_that_no_seed_changes_is_a_point():
+    """Not a division of 0 by 0."""
+    assert Jackknife(0.75, (np.full(5, 0.75), np.full(3, 0.75))).interval() == (0.75, 0.75)
+
+
+@pytest.mark.parametrize("unit", [1e-100, 1e100])
+def test_unit_does_not_matter(unit: float):
+    """Squares of variances would leave the range of numbers."""
+    low, high = mean_knife([1.0, 2.0, 4.0]).interval()
+    assert mean_knife([unit, 2.0 * unit, 4.0 * unit]).interval() == pytest.approx((unit * low, unit * high))
+
+
+def test_more_confidence_reaches_further():
+    """On both sides of the value."""
+    knife = mean_knife([1.0, 2.0, 4.0])
+    (low, high), (lower, higher) = knife.interval(0.9), knife.interval(0.95)
+    assert lower < low < knife.value < high < higher
+
+
+@pytest.mark.parametrize(
+    ("value", "left_out", "defined"),
+    [
+        (1.0, [1.0, 2.0], True),
+        (math.nan, [1.0, 2.0], False),
+        (math.inf, [1.0, 2.0], False),
+        (1.0, [1.0, math.nan], False),
+        (1.0, [-math.inf, 2.0], False),
+    ],
+)
+def test_number_is_defined_if_it_is_without_any_seed(value: float, left_out: list[float], defined: bool):
+    """One seed that alone keeps it from being none is too few."""
+    assert Jackknife(value, (np.zeros(2), np.array(left_out))).is_defined == defined
+
+
+def test_number_is_taken_of_what_is_left():
+    """With all seeds, and without each, in both groups."""
+    whole = {"a": np.array([8.0]), "b": np.array([2.0])}
+    left_out = [{"a": np.array([6.0, 9.0]), "b": np.array([2.0, 3.0])}]
+    knife = jackknife(lambda sums: sums["a"] / sums["b"], whole, left_out)
+    assert knife.value == 4.0
+    np.testing.assert_array_equal(knife.left_out, [[3.0, 3.0]])
+
+
+def test_number_that_is_not_defined_warns_nobody():
+    """Logarithms of 0 and of less are told by `is_defined`."""
+    whole = {"a": np.array([1.0])}
+    knife = jackknife(lambda sums: np.log(sums["a"]), whole, [{"a": np.array([0.0, -1.0])}])
+    assert not knife.is_defined

@@ -1,0 +1,231 @@
+"""Exact tests, against every way written out in loops."""
+
+import itertools
+from math import comb
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from harness.arrays import Float
+from harness.eta.swaps import (
+    ALL_UP_TO,
+    DRAWN,
+    corrected_p,
+    fewest_seeds,
+    label_shares,
+    p_of,
+    pair_shares,
+    smallest_p,
+    swaps_of,
+)
+
+LATTICE = st.integers(-20, 20).map(lambda count: count / 20)
+DIFFERENCES = st.lists(LATTICE | st.floats(-10.0, 10.0).map(lambda value: round(value, 3)), min_size=1, max_size=8)
+CLAIMS = st.tuples(st.integers(1, 6), st.integers(2, 6)).flatmap(lambda shape: arrays(float, shape, elements=LATTICE))
+NOISE = 1e-9
+
+
+def outcomes_of(differences: Float | list[float]) -> Float:
+    """The mean difference in all ways."""
+    values = np.asarray(differences, float)
+    outcomes: Float = swaps_of(range(len(values))).signs @ values / len(values)
+    return outcomes
+
+
+def slow_p(differences: list[float]) -> float:
+    """All 2^n ways to give each difference a sign."""
+    seen = abs(sum(differences))
+    ways = list(itertools.product([1.0, -1.0], repeat=len(differences)))
+    reached = [way for way in ways if abs(sum(s * d for s, d in zip(way, differences, strict=True))) >= seen - NOISE]
+    return len(reached) / len(ways)
+
+
+def slow_corrected(outcomes: list[list[float]]) -> list[float]:
+    """Westfall and Young (1993), algorithm 2.8, with sizes in units of each claim's root mean square."""
+    sizes = []
+    for claim in outcomes:
+        spread = (sum(value**2 for value in claim) / len(claim)) ** 0.5
+        sizes.append([abs(value) / spread if spread else 0.0 for value in claim])
+    order = sorted(range(len(sizes)), key=lambda claim: -sizes[claim][0])
+    corrected, before = [0.0] * len(sizes), 0.0
+    for rank, claim in enumerate(order):
+        count = 0
+        for way in range(len(sizes[claim])):
+            largest = max(sizes[other][way] for other in order[rank:])
+            count += largest >= sizes[claim][0] - NOISE
+        before = max(before, count / len(sizes[claim]))
+        corrected[claim] = before
+    return corrected
+
+
+# Ways
+
+
+@pytest.mark.parametrize("seeds", [0, 1, 2, 6, ALL_UP_TO])
+def test_all_ways_of_few_seeds(seeds: int):
+    """Each once, but for the sign of all; the first keeps every name."""
+    signs = swaps_of(range(seeds)).signs
+    assert signs.shape == (2 ** max(0, seeds - 1), seeds)
+    assert (np.abs(signs) == 1.0).all()
+    assert (signs[0] == 1.0).all()
+    both = {tuple(way) for way in np.concatenate([signs, -signs]).tolist()}
+    assert len(both) == 2**seeds
+
+
+def test_many_seeds_have_drawn_ways():
+    """As many as DRAWN, the first keeps every name, each seed is swapped in half of them, the same each time."""
+    signs = swaps_of(range(20)).signs
+    assert signs.shape == (DRAWN, 20)
+    assert (signs[0] == 1.0).all()
+    np.testing.assert_allclose(signs.mean(axis=0), 0.0, atol=0.08)
+    np.testing.assert_array_equal(signs, swaps_of(range(20)).signs)
+
+
+def test_seeds_are_swapped_by_their_name():
+    """A comparison of some seeds swaps those, whatever their place."""
+    swaps = swaps_of([3, 5, 8])
+    np.testing.assert_array_equal(swaps.of([8, 3]), swaps.signs[:, [2, 0]])
+
+
+@given(DIFFERENCES)
+def test_comparison_of_some_seeds_is_exact_too(differences: list[float]):
+    """The ways of more seeds hold every way of these equally often."""
+    count = len(differences)
+    outcomes = swaps_of(range(count + 2)).of(range(1, count + 1)) @ np.array(differences)
+    assert p_of(outcomes) == slow_p(differences)
+
+
+# One claim
+
+
+@given(DIFFERENCES)
+def test_p_counts_all_ways(differences: list[float]):
+    """As a loop over all of them does."""
+    assert p_of(outcomes_of(differences)) == slow_p(differences)
+
+
+def test_p_by_hand():
+    """Of 1, 2, 3 the ways 1 + 2 + 3 and -1 - 2 - 3 of eight reach 6."""
+    assert p_of(outcomes_of([1.0, 2.0, 3.0])) == 0.25
+    assert p_of(outcomes_of([-1.0, 2.0, 3.0])) == 0.5
+
+
+@pytest.mark.parametrize("differences", [[0.0] * 6, [0.1, 0.2, -0.3], [0.7, 0.1, -0.8, 0.0]])
+def test_no_difference_has_a_p_of_one(differences: list[float]):
+    """Also where a sum of floats is 0 but for its last bit."""
+    assert p_of(outcomes_of(differences)) == 1.0
+
+
+@pytest.mark.parametrize("seeds", [2, 5, 6, ALL_UP_TO, 20])
+def test_smallest_p_is_that_of_seeds_which_all_agree(seeds: int):
+    """No outcome is clearer."""
+    p = p_of(outcomes_of([1.0] * seeds))
+    assert p == pytest.approx(smallest_p(seeds), rel=1e-9)
+
+
+@pytest.mark.parametrize("alpha", [0.05, 0.01, 0.001])
+def test_fewest_seeds_can_show_something(alpha: float):
+    """And one seed fewer cannot."""
+    fewest = fewest_seeds(alpha)
+    assert smallest_p(fewest) <= alpha < smallest_p(fewest - 1)
+
+
+def test_six_seeds_are_the_fewest_at_five_percent():
+    """What the documentation says."""
+    assert fewest_seeds() == 6
+
+
+# Several claims
+
+
+@given(CLAIMS)
+def test_corrected_p_is_westfall_and_youngs(claims: Float):
+    """The procedure as it is taught, in loops."""
+    outcomes = [outcomes_of(claim) for claim in claims]
+    assert corrected_p(outcomes) == pytest.approx(slow_corrected([claim.tolist() for claim in outcomes]), abs=1e-12)
+
+
+@given(CLAIMS)
+def test_correction_never_helps_a_claim(claims: Float):
+    """No corrected p-value is below the plain one, none above 1."""
+    outcomes = [outcomes_of(claim) for claim in claims]
+    for corrected, claim in zip(corrected_p(outcomes), outcomes, strict=True):
+        assert p_of(claim) - 1e-12 <= corrected <= 1.0
+
+
+@given(DIFFERENCES)
+def test_single_claim_needs_no_correction(differences: list[float]):
+    """It is its own family."""
+    assert corrected_p([outcomes_of(differences)]) == [p_of(outcomes_of(differences))]
+
+
+def test_family_without_a_claim():
+    """Nothing is corrected."""
+    assert corrected_p([]) == []
+
+
+@given(CLAIMS)
+def test_claim_that_says_the_same_twice_costs_nothing(claims: Float):
+    """In whatever unit, and with whatever sign."""
+    outcomes = [outcomes_of(claim) for claim in claims]
+    doubled = corrected_p([*outcomes, *(-1000.0 * claim for claim in outcomes)])
+    assert doubled == pytest.approx(corrected_p(outcomes) * 2, abs=1e-12)
+
+
+@given(CLAIMS, st.randoms(use_true_random=False))
+def test_order_of_claims_does_not_matter(claims: Float, random: object):
+    """Each keeps its own p-value."""
+    outcomes = [outcomes_of(claim) for claim in claims]
+    order = list(range(len(outcomes)))
+    random.shuffle(order)  # type: ignore[attr-defined]
+    shuffled = corrected_p([outcomes[claim] for claim in order])
+    assert shuffled == pytest.approx([corrected_p(outcomes)[claim] for claim in order], abs=1e-12)
+
+
+def test_unlike_claims_cost():
+    """A difference that is clear by itself is less so among many that are not."""
+    rng = np.random.default_rng(0)
+    clear = outcomes_of(0.7 + 0.9 * rng.normal(size=10))
+    others = [outcomes_of(rng.normal(size=10)) for _ in range(30)]
+    assert corrected_p([clear, *others])[0] > p_of(clear)
+
+
+def test_claim_without_a_difference_is_never_shown():
+    """Its sizes are all 0: p is 1, and no other claim is harder to show for it."""
+    clear, nothing = outcomes_of([1.0] * 8), outcomes_of([0.0] * 8)
+    assert corrected_p([nothing, clear]) == [1.0, p_of(clear)]
+
+
+# Shares of runs
+
+
+def test_shares_of_pairs_by_hand():
+    """Kept: the proposed run counts for the proposed side. Swapped: the baseline's does."""
+    shares = pair_shares(np.array([[1.0, 1.0], [1.0, -1.0]]))
+    np.testing.assert_array_equal(shares, [[-0.5, -0.5, 0.5, 0.5], [-0.5, 0.5, 0.5, -0.5]])
+
+
+def test_labels_are_dealt_out_anew():
+    """The first row is as it was; in every other each side has its number of runs, all runs come into each side."""
+    shares = label_shares(4, 6)
+    assert shares.shape == (DRAWN, 10)
+    np.testing.assert_allclose(shares[0], [-0.25] * 4 + [1.0 / 6.0] * 6)
+    np.testing.assert_array_equal(np.sort(shares, axis=1), np.sort(np.tile(shares[0], (DRAWN, 1)), axis=1))
+    np.testing.assert_allclose((shares > 0.0).mean(axis=0), 0.6, atol=0.04)
+    np.testing.assert_array_equal(shares, label_shares(4, 6))
+
+
+def test_p_of_dealt_labels_is_that_of_all_ways():
+    """Of 4 and 5 runs there are 126 ways: as a loop over them, within 5 standard errors of the drawn ones."""
+    rng = np.random.default_rng(5)
+    values = np.concatenate([rng.normal(size=4), rng.normal(2.0, size=5)])
+    seen, reached = values[4:].mean() - values[:4].mean(), 0
+    for side in itertools.combinations(range(9), 5):
+        rest = [run for run in range(9) if run not in side]
+        reached += abs(values[list(side)].mean() - values[rest].mean()) >= abs(seen) - NOISE
+    exact = reached / comb(9, 5)
+    assert 0.005 < exact < 0.5
+    assert p_of(label_shares(4, 5) @ values) == pytest.approx(exact, abs=5.0 * (exact / DRAWN) ** 0.5)

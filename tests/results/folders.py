@@ -1,0 +1,113 @@
+"""Experiment folders made by hand, with rewards worked out apart."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, other_manner
+from harness.record.manifest import Manifest
+from harness.record.store import Store
+from harness.record.trace import COLUMN, SCALARS, TraceWriter
+from harness.registry.choice import Choice
+from harness.results import Results
+
+BASELINE = Choice("baseline", (), "baseline")
+ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
+# Distances at each step of one episode, its start first; binary fractions, so that sums are exact.
+BASELINE_RUNS = {
+    0: [1.0, 1.5, 1.25, 0.5, 0.25, 0.125, 0.0625],
+    1: [1.0, 1.75, 1.5, 0.75, 0.5, 0.25, 0.125, 0.0],
+    2: [0.5, 1.0, 0.75, 0.25, 0.125, 0.0625, 0.0],
+}
+ARP_RUNS = {
+    0: [1.0, 1.25, 0.75, 0.25, 0.5, 0.125],
+    1: [1.0, 1.5, 0.5, 0.25, 0.75, 0.0],
+    2: [0.5, 1.25, 0.25, 0.125, 0.0],
+}
+
+
+def paid(distances: Sequence[float], k2: float = 1.0) -> list[float]:
+    """What `arp` pays, worked out apart; with k2 = 1 what `baseline` pays. Nothing in the start row."""
+    best, rewards = distances[0], [0.0]
+    for distance in distances[1:]:
+        rewards.append(-(distance - best) if distance > best else k2 * (distances[0] - distance))
+        best = min(best, distance)
+    return rewards
+
+
+def fail(store: Store, cell: Cell, reason: str) -> None:
+    """As if the cell had failed, whatever it did."""
+    store.cell_folder(cell).mkdir(exist_ok=True)
+    Manifest(cell, status="failed", reason=reason).write(store.cell_folder(cell))
+
+
+def finish(
+    store: Store,
+    cell: Cell,
+    distances: Sequence[float],
+    trained: Sequence[bool] = (True,),
+    floor: Sequence[bool] = (False,),
+    rewards: Sequence[float] | None = None,
+    otherwise: Sequence[bool] | None = None,
+    learned: Mapping[int, Sequence[bool]] = {},
+) -> None:
+    """Leave what a done cell leaves, as far as results read it.
+
+    Args:
+        store: Of the experiment.
+        cell: The cell.
+        distances: Of its training, one unfinished episode.
+        trained: Which evaluation episodes of the trained policy reach the target.
+        floor: The same of random actions.
+        rewards: Of the training; what its reward pays if None.
+        otherwise: Which episodes reach it in the other manner; None as by version 0.1, which had none.
+        learned: Which reach it in evaluations during the training, by steps.
+    """
+    if rewards is None:
+        rewards = paid(distances, dict(cell.reward.params).get("k2", 1.0))
+    folder = store.cell_folder(cell)
+    folder.mkdir()
+    _write_training(folder / TRACE, distances, rewards)
+    _write_evaluation(folder / EVALUATION, trained)
+    _write_evaluation(folder / RANDOM, floor)
+    if otherwise is not None:
+        _write_evaluation(folder / other_manner(cell.deterministic), otherwise)
+    for steps, reached in learned.items():
+        (folder / EVALUATIONS).mkdir(exist_ok=True)
+        _write_evaluation(folder / EVALUATIONS / f"{steps}.parquet", reached)
+    Manifest(cell, status="done", started=f"2026-01-01T00:00:0{cell.seed}+00:00", seconds=1.5).write(folder)
+
+
+def only(results: Results) -> Any:
+    """The one combination."""
+    (combination,) = results.combinations
+    return combination
+
+
+def _write_training(path: Path, distances: Sequence[float], rewards: Sequence[float]) -> None:
+    """One unfinished episode."""
+    rows = np.zeros((len(distances), len(SCALARS) + 2))
+    best = np.minimum.accumulate([distances[0], *distances])[:-1]
+    rows[:, COLUMN["step"]] = np.arange(len(rows))
+    rows[:, COLUMN["begin_distance"]], rows[:, COLUMN["previous_best"]] = distances[0], best
+    rows[:, COLUMN["distance"]], rows[:, COLUMN["reward"]] = distances, rewards
+    _write(path, rows)
+
+
+def _write_evaluation(path: Path, reached: Sequence[bool]) -> None:
+    """One ended episode per flag, at a distance of 0.01 or 0.5 m."""
+    rows = np.zeros((len(reached), len(SCALARS) + 2))
+    for number, (row, is_reached) in enumerate(zip(rows, reached, strict=True)):
+        row[COLUMN["env"]], row[COLUMN["step"]] = number, 4
+        row[COLUMN["reached"]] = row[COLUMN["terminated"]] = is_reached
+        row[COLUMN["truncated"]] = not is_reached
+        row[COLUMN["distance"]] = 0.01 if is_reached else 0.5
+    _write(path, rows)
+
+
+def _write(path: Path, rows: np.ndarray) -> None:
+    with TraceWriter(path, dof=1, action_size=1) as writer:
+        writer.append(rows)
