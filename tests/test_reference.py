@@ -2,17 +2,23 @@
 
 import csv
 import json
+import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
+import scipy.stats
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
 FOLDERS = sorted(path.parent for path in REFERENCE.glob("*/results.json"))
-LETTERS = {"n": "I_N", "p": "I_P"}
+INDICES = {"eta_N": "I_N", "eta_P": "I_P"}
+CLAIM = re.compile(r"\b(better|worse|helps|hurts)\b", re.IGNORECASE)
+NO_CLAIM = re.compile(r"(called|made|counts as) (better|worse)|better or worse|helps or hurts|say(s)? better|\?$")
+QUOTED_P = re.compile(r"corrected p (< )?(\d\.\d+)")
 
 
 def combinations(folder: Path) -> list[dict[str, Any]]:
@@ -40,8 +46,8 @@ def with_interval(ratio: dict[str, Any]) -> str:
 
 
 def test_there_are_records():
-    """Of the published experiment and of the FD100."""
-    assert [folder.name for folder in FOLDERS] == ["arp-2021", "fd100"]
+    """Of the published experiment, of its settings, and of the FD100."""
+    assert [folder.name for folder in FOLDERS] == ["arp-2021", "arp-2021-settings", "fd100"]
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
@@ -49,16 +55,69 @@ def test_page_says_what_the_record_holds(folder: Path):
     """Every eta with its interval, ruler and behaviour stand in the page as they stand in the record."""
     page = (ROOT / "docs" / f"{folder.name}.md").read_text()
     missing = [
-        (combination["algorithm"], combination["proposed"], letter, needle)
+        (combination["algorithm"], combination["proposed"], name, needle)
         for combination in combinations(folder)
-        for letter in LETTERS
+        for name in INDICES
         for needle in (
-            with_interval(combination[f"eta_{letter}"]),
-            f"{text(combination[f'ruler_{letter}'])} x {text(combination[f'behaviour_{letter}'])}",
+            with_interval(combination[name]["eta"]),
+            f"{text(combination[name]['ruler'])} x {text(combination[name]['behaviour'])}",
         )
         if needle not in page
     ]
     assert missing == []
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_page_gives_the_answer_of_the_record(folder: Path):
+    """Each combination's row begins with its reward and the record's answer about the robot."""
+    page = (ROOT / "docs" / f"{folder.name}.md").read_text()
+    rows = [f"| {it['proposed']} | {it['headline']['answer'].upper()} |" for it in combinations(folder)]
+    assert [row for row in rows if row not in page] == []
+
+
+def corrected(folder: Path) -> set[float]:
+    """Every corrected p of a record that carries a claim."""
+    told = combinations(folder)
+    values = [it[name]["p_corrected"] for it in told for name in INDICES]
+    values += [change["p_corrected"] for it in told for change in it["behaviour"]]
+    values += [change["p_corrected"] for it in told for at in it["along_the_budget"] for change in at["behaviour"]]
+    return {p for p in values if p is not None and p <= 0.05}
+
+
+def unfounded(page: str, known: set[float]) -> list[str]:
+    """Passages that say better or worse without a corrected p of the record."""
+    passages = re.split(r"\n\s*\n|\n(?=[*|#])", page)
+    return [passage for passage in passages if CLAIM.search(NO_CLAIM.sub("", passage)) and not _founded(passage, known)]
+
+
+def _founded(passage: str, known: set[float]) -> bool:
+    quoted = QUOTED_P.findall(passage)
+    return bool(quoted) and all(
+        any(p < float(number) if less else f"{p:.{len(number) - 2}f}" == number for p in known)
+        for less, number in quoted
+    )
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_page_claims_what_a_test_found(folder: Path):
+    """Where a page says better or worse it quotes a corrected p, and the record holds it."""
+    page = (ROOT / "docs" / f"{folder.name}.md").read_text()
+    assert unfounded(page, corrected(folder)) == []
+
+
+@pytest.mark.parametrize(
+    ("passage", "is_founded"),
+    [
+        ("The robot is worse.", False),
+        ("The robot is worse (corrected p 0.031).", True),
+        ("The robot is worse (corrected p 0.030).", False),
+        ("The robot is better (corrected p < 0.001).", False),
+        ("eta_N below 1 is called better.", True),
+    ],
+)
+def test_a_claim_without_its_p_is_found(passage: str, is_founded: bool):
+    """The check fails on a claim that no record carries."""
+    assert (unfounded(passage, {0.03125}) == []) == is_founded
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
@@ -67,8 +126,9 @@ def test_every_cell_is_done(folder: Path):
     with (folder / "cells.csv").open(newline="") as file:
         cells = list(csv.DictReader(file))
     experiment = tomllib.loads((folder / "experiment.toml").read_text())
-    rewards = {json.dumps(reward, sort_keys=True) for reward in [experiment["baseline"], *experiment["reward"]]}
+    rewards = [json.dumps(reward, sort_keys=True) for reward in [experiment["baseline"], *experiment["reward"]]]
     assert {cell["status"] for cell in cells} == {"done"}
+    # A baseline among the proposed rewards is the null control, trained with seeds of its own.
     assert len(cells) == len(experiment["sim"]) * len(experiment["algo"]) * len(rewards) * len(experiment["seeds"])
 
 
@@ -82,7 +142,8 @@ def test_indices_follow_from_the_curves(folder: Path):
     for combination in combinations(folder):
         names = combination["simulator"], combination["algorithm"]
         for side in ("baseline", "proposed"):
-            own = curves[(*names, combination[side], combination[side])]
+            again = " (other seeds)" * (side == "proposed" and combination["is_control"])
+            own = curves[(*names, combination[side] + again, combination[side])]
             index = combination[f"{side}_index"]
             room = 0.01 * max(-index["I_N"], index["I_P"])
             assert sum(min(value, 0.0) * every for value, every in own) == pytest.approx(index["I_N"], abs=room)
@@ -90,22 +151,31 @@ def test_indices_follow_from_the_curves(folder: Path):
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_eta_is_ruler_times_behaviour_along_both_paths(folder: Path):
-    """Where all parts have a value."""
+def test_eta_is_ruler_times_behaviour(folder: Path):
+    """Along both paths and in their geometric means, where all parts have a value."""
     for combination in combinations(folder):
-        for letter in LETTERS:
-            for path in (combination, combination["other_path"]):
-                parts = [path[f"{part}_{letter}"]["value"] for part in ("ruler", "behaviour")]
+        for name in INDICES:
+            split = combination[name]
+            for path in (split, *split["paths"]):
+                parts = [path[part]["value"] for part in ("ruler", "behaviour")]
                 if None not in parts:
-                    assert parts[0] * parts[1] == pytest.approx(combination[f"eta_{letter}"]["value"])
+                    assert parts[0] * parts[1] == pytest.approx(split["eta"]["value"])
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_change_of_the_sum_is_ruler_and_behaviour(folder: Path):
+    """I_N + I_P, NOTE eq. 38."""
+    for combination in combinations(folder):
+        parts = {name: part["mean"] for name, part in combination["total"].items()}
+        assert parts["ruler"] + parts["behaviour"] == pytest.approx(parts["change"], rel=1e-6, abs=1e-6)
 
 
 def test_published_etas_are_those_of_the_published_sums():
     """The table is consistent in itself."""
     published = tomllib.loads((REFERENCE / "arp-2021" / "published.toml").read_text())
-    for letter, name in LETTERS.items():
-        ratio = published["proposed"][name] / published["baseline"][name]
-        assert published[f"eta_{letter}"] == pytest.approx(ratio, abs=5e-9)
+    for eta, index in INDICES.items():
+        ratio = published["proposed"][index] / published["baseline"][index]
+        assert published[eta.lower()] == pytest.approx(ratio, abs=5e-9)
 
 
 def test_page_quotes_the_published_table():
@@ -116,3 +186,27 @@ def test_page_quotes_the_published_table():
     assert f"| eta_P | {three(published['eta_p'])} |" in page
     for side, title in (("baseline", "baseline"), ("proposed", "ARP")):
         assert f"| cross-over step, {title} | {published[side]['crossover']:,} |" in page
+
+
+def seed_by_seed(cells: list[dict[str, str]], reward: str, index: str) -> Any:
+    """Geometric mean of single seeds' etas, and its interval by Student's t."""
+    values = {(cell["reward"], int(cell["seed"])): float(cell[index]) for cell in cells}
+    seeds = sorted(seed for label, seed in values if label == reward)
+    logs = [math.log(values[reward, seed] / values["baseline", seed]) for seed in seeds]
+    interval = scipy.stats.ttest_1samp(logs, 0.0).confidence_interval()
+    return math.exp(sum(logs) / len(logs)), math.exp(interval.low), math.exp(interval.high)
+
+
+@pytest.mark.parametrize("reward", ["arp", "arp:k2=2"])
+@pytest.mark.parametrize("name", INDICES)
+def test_sac_and_sac_fast_give_the_same_etas(reward: str, name: str):
+    """The same experiment by stable-baselines3's SAC: each eta lies within the other's interval, seed by seed."""
+    with (REFERENCE / "arp-2021" / "sac-cells.csv").open(newline="") as file:
+        value, low, high = seed_by_seed(list(csv.DictReader(file)), reward, INDICES[name])
+    lean = next(
+        it[name]["per_seed"]
+        for it in combinations(REFERENCE / "arp-2021")
+        if (it["algorithm"], it["proposed"]) == ("sac-fast", reward)
+    )
+    assert low <= lean["value"] <= high
+    assert lean["low"] <= value <= lean["high"]
