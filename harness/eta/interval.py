@@ -81,7 +81,8 @@ def share_variance(values: Sequence[float] | Float, shares: Sequence[float], epi
     """
     count = len(values)
     floor = sum(_binomial_variance(share, episodes) for share in shares)
-    return ((count - 1) * max(variance_of(values), floor) + UNSEEN**2) / count
+    seen = max(variance_of(values), floor)
+    return max(seen, ((count - 1) * seen + UNSEEN**2) / count)  # it makes no interval narrower
 
 
 UNSEEN = 0.25

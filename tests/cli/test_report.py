@@ -25,6 +25,26 @@ def test_the_table_is_the_default(harness, experiment):
     assert "eta_N" in harness("report", experiment).out
 
 
+def test_per_step_curves_are_read_on_demand(harness, experiment):
+    """`--curve per-step` reads the same traces by NOTE eq. 39-42: the same steps, other sums."""
+    told = {
+        kind: json.loads(harness("report", experiment, "--json", "--curve", kind).out)
+        for kind in ("accumulated", "per-step")
+    }
+    assert [data["curve"] for data in told.values()] == ["accumulated", "per-step"]
+    one, other = (data["combinations"][0]["baseline_index"] for data in told.values())
+    assert one["steps"] == other["steps"]
+    assert one["total"] != other["total"]
+
+
+def test_a_run_reads_per_step_curves_too(harness, quick):
+    """The flag decides what the table shows, not what is trained."""
+    answer = harness("run", *quick, "--seeds", "1", "--curve", "per-step", "--out", "mine")
+    assert "per-step reward" in answer.out
+    assert "0 of" not in answer.err
+    assert "accumulated reward" in harness("run", *quick, "--seeds", "1", "--out", "mine").out
+
+
 def test_html_goes_where_it_is_told(harness, experiment, tmp_path):
     """`--html FILE` writes the page."""
     answer = harness("report", experiment, "--html", "page.html")

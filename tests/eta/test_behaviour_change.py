@@ -60,7 +60,7 @@ def test_only_seeds_with_both_values_are_compared():
 def test_seeds_are_paired_by_their_name():
     """Not by their place."""
     found = change_of(DISTANCE, {3: 1.0, 5: 9.0}, {5: 9.5, 3: 1.5}, swaps_of([3, 5]))
-    assert found.differences == (0.5, 0.5)
+    assert found.differences.tolist() == [0.5, 0.5]
 
 
 # Intervals
@@ -196,5 +196,6 @@ def test_json_is_strict(baseline: Values, proposed: Values, is_share: bool):
     data = json.loads(json.dumps(change(*shares, measure).to_json(), allow_nan=False))
     assert set(data) == {
         *("name", "unit", "better", "manner", "episodes", "baseline", "proposed", "random", "seeds", "left_out"),
-        *("difference", "low", "high", "p", "p_corrected", "result"),
+        *("difference", "low", "high", "p", "p_corrected", "result", "values"),
+        *("interquartile_means", "probability_of_improvement"),
     }

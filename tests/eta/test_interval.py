@@ -198,3 +198,9 @@ def test_number_that_is_not_defined_warns_nobody():
     whole = {"a": np.array([1.0])}
     knife = jackknife(lambda sums: np.log(sums["a"]), whole, [{"a": np.array([0.0, -1.0])}])
     assert not knife.is_defined
+
+
+def test_the_seed_that_was_not_seen_makes_no_interval_narrower():
+    """Values that lie farther apart than it keep their own variance."""
+    values = [0.0, 1.0, 0.0, 1.0]
+    assert share_variance(values, [0.5], 1_000_000) == pytest.approx(np.var(values, ddof=1))

@@ -196,6 +196,7 @@ def test_setting_that_an_executor_does_not_have_is_refused(toys: Registry, tmp_p
     [
         ({"jobs": 0}, "jobs=0: must be at least 1"),
         ({"checkpoint_every": -1}, "checkpoint_every=-1: must be at least 1, or 0 for none"),
+        ({"curve": "steep"}, "curve='steep': there is accumulated and per-step"),
     ],
 )
 def test_options_out_of_range_are_refused(options: dict[str, Any], message: str):

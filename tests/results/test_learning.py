@@ -33,9 +33,11 @@ def test_points_are_means_over_seeds():
 
 def test_points_have_intervals_over_seeds():
     """Around the mean; none of one seed."""
-    runs = [_run(seed, {100: 0.25 * seed}) for seed in range(5)]
+    runs = [_run(seed, {100: 0.4 + 0.05 * seed}) for seed in range(5)]
     (point,) = learning_points(runs, "success_rate", GROUP)
     assert point.value.low < 0.5 < point.value.high
+    (share,) = learning_points(runs, "success_rate", GROUP, is_share=True)
+    assert share.value.low < point.value.low  # a share allows for the seed that was not seen
     (alone,) = learning_points(runs[:1], "success_rate", GROUP)
     assert (alone.value.low, alone.value.note) == (None, "one seed: no interval below 3 seeds")
 

@@ -94,9 +94,11 @@ def test_return_is_all_that_an_episode_was_paid(train: Train):
 
 
 def test_drop_is_taken_seed_by_seed(train: Train):
-    """Every seed loses half, however much it had: the interval has no width. At home there is nothing to lose."""
+    """Every seed loses half, however much it had: the mean is exact. At home there is nothing to lose."""
     home, away = visit_all(train([4, 3, 2]), [2, 1, 0]).drop[0]
-    assert (away.mean, away.low, away.high) == (0.5, 0.5, 0.5)
+    assert away.mean == 0.5
+    assert away.low is not None
+    assert away.low < 0.5  # a seed that was not seen may lose another share
     assert home.mean is None
 
 

@@ -1,0 +1,22 @@
+"""What a metric says of itself."""
+
+import pytest
+
+from harness.metric import is_share
+from harness.registry.choice import build_defaults
+from harness.registry.registry import load_registry
+
+
+@pytest.mark.parametrize(
+    ("name", "share"),
+    [("success_rate", True), ("ground_hits", True), ("timeouts", True), ("spl", True), ("optimality", False),
+     ("time_to_target", False), ("work", False)],
+)  # fmt: skip
+def test_shares_say_that_they_are(name: str, share: bool):
+    """Means over episodes of something between 0 and 1; optimality may be above 1."""
+    assert is_share(build_defaults(load_registry(), "metrics")[name]) == share
+
+
+def test_a_metric_that_says_nothing_is_none():
+    """Those of version 0.1 have no such attribute."""
+    assert not is_share(object())  # type: ignore[arg-type]
