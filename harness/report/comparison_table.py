@@ -13,6 +13,7 @@ from harness.report.rows import (
     TESTS,
     advice,
     answer_text,
+    claims_text,
     count_cells,
     index_grid,
     ratio_grid,
@@ -55,6 +56,7 @@ def _combination_block(results: Results, combination: Combination) -> Renderable
     more = advice(results, combination)
     parts += [Text(more)] if more else []
     parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
+    parts.append(Text(f"\n{claims_text(combination)}"))
     splits = combination.splits
     grids = [
         *behaviour_grids(combination)[:1],

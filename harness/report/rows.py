@@ -10,6 +10,7 @@ from harness.eta.decompose import Decomposition, Split, SplitPath, Splits, SumSp
 from harness.eta.headline import Headline
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
+from harness.eta.swaps import smallest_p
 from harness.record.store import EXPERIMENT
 from harness.results import Results
 from harness.results.combination import Combination
@@ -72,6 +73,15 @@ def advice(results: Results, combination: Combination) -> str:
     more = next(count for count in needed if count > len(seeds))
     folder = results.folder
     return f"More seeds: harness run {folder / EXPERIMENT} --out {folder} --seeds {more}"
+
+
+def claims_text(combination: Combination) -> str:
+    """What the tests of so many seeds can show at best; empty without a seed."""
+    seeds = len(combination.seeds)
+    if not seeds:
+        return ""
+    noun = "claim" if combination.claims == 1 else "claims"
+    return f"{combination.claims} {noun}, corrected together; no p below {smallest_p(seeds):.2g} from {seeds} seeds"
 
 
 def ratio_grid(splits: Splits) -> Grid:

@@ -12,6 +12,7 @@ from harness.eta.decompose import Decomposition, Splits, no_splits, splits_to_js
 from harness.eta.headline import SUCCESS, Answer, Headline, Names, headline_of
 from harness.eta.index import Index, Ratio
 from harness.eta.scored_sums import Pair
+from harness.eta.swaps import smallest_p
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
@@ -203,6 +204,7 @@ class Combination:
             "baseline_index": self.baseline_index and self.baseline_index.to_json(),
             "proposed_index": self.proposed_index and self.proposed_index.to_json(),
             "claims": self.claims,
+            "smallest_p": smallest_p(len(self.seeds)) if self.seeds else None,
             "episodes": dict(self.episodes),
             "behaviour": [change.to_json() for change in self.changes],
             "along_the_budget": [

@@ -7,6 +7,7 @@ from harness.eta.decompose import Split, SplitPath
 from harness.eta.index import Ratio
 from harness.report.rows import (
     advice,
+    claims_text,
     format_number,
     format_p,
     index_grid,
@@ -255,3 +256,9 @@ def test_heading_says_which_curve_the_indices_are_of(build):
 def test_numbers_have_three_significant_digits(value, text):
     """Three significant digits, an exponent only far from 1, and n/a for what is no number."""
     assert format_number(value) == text
+
+
+def test_what_so_few_seeds_can_show_is_said(build):
+    """The smallest p-value that they can give, and how many claims share it."""
+    told = claims_text(only(build(seeds=4)))
+    assert told.endswith("claims, corrected together; no p below 0.12 from 4 seeds")

@@ -32,7 +32,7 @@ def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
     assert set(combination) == {
         *("simulator", "algorithm", "robot", "task", "steps", "deterministic", "baseline", "proposed", "is_control"),
         *("seeds", "headline", "eta_N", "eta_P", "total", "baseline_index", "proposed_index"),
-        *("claims", "episodes", "behaviour", "along_the_budget"),
+        *("claims", "smallest_p", "episodes", "behaviour", "along_the_budget"),
     }
     assert set(combination["headline"]) == {"answer", "robot", "number", "decided_by", "seeds_to_decide"}
     ratios = {"eta", "per_seed", "ruler", "behaviour", "interaction", "noise"}
