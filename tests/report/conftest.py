@@ -1,5 +1,6 @@
 """Small experiment folders, written without training anything: every reward in them is what its reward really pays."""
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -15,7 +16,7 @@ from harness.record.manifest import Manifest, Status
 from harness.record.store import Store
 from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceWriter
 from harness.registry.choice import Choice, choose
-from harness.registry.registry import load_registry
+from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
 from harness.score.compare import Comparison, compare_recordings
 from harness.score.open_recording import match_recordings
@@ -102,10 +103,16 @@ def _cell(simulator: str, reward: str, seed: int, **manner: Any) -> Cell:
     return Cell(sim, "fd100", task, algorithm, _reward(reward), seed, 40, 4, **manner)
 
 
+@functools.cache
+def _plugins() -> Registry:
+    """Loaded once: it takes as long as all the rest of a test."""
+    return load_registry()
+
+
 def _reward(label: str) -> Choice:
     """The reward of that label; if there is none, a choice that no registry knows."""
     try:
-        return choose(load_registry(), "rewards", label)
+        return choose(_plugins(), "rewards", label)
     except UsageError:
         return Choice(label, (), label)
 
@@ -172,7 +179,7 @@ def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None
     rows = np.concatenate(episodes)
     if paid is not None:
         known = paid if paid.params or paid.name == BASELINE else _reward(BASELINE)
-        reward = known.build(load_registry(), "rewards")
+        reward = known.build(_plugins(), "rewards")
         rows[:, COLUMN["reward"]] = score_trace(reward, _trace(rows))
     with TraceWriter(path, dof=1, action_size=1) as writer:
         writer.append(rows)
