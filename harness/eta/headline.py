@@ -108,12 +108,12 @@ def number_sentence(names: Names, decomposition: Decomposition) -> str:
     return " ".join([*told, *_flags(decomposition)])
 
 
-def seeds_text(seeds: int) -> str:
+def count_seeds(seeds: int) -> str:
     """How many."""
     return "1 seed" if seeds == 1 else f"{seeds} seeds"
 
 
-def amount_text(change: Change, value: float | None) -> str:
+def _amount_text(change: Change, value: float | None) -> str:
     """A value of a deciding measure, with its unit."""
     if value is None:
         return "n/a"
@@ -124,7 +124,7 @@ def _decided(names: Names, change: Change) -> str:
     verb = "helps" if change.direction == "better" else "hurts"
     corrected = change.corrected or 0.0
     p = "< 0.001" if corrected < 0.001 else f"{corrected:.3f}"
-    return f"{names.proposed} {verb}: {_values(names, change)}; {seeds_text(change.seeds)}, corrected p {p}."
+    return f"{names.proposed} {verb}: {_values(names, change)}; {count_seeds(change.seeds)}, corrected p {p}."
 
 
 def _no_difference(names: Names, changes: Sequence[Change]) -> str:
@@ -136,7 +136,7 @@ def _no_difference(names: Names, changes: Sequence[Change]) -> str:
 def _undecided(names: Names, changes: Sequence[Change], needed: Range | None) -> str:
     seeds, fewest = changes[0].seeds, fewest_seeds()
     told = (
-        f"Cannot tell from {seeds_text(seeds)} whether {names.proposed} helps or hurts: "
+        f"Cannot tell from {count_seeds(seeds)} whether {names.proposed} helps or hurts: "
         f"{'; '.join(_values(names, change) for change in changes)}."
     )
     if needed is None:
@@ -150,8 +150,8 @@ def _undecided(names: Names, changes: Sequence[Change], needed: Range | None) ->
 def _values(names: Names, change: Change) -> str:
     """Whose value is whose, and the difference's interval."""
     told = (
-        f"{change.name.replace('_', ' ')} {amount_text(change, change.proposed)} with {names.proposed}, "
-        f"{amount_text(change, change.baseline)} with {names.baseline}"
+        f"{change.name.replace('_', ' ')} {_amount_text(change, change.proposed)} with {names.proposed}, "
+        f"{_amount_text(change, change.baseline)} with {names.baseline}"
     )
     if change.low is None or change.high is None:
         return told

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import SUCCESS, seeds_text
+from harness.eta.headline import SUCCESS, count_seeds
 from harness.report.rows import NOTHING, Grid, format_number, format_p
 from harness.results.combination import Combination, StepChange
 from harness.results.measured import TRAINING
@@ -72,7 +72,7 @@ def _grid(combination: Combination, manner: str) -> Grid:
     changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
     ordered = sorted(changes, key=lambda change: change.name != SUCCESS)
     notes = [
-        f"{change.name.replace('_', ' ')}: {seeds_text(change.seeds)} compared, {change.left_out} without a value"
+        f"{change.name.replace('_', ' ')}: {count_seeds(change.seeds)} compared, {change.left_out} without a value"
         for change in ordered
         if change.left_out
     ]

@@ -4,6 +4,7 @@ import numpy as np
 
 from harness.eta.aggregate import performance_profile
 from harness.eta.behaviour_change import Change
+from harness.eta.headline import count_seeds
 from harness.report.figure import Figure
 from harness.report.palette import BLUE, FONT, GRID, INK, VERMILION
 
@@ -33,9 +34,9 @@ def draw_profile(change: Change) -> Figure | None:
 
 def describe_profile(change: Change) -> str:
     """The same in words, for those who cannot see it."""
-    seeds = f"{change.seeds} seed{'s' * (change.seeds != 1)}"
     worst = [min(pair[side] for pair in change.values) for side in (0, 1)]
-    return f"{seeds}. The worst seed: {worst[0]:.0%} under the baseline, {worst[1]:.0%} under the proposed reward."
+    told = f"{worst[0]:.0%} under the baseline, {worst[1]:.0%} under the proposed reward"
+    return f"{count_seeds(change.seeds)}. The worst seed: {told}."
 
 
 def _layout(name: str) -> Figure:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from harness.eta.curve import Kind
 from harness.eta.decompose import Decomposition, Split, SplitPath, Splits, SumSplit
-from harness.eta.headline import Headline
+from harness.eta.headline import Headline, count_seeds
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
 from harness.eta.swaps import smallest_p
@@ -81,7 +81,9 @@ def claims_text(combination: Combination) -> str:
     if not seeds:
         return ""
     noun = "claim" if combination.claims == 1 else "claims"
-    return f"{combination.claims} {noun}, corrected together; no p below {smallest_p(seeds):.2g} from {seeds} seeds"
+    return (
+        f"{combination.claims} {noun}, corrected together; no p below {smallest_p(seeds):.2g} from {count_seeds(seeds)}"
+    )
 
 
 def ratio_grid(splits: Splits) -> Grid:
@@ -93,7 +95,7 @@ def ratio_grid(splits: Splits) -> Grid:
             interval_text(split.eta),
             ratio_text(split.per_seed),
             interval_text(split.noise),
-            format_p(split.corrected if split.corrected is not None else split.p),
+            format_p(split.corrected),
             BETTER[name],
         )
         for name, split in splits.items()

@@ -13,6 +13,7 @@ from harness.eta.curve import GroupCurve, Kind
 from harness.eta.decompose import Decomposition, decompose
 from harness.eta.headline import Names, number_sentence
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
+from harness.eta.swaps import corrected_p
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.reward import Reward
@@ -116,13 +117,20 @@ def compare_recordings(
         missing = "one group's reward is not finite on the other group's runs"
     names = ("baseline", "proposed")
     return Comparison(
-        decompose(curves, _are_paired(*groups), missing),
+        _corrected(decompose(curves, _are_paired(*groups), missing)),
         curves,
         {name: guess.choice for name, guess in zip(names, guesses, strict=True)},
         {name: len(group) for name, group in zip(names, groups, strict=True)},
         {name: group.rows_left_out for name, group in zip(names, streamed, strict=True)},
         with_events,
     )
+
+
+def _corrected(found: Decomposition) -> Decomposition:
+    """Both etas are claims that are made together."""
+    outcomes = [split.outcomes for split in found.splits.values()]
+    known = [claim for claim in outcomes if claim is not None]
+    return found.with_corrected(*corrected_p(known)) if len(known) == len(outcomes) else found
 
 
 # Which rewards

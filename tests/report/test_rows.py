@@ -39,11 +39,11 @@ def wide(value):
 
 
 def test_ratio_stands_beside_what_it_is_to_be_held_against():
-    """Its interval, what seeds give one by one, what noise gives, p, and the side that is called better."""
+    """Its interval, what seeds give one by one, what noise gives, the corrected p alone, and the side called better."""
     split = make_split(6.0, (2.0, 3.0), (1.5, 4.0), per_seed=wide(5.0), noise=wide(1.0), p=0.01, corrected=0.04)
     grid = ratio_grid({"eta_N": split, "eta_P": replace(split, corrected=None)})
     row = ("6.00", "[5.40, 6.60]", "5.00", "[0.900, 1.10]")
-    assert grid.rows == [("eta_N", *row, "0.040", "below 1"), ("eta_P", *row, "0.010", "above 1")]
+    assert grid.rows == [("eta_N", *row, "0.040", "below 1"), ("eta_P", *row, "n/a", "above 1")]
     assert (grid.title, len(grid.headings)) == ("eta = proposed / baseline", 7)
 
 

@@ -6,11 +6,13 @@ import math
 import random
 from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 from scipy import stats
 
 import harness.score.compare
@@ -20,6 +22,8 @@ from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
+from harness.report.eta_table import eta_table
+from harness.report.rows import format_p
 from harness.score.compare import Comparison, compare_recordings
 from harness.score.open_recording import match_recordings, open_recording
 
@@ -467,3 +471,20 @@ def register_rewards(register):
     assert data["eta_N"]["eta"]["value"] == 1.75
     assert data["eta_N"]["ruler"]["value"] is None
     assert data["eta_N"]["ruler"]["note"] == "one group's reward is not finite on the other group's runs"
+
+
+def test_both_etas_are_corrected_together(groups: Path):
+    """Two claims of one comparison: no corrected p is below its own, and the table shows the corrected ones."""
+    found = compare_recordings(
+        match_recordings([str(groups / "base" / "*.csv")]),
+        match_recordings([str(groups / "k2" / "*.csv")]),
+        load_registry(),
+    )
+    told = Console(width=200, file=StringIO())
+    told.print(eta_table(found))
+    for split in found.decomposition.splits.values():
+        assert split.p is not None
+        assert split.corrected is not None
+        assert split.corrected >= split.p
+        assert format_p(split.corrected) in told.file.getvalue()
+    assert any(split.corrected != split.p for split in found.decomposition.splits.values())
