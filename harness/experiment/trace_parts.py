@@ -1,6 +1,5 @@
 """A trace that is written in parts, so that a training that is killed can go on behind the last finished one."""
 
-import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -8,6 +7,7 @@ from types import TracebackType
 import pyarrow.parquet as pq
 
 from harness.errors import SchemaError
+from harness.files.bounded import digest_of
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import FACTS_KEY, TraceWriter
 
@@ -89,12 +89,6 @@ def discard_parts(path: Path, first: int = 0) -> None:
     while part_of(path, number).exists():
         part_of(path, number).unlink()
         number += 1
-
-
-def digest_of(path: Path) -> str:
-    """SHA-256 of a file."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def require_parts(path: Path, digests: Sequence[str]) -> None:

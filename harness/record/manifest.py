@@ -2,12 +2,14 @@
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, ClassVar, Literal, TypeAlias, TypeVar
 
 from harness.errors import SchemaError
+from harness.files.bounded import digest_of
+from harness.files.whole_file import write_whole
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST
 
@@ -26,6 +28,7 @@ class Ending:
         seconds: Wall time of all of it, [s].
         environment: Versions, machine, commit, command, hashes of the sources; see
             `harness.experiment.provenance.describe_environment`.
+        files: SHA-256 of every other file in the folder, by its path there; cells of version 0.1 have none.
     """
 
     status: Status
@@ -33,6 +36,7 @@ class Ending:
     started: str = ""
     seconds: float = 0.0
     environment: Mapping[str, Any] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
 
     FORMAT: ClassVar[int]
 
@@ -41,9 +45,10 @@ class Ending:
         return asdict(self)
 
     def write(self, folder: Path) -> None:
-        """Write ``manifest.json`` into `folder`, which is not complete yet."""
-        text = json.dumps({"format": self.FORMAT, **self.to_json()}, indent=1)
-        (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
+        """Write ``manifest.json`` into `folder`, which is not complete yet, with the digest of every file there."""
+        record = replace(self, files=digests_in(folder))
+        text = json.dumps({"format": self.FORMAT, **record.to_json()}, indent=1)
+        write_whole(folder / MANIFEST, text + "\n")
 
 
 @dataclass(frozen=True)
@@ -104,6 +109,12 @@ def read_record(folder: Path, version: int, noun: str, read: Callable[[dict[str,
         return read(data)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise SchemaError(f"{path} is no readable {noun}: {error!r}") from error
+
+
+def digests_in(folder: Path) -> dict[str, str]:
+    """SHA-256 of every file in a folder but its manifest, by its path there; links are left out."""
+    paths = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink()]
+    return {str(path.relative_to(folder).as_posix()): digest_of(path) for path in paths if path != folder / MANIFEST}
 
 
 def now() -> str:

@@ -22,11 +22,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import tomli_w
 
 from harness.errors import SchemaError, UsageError
+from harness.files.whole_file import is_partial, write_whole
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, MANIFEST, partial_folder, publish
 from harness.record.manifest import Manifest, Status, now, read_manifest
 from harness.record.out_folder import folder_lock, make_folder
-from harness.record.whole_file import is_partial, write_whole
 
 if TYPE_CHECKING:
     from harness.experiment.plan import Plan

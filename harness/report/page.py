@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
-from harness.record.whole_file import write_whole
+from harness.files.whole_file import write_whole
 
 
 def render_page(template: Path, noun: str, **values: Any) -> str:

@@ -8,9 +8,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.eta.curve import Kind
+from harness.files.whole_file import whole_file
 from harness.record.manifest import Manifest
 from harness.record.store import RESULTS
-from harness.record.whole_file import whole_file
 from harness.registry.registry import load_registry
 from harness.results.combination import Combination
 from harness.results.combine import combine

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
-from harness.record.whole_file import whole_file
+from harness.files.whole_file import whole_file
 from harness.reward import Reward
 from harness.score.recording import Chunk, Recording
 from harness.score.scorer import Scorer

@@ -17,8 +17,8 @@ from typing import Any
 import tomli_w
 
 from harness.errors import UsageError
+from harness.files.whole_file import is_partial, write_whole
 from harness.record.out_folder import folder_lock, make_folder
-from harness.record.whole_file import is_partial, write_whole
 from harness.registry.toml_file import read_toml
 from harness.tune.tuning import Setup
 

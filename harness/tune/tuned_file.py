@@ -6,7 +6,7 @@ from pathlib import Path
 import tomli_w
 
 from harness.experiment.plan import table_of
-from harness.record.whole_file import write_whole
+from harness.files.whole_file import write_whole
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.tune.folder import TUNED

@@ -18,7 +18,8 @@ from harness.experiment.checkpoint import ABOUT, Checkpoint, read_checkpoint
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
 from harness.experiment.run_cell import run_cell
-from harness.experiment.trace_parts import TraceParts, digest_of, discard_parts, part_of, require_parts
+from harness.experiment.trace_parts import TraceParts, discard_parts, part_of, require_parts
+from harness.files.bounded import digest_of
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
 from harness.record.episode_facts import EpisodeFacts

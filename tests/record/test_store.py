@@ -334,11 +334,12 @@ def test_plan_is_whole_at_every_moment(
     Store.create(tmp_path / "out", make_plan(make_cell()))
     before = (tmp_path / "out" / name).read_bytes()
 
-    def half(path: Path, text: str, **options: str) -> int:
-        path.write_bytes(text.encode()[: len(text) // 2])
+    def half(path: Path, content: bytes) -> int:
+        with path.open("wb") as file:
+            file.write(content[: len(content) // 2])
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", half)
+    monkeypatch.setattr(Path, "write_bytes", half)
     with pytest.raises(OSError, match="No space left"):
         Store.create(tmp_path / "out", make_plan(make_cell(seed=1)))
     assert (tmp_path / "out" / name).read_bytes() == before

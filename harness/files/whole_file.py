@@ -13,28 +13,45 @@ PARTIAL = ".partial"
 def whole_file(path: Path) -> Iterator[Path]:
     """A place beside `path` to write to; what is written there takes the place of `path` when the block ends.
 
-    A reader finds the old file or the new one, whole. When an exception passes, the old one stays.
+    A reader finds the old file or the new one, whole. When an exception passes, the old one stays. A link at `path` is
+    replaced, not followed.
 
     Raises:
         OSError: The file cannot take its place.
     """
     partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
+    partial.unlink(missing_ok=True)  # of a killed process with this number, or a link that somebody laid there
     try:
         yield partial
-        with partial.open("rb+") as file:
-            os.fsync(file.fileno())  # else a machine that stops could leave the new name on an empty file
+        sync(partial)  # else a machine that stops could leave the new name on an empty file
         os.replace(partial, path)
+        sync(path.parent)
     finally:
         with suppress(OSError):  # gone if it took its place, never there if it could not be written
             partial.unlink()
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file, UTF-8; see `whole_file`."""
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file, text as UTF-8; see `whole_file`."""
     with whole_file(path) as partial:
-        partial.write_text(text, encoding="utf-8")
+        partial.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 def is_partial(path: Path) -> bool:
     """Whether a process that was killed left it half written."""
     return path.name.startswith(".") and path.name.endswith(PARTIAL)
+
+
+def sync(path: Path) -> None:
+    """Have the system write a file, or the names in a folder, to the disk.
+
+    Raises:
+        OSError: It cannot.
+    """
+    if path.is_dir() and os.name == "nt":
+        return  # Windows opens no folder
+    number = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.record.whole_file import is_partial, whole_file, write_whole
+from harness.files.whole_file import is_partial, whole_file, write_whole
 
 
 def test_file_takes_the_place_of_the_old_one(tmp_path: Path):
