@@ -26,6 +26,7 @@ from harness.testing import (
     check_task,
     violations,
 )
+from harness.testing.algorithms import the_return_rises
 from harness.testing.simulators import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness.testing.trainings import NegativeDistance
 
@@ -33,13 +34,19 @@ REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
 FRAME_CHECKS = (render_gives_a_frame_or_says_why_not, frames_show_the_target)
 OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
+SLOW = {(name, the_return_rises) for name in ("sac", "td3", "dqn", "ddqn")}
+"""Whole trainings of half a minute; the other algorithms' show in every run that the check is able to fail."""
 CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS, *TASK_CHECKS]
 
 
 def registered(kind: str, checks: tuple[Callable[..., None], ...]) -> pytest.MarkDecorator:
     """Every registered thing of a kind with every check."""
-    cases = [(check, name) for name in REGISTRY.names(kind) for check in checks]
-    return pytest.mark.parametrize(("check", "name"), cases, ids=[f"{name}-{check.__name__}" for check, name in cases])
+    cases = [
+        pytest.param(check, name, id=f"{name}-{check.__name__}", marks=[pytest.mark.slow] * ((name, check) in SLOW))
+        for name in REGISTRY.names(kind)
+        for check in checks
+    ]
+    return pytest.mark.parametrize(("check", "name"), cases)
 
 
 def build(kind: str, name: str) -> Any:
