@@ -5,7 +5,9 @@ HarnessError
 ├── PluginError           a plugin is broken: names the plugin, its distribution and the target
 ├── SimulationDiverged    a simulation or a reward left the finite numbers: the cell fails, the plan goes on
 ├── ContractViolation     a plugin breaks its interface's contract: names the check
+├── StorageError          a results folder cannot be written: the disk is full, or fails; what was done stays
 └── SchemaError           a results file is not what this version reads
+    └── NewerFormat       because a newer version wrote it
 """
 
 
@@ -39,6 +41,14 @@ class ContractViolation(HarnessError):
 
 class SchemaError(HarnessError):
     """A results file is damaged, or written by a newer version than this one."""
+
+
+class NewerFormat(SchemaError):
+    """A newer version than this one wrote the file: nothing is wrong with it, and nothing may replace it."""
+
+
+class StorageError(HarnessError):
+    """A results folder cannot be written: the disk is full or fails, or too many files are open."""
 
 
 def one_line(error: BaseException) -> str:

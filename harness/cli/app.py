@@ -19,6 +19,7 @@ from harness.cli.run import run
 from harness.cli.score import score
 from harness.cli.transfer import transfer
 from harness.cli.tune import tune
+from harness.cli.verify import repair, verify
 from harness.errors import HarnessError, UsageError
 from harness.registry.registry import load_registry
 
@@ -52,6 +53,8 @@ def build_app() -> typer.Typer:
     app.command()(audit)
     app.command()(parity)
     app.command()(bench)
+    app.command()(verify)
+    app.command()(repair)
     app.command("list")(list_names)
     app.command()(describe)
     app.command()(plugins)

@@ -16,7 +16,7 @@ def report(
     summary: Annotated[
         Path | None, typer.Option(help="Write small records and figures into this folder.", metavar="FOLDER")
     ] = None,
-) -> None:
+) -> int:
     """Show the results in an experiment's folder. Trains nothing and imports no engine."""
     from harness.results import load_results
 
@@ -46,3 +46,6 @@ def report(
         console.print(comparison_table(results))
         if transfers.matrices:
             console.print(transfer_table(transfers))
+    if results.damaged:
+        typer.echo(f"harness: damaged cells: {len(results.damaged)}; harness verify '{folder}' tells of them", err=True)
+    return 1 if results.damaged else 0

@@ -66,6 +66,9 @@ def run(
         bool, typer.Option("--tensorboard", help="Leave event files of scalars in each cell's folder too.")
     ] = False,
     curve: CurveKind = "accumulated",
+    wait: Annotated[
+        bool, typer.Option("--wait/--no-wait", help="Wait while another run is using the folder, or give up.")
+    ] = True,
 ) -> int:
     """Train every simulator x algorithm x reward x seed and compare the rewards.
 
@@ -74,18 +77,20 @@ def run(
     from harness.cli.progress import LiveProgress
     from harness.experiment.experiment import RunOptions, prepare
 
-    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve)
+    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve, wait)
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
         "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
         "evaluate_every": evaluate_every, "deterministic": deterministic,
     }  # fmt: skip
     ready = prepare(_read(experiment, {key: value for key, value in given.items() if value is not None}), options)
+    folder = ready.store.folder
     with (
-        kept_when_interrupted("finished cells are kept", ready.store.folder),
-        LiveProgress(ready.plan.cells, ready.done) as progress,
+        kept_when_interrupted("finished cells are kept", folder),
+        ready.begin(lambda: typer.echo(f"harness: waiting for another run in '{folder}' to end", err=True)) as begun,
+        LiveProgress(ready.plan.cells, begun.done) as progress,
     ):
-        results = ready.run(progress)
+        results = begun.run(progress)
     _show(results)
     return 1 if results.failed else 0
 
@@ -113,6 +118,7 @@ def _show(results: "Results") -> None:
     """The comparison on standard output; what was written too."""
     from rich.console import Console
 
+    from harness.files.sums import note_made
     from harness.record.store import REPORT
     from harness.report.comparison_table import comparison_table
     from harness.report.html import write_html
@@ -122,6 +128,7 @@ def _show(results: "Results") -> None:
     typer.echo(f"Results: {results.folder}")
     try:
         write_html(results, results.folder / REPORT)
+        note_made(results.folder / REPORT)
         typer.echo(f"Report:  {results.folder / REPORT}")
     except UsageError as error:  # the extra is missing: the results are there all the same
         typer.echo(f"No {REPORT}: {error}")

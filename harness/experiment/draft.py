@@ -54,12 +54,17 @@ def draft_of(folder: Path, record: Kind) -> Iterator[Draft[Kind]]:
             traceback.print_exc(file=log)
         draft.note(status="failed", reason=one_line(error))
     draft.note(seconds=round(time.perf_counter() - clock, 3))
-    leave_record(folder, draft.record)
+    draft.record = leave_record(folder, draft.record)
 
 
-def leave_record(folder: Path, record: Ending) -> None:
-    """Write a record into the partial folder of `folder`, with whatever is in it already, and complete it."""
+def leave_record(folder: Path, record: Kind) -> Kind:
+    """Write a record into the partial folder of `folder`, with whatever is in it already, and complete it.
+
+    Returns:
+        What was written: the record with the digests of the files.
+    """
     partial = partial_folder(folder)
     partial.mkdir(parents=True, exist_ok=True)
-    record.write(partial)
+    written = record.write(partial)
     publish(partial, folder)
+    return written

@@ -1,11 +1,12 @@
 """Run an experiment: from what a user asks for to the results."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.errors import UsageError
+from harness.errors import StorageError, UsageError
 from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, OnEvent
 from harness.experiment.event_log import require_tensorboard
@@ -33,6 +34,7 @@ class RunOptions:
         checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none.
         tensorboard: Whether each cell leaves event files of scalars too, in its folder.
         curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
+        wait: Whether to wait while another run is using the folder; else that is an error.
 
     Raises:
         UsageError: A number is out of range, or there is no such curve.
@@ -44,6 +46,7 @@ class RunOptions:
     checkpoint_every: int = 0
     tensorboard: bool = False
     curve: Kind = "accumulated"
+    wait: bool = True
 
     def __post_init__(self) -> None:
         worker_count(self.jobs)
@@ -85,30 +88,32 @@ def run(
     checkpoint_every: int = 0,
     tensorboard: bool = False,
     curve: Kind = "accumulated",
+    wait: bool = True,
     **experiment: Any,
 ) -> Results:
     """Run every combination of an experiment that is not done yet.
 
     Args:
-        out: See `RunOptions`, as the next five.
+        out: See `RunOptions`, as the next six.
         jobs: How many cells at once.
         executor: What runs the cells.
         checkpoint_every: Environment steps from one checkpoint of a training to the next.
         tensorboard: Whether each cell leaves event files of scalars too.
         curve: Which curves the indices are read from.
+        wait: Whether to wait while another run is using the folder.
         **experiment: The fields of `harness.experiment.plan.Experiment`; the lists may be single names, or text with
             commas.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve)
+    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve, wait)
     return prepare(check_experiment(experiment), options).run()
 
 
 @dataclass(frozen=True)
 class ExperimentRun:
-    """An experiment that is ready to run: everything is checked, and its folder is there.
+    """An experiment that is ready to run: everything is checked, and nothing is written but its folder.
 
     Attributes:
         plan: What to do.
@@ -124,10 +129,46 @@ class ExperimentRun:
     executor: Executor
     options: RunOptions = DEFAULTS
 
-    @property
-    def done(self) -> list[Cell]:
-        """Cells that are done already and are not run again."""
-        return [cell for cell in self.plan.cells if self.store.is_done(cell)]
+    def run(self, on_event: OnEvent = lambda event: None) -> Results:
+        """Do the cells that are not done yet; see `begin` and `BegunRun.run`."""
+        with self.begin() as begun:
+            return begun.run(on_event)
+
+    @contextmanager
+    def begin(self, on_wait: Callable[[], None] = lambda: None) -> Iterator["BegunRun"]:
+        """Keep other runs out of the folder, and write down what is asked for.
+
+        Args:
+            on_wait: Called before this waits for another run in the folder to end, if the options say to wait.
+
+        Raises:
+            UsageError: Another run is using the folder, and the options say not to wait. Nothing is written.
+            StorageError: The folder cannot be written, now or while the cells run.
+        """
+        try:
+            with self.store.locked(on_wait if self.options.wait else None):
+                self.store.add(self.plan)
+                yield BegunRun(self, tuple(cell for cell in self.plan.cells if self.store.is_done(cell)))
+        except BrokenPipeError:
+            raise  # who read what is printed is gone: nothing is wrong with the folder
+        except OSError as error:
+            raise StorageError(
+                f"'{self.store.folder}' cannot be written: {error.strerror or error}. "
+                "What is done is kept; mend that, and the same command goes on from there"
+            ) from error
+
+
+@dataclass(frozen=True)
+class BegunRun:
+    """An experiment that has its folder for itself.
+
+    Attributes:
+        asked: What is to be run.
+        done: Cells that were done before, and are not run again.
+    """
+
+    asked: ExperimentRun
+    done: tuple[Cell, ...]
 
     def run(self, on_event: OnEvent = lambda event: None) -> Results:
         """Do the cells that are not done yet.
@@ -137,34 +178,31 @@ class ExperimentRun:
 
         Returns:
             What the experiment's folder says afterwards, earlier cells included.
-
-        Raises:
-            UsageError: Another run is using the folder.
         """
-        store = self.store
-        with store.locked():
-            waiting = [cell for cell in self.plan.cells if not store.is_done(cell)]
-            # What else was begun stays too: run_cell says what becomes of it.
-            store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-            jobs = [Job(cell, store.cell_folder(cell), self.options.of_cells) for cell in waiting]
-            try:
-                self.executor.run(jobs, self.options.at_once, lambda event: on_event(self._recorded(event)))
-            finally:
-                store.discard_partial()
-        return Results(store.folder, self.registry, self.options.curve)
+        store, options, done = self.asked.store, self.asked.options, set(self.done)
+        waiting = [cell for cell in self.asked.plan.cells if cell not in done]
+        # What else was begun stays too: run_cell says what becomes of it.
+        store.discard_partial(keep={store.reopen(cell) for cell in waiting})
+        jobs = [Job(cell, store.cell_folder(cell), options.of_cells) for cell in waiting]
+        try:
+            self.asked.executor.run(jobs, options.at_once, lambda event: on_event(self._recorded(event)))
+        finally:
+            store.discard_partial()
+        return Results(store.folder, self.asked.registry, options.curve)
 
     def _recorded(self, event: Event) -> Event:
         """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
+        store = self.asked.store
         if event.kind != "ended":
             return event
         if event.reason:
-            self.store.record(event.cell, "failed", event.reason)
-        manifest = read_manifest(self.store.cell_folder(event.cell))
+            store.record(event.cell, "failed", event.reason)
+        manifest = read_manifest(store.cell_folder(event.cell))
         return event._replace(reason=manifest.reason, note=manifest.note)
 
 
 def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:
-    """Check everything that an experiment needs, then make its folder, or go on with one that is there.
+    """Check everything that an experiment needs, then make its folder, or look whether it can go on with one.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
@@ -172,7 +210,7 @@ def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> Experimen
     registry = load_registry()
     executor = options.build_executor(registry)
     plan = expand(experiment, registry)
-    store = Store.create(Path(options.out) if options.out else default_folder(plan), plan)
+    store = Store.claim(Path(options.out) if options.out else default_folder(plan))
     return ExperimentRun(plan, store, registry, executor, options)
 
 

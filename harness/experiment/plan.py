@@ -2,7 +2,7 @@
 
 import hashlib
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias
@@ -14,6 +14,7 @@ from harness.algorithm import Algorithm, why_not
 from harness.errors import UsageError, sentence
 from harness.experiment.task_form import task_for
 from harness.record.cell import Cell
+from harness.record.plan_file import control_seeds
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
@@ -131,7 +132,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     robot = _locate(experiment.robot or built.robot, registry)
     arm = load_robot(robot, registry)
     built.check(arm)
-    control = _control(experiment.seed_list) if baseline in rewards else {}
+    control = control_seeds(experiment.seed_list) if baseline in rewards else {}
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
     matrix = [
         *itertools.product(experiment.seed_list, simulators, algorithms, dict.fromkeys([baseline, *rewards])),
@@ -153,12 +154,6 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot),
         control=control,
     )
-
-
-def _control(seeds: Sequence[int]) -> dict[int, int]:
-    """For each seed another one, none of which the experiment has."""
-    beyond = max(seeds) + 1
-    return {seed: seed + beyond for seed in seeds}
 
 
 def _split_names(given: Any) -> Any:

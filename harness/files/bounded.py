@@ -38,6 +38,12 @@ def open_regular(path: Path, most: int) -> Iterator[BinaryIO]:
         yield file
 
 
+def require_regular(path: Path, most: int) -> None:
+    """See whether a library may open a file by its name; see `open_regular`."""
+    with open_regular(path, most):
+        pass
+
+
 def read_bytes(path: Path, most: int = TEXT_BYTES) -> bytes:
     """All of a regular file; see `open_regular`."""
     with open_regular(path, most) as file:
@@ -59,8 +65,17 @@ def read_json(path: Path, most: int = TEXT_BYTES) -> Any:
     Raises:
         ValueError: It is no JSON, is nested too deeply, or holds NaN or an infinity, which JSON does not have.
     """
+    return parse_json(read_bytes(path, most))
+
+
+def parse_json(text: bytes) -> Any:
+    """What a JSON text in UTF-8 says.
+
+    Raises:
+        ValueError: As `read_json`.
+    """
     try:
-        return json.loads(read_text(path, most), parse_constant=_refuse)
+        return json.loads(text.decode("utf-8"), parse_constant=_refuse)
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
 

@@ -3,6 +3,8 @@
 import shutil
 from pathlib import Path
 
+from harness.files.whole_file import sync
+
 MANIFEST, LOG = "manifest.json", "log.txt"
 TRACE, EVALUATION, RANDOM = "trace.parquet", "evaluation.parquet", "random.parquet"
 STOCHASTIC, DETERMINISTIC = "stochastic.parquet", "deterministic.parquet"
@@ -35,7 +37,17 @@ def evaluation_files(folder: Path) -> dict[int, Path]:
 
 
 def publish(partial: Path, folder: Path) -> None:
-    """Give a complete folder its final name, in place of an earlier one."""
-    if folder.exists():
+    """Give a complete folder its final name, in place of an earlier one, once the disk has all of it.
+
+    Raises:
+        OSError: It cannot have it.
+    """
+    for path in [*partial.rglob("*"), partial]:
+        if not path.is_symlink():
+            sync(path)
+    if folder.is_symlink() or folder.is_file():
+        folder.unlink()
+    elif folder.exists():
         shutil.rmtree(folder)
     partial.rename(folder)
+    sync(folder.parent)

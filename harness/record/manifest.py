@@ -1,19 +1,23 @@
 """What a `manifest.json` says: what was done in its folder, how it ended, on what machine, with which versions."""
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, ClassVar, Literal, TypeAlias, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
-from harness.errors import SchemaError
-from harness.files.bounded import digest_of
+from pydantic import TypeAdapter
+
+from harness.files.bounded import digest_of, reading
+from harness.files.sealed import read_sealed, seal
 from harness.files.whole_file import write_whole
+from harness.record import forms
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST
+from harness.record.forms import Status, require_form
 
-Status: TypeAlias = Literal["done", "failed", "skipped", "pending"]
+SEALED_SINCE = 2
+"""The first format of manifests, those of transfers included, that names the digests of its folder's files."""
 Told = TypeVar("Told")
 
 
@@ -22,7 +26,7 @@ class Ending:
     """How the work for one folder ended.
 
     Attributes:
-        status: ``done``, ``failed``, ``skipped`` or ``pending``.
+        status: ``done``, ``failed``, ``skipped``, ``pending`` or ``damaged``; the last two are never written.
         reason: Why it is not done; empty if it is.
         started: UTC, ISO 8601.
         seconds: Wall time of all of it, [s].
@@ -44,11 +48,15 @@ class Ending:
         """Plain data, the format left out."""
         return asdict(self)
 
-    def write(self, folder: Path) -> None:
-        """Write ``manifest.json`` into `folder`, which is not complete yet, with the digest of every file there."""
+    def write(self, folder: Path) -> Self:
+        """Write ``manifest.json`` into `folder`, which is not complete yet, with the digest of every file there.
+
+        Returns:
+            What was written: the record with those digests.
+        """
         record = replace(self, files=digests_in(folder))
-        text = json.dumps({"format": self.FORMAT, **record.to_json()}, indent=1)
-        write_whole(folder / MANIFEST, text + "\n")
+        write_whole(folder / MANIFEST, seal({"format": self.FORMAT, **record.to_json()}))
+        return record
 
 
 @dataclass(frozen=True)
@@ -67,7 +75,7 @@ class Manifest(Ending):
     resumed_from: int = 0
     note: str = ""
 
-    FORMAT: ClassVar[int] = 1
+    FORMAT: ClassVar[int] = 2
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; the cell's id stands beside it, for who looks for it."""
@@ -80,35 +88,38 @@ def read_manifest(folder: Path) -> Manifest:
     Raises:
         SchemaError: It is damaged or written by a newer version.
     """
-    return read_record(folder, Manifest.FORMAT, "manifest", _from_json)
+    return read_record(folder, Manifest.FORMAT, "manifest", forms.MANIFEST, _from_json)
 
 
 def _from_json(data: dict[str, Any]) -> Manifest:
-    del data["id"]  # of the cell, which is there whole
-    return Manifest(**{**data, "cell": Cell.from_json(data["cell"])})
+    told = data.pop("id")
+    manifest = Manifest(**{**data, "cell": Cell.from_json(data["cell"])})
+    if told != manifest.cell.id:
+        raise ValueError(f"its cell is {manifest.cell.id}, not {told}")
+    return manifest
 
 
-def read_record(folder: Path, version: int, noun: str, read: Callable[[dict[str, Any]], Told]) -> Told:
+def read_record(
+    folder: Path, newest: int, noun: str, form: TypeAdapter[Any], read: Callable[[dict[str, Any]], Told]
+) -> Told:
     """What `read` makes of the ``manifest.json`` in `folder`.
 
     Args:
         folder: Of a cell, or of an evaluation in another simulator.
-        version: The newest format that can be read.
+        newest: The newest format that can be read.
         noun: What the file should be, for the message if it is not.
+        form: What its keys and values have to be.
         read: Gets the file's keys, the format left out.
 
     Raises:
         SchemaError: The file is damaged, or written by a newer version.
     """
     path = folder / MANIFEST
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        found = data.pop("format")
-        if found > version:
-            raise SchemaError(f"{path} has format {found}, this version reads up to {version}")
+    data = read_sealed(path, noun, newest, SEALED_SINCE)
+    with reading(path, noun):
+        require_form(form, data)
+        del data["format"]
         return read(data)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise SchemaError(f"{path} is no readable {noun}: {error!r}") from error
 
 
 def digests_in(folder: Path) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """A folder that a user names with ``--out``: how it is made, and kept to one program at a time."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -9,23 +9,28 @@ from harness.errors import UsageError
 
 
 @contextmanager
-def folder_lock(path: Path, problem: str) -> Iterator[None]:
+def folder_lock(path: Path, problem: str, on_wait: Callable[[], None] | None = None) -> Iterator[None]:
     """Hold the lock file at `path`; the system lets go of it when this process ends, however it ends.
 
     Args:
         path: The lock file, made if it is not there; it stays.
         problem: What to say if another process holds it.
+        on_wait: Wait for the other process; this is called first. None: do not wait.
 
     Raises:
         UsageError: Another process holds it.
     """
     from filelock import FileLock, Timeout  # only who writes waits for the import
 
+    lock = FileLock(path)
     try:
-        lock = FileLock(path).acquire(timeout=0)
+        held = lock.acquire(timeout=0)
     except Timeout:
-        raise UsageError(f"{problem}: wait for it, or name another --out") from None
-    with lock:
+        if on_wait is None:
+            raise UsageError(f"{problem}: wait for it, or name another --out") from None
+        on_wait()
+        held = lock.acquire()
+    with held:
         yield
 
 
@@ -46,3 +51,16 @@ def make_folder(folder: Path, inner: str = "") -> None:
         (folder / inner).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"--out '{folder}' cannot be made: {error.strerror}. Name another folder") from None
+
+
+def refuse_links(folder: Path) -> None:
+    """See that nothing in a folder leads out of it: what is written there could land elsewhere.
+
+    Raises:
+        UsageError: There is a symbolic link in it; the message names it.
+    """
+    for parent, folders, files in os.walk(folder):
+        for name in (*folders, *files):
+            path = Path(parent) / name
+            if path.is_symlink():
+                raise UsageError(f"'{path}' is a link; nothing is written into a folder with links: remove it")

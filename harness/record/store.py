@@ -12,46 +12,26 @@
     results.parquet report.html    made from the cells
 """
 
-import json
 import shutil
-from collections.abc import Container, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Container, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-import tomli_w
-
-from harness.errors import SchemaError, UsageError
-from harness.files.whole_file import is_partial, write_whole
+from harness.errors import NewerFormat, SchemaError, UsageError
+from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
+from harness.record.cell_folder import examine
 from harness.record.folder import CHECKPOINT, MANIFEST, partial_folder, publish
-from harness.record.manifest import Manifest, Status, now, read_manifest
-from harness.record.out_folder import folder_lock, make_folder
+from harness.record.forms import Status
+from harness.record.manifest import Manifest, now, read_manifest
+from harness.record.out_folder import folder_lock, make_folder, refuse_links
+from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 
 if TYPE_CHECKING:
     from harness.experiment.plan import Plan
 
-EXPERIMENT, PLAN, CELLS, RESULTS, REPORT, LOCK = (
-    "experiment.toml",
-    "plan.json",
-    "cells",
-    "results.parquet",
-    "report.html",
-    ".lock",
-)
-
-
-class StoredPlan(NamedTuple):
-    """What was asked for in an experiment's folder."""
-
-    baseline: str
-    """Label of the reward that the others are compared with."""
-    a_a: bool
-    """Whether the newest experiment compares the baseline with itself."""
-    control: Mapping[int, int]
-    """By each seed the other seed that the baseline is trained with again for that; version 0.1 had none."""
-    cells: tuple[Cell, ...]
-    """Of all experiments that were run here."""
+CELLS, RESULTS, REPORT, LOCK = "cells", "results.parquet", "report.html", ".lock"
 
 
 class Store:
@@ -67,73 +47,96 @@ class Store:
         Raises:
             UsageError: The folder is not there, or is not an experiment's.
         """
-        missing = [name for name in (PLAN, EXPERIMENT) if not (folder / name).is_file()]
-        if missing:
-            raise UsageError(f"'{folder}' is no experiment: it holds no {missing[0]}. Name the --out folder of a run")
-        return cls(folder)
+        store = cls(folder)
+        if not (folder / PLAN).is_file() and not store._left_manifests():
+            raise UsageError(f"'{folder}' is no experiment: it holds no {PLAN}. Name the --out folder of a run")
+        return store
 
     @classmethod
-    def create(cls, folder: Path, plan: "Plan") -> "Store":
-        """A new experiment, or one to go on with: cells that are done stay done.
+    def claim(cls, folder: Path) -> "Store":
+        """A folder for an experiment, new or to go on with. Nothing is written but the folder itself.
 
         Raises:
-            UsageError: The folder cannot be written, or holds something else.
+            UsageError: It cannot be written, or holds something else.
         """
         if folder.exists() and not folder.is_dir():
             raise UsageError(f"--out '{folder}' is a file: name a folder")
         if folder.is_dir() and not _is_usable(folder):
             raise UsageError(f"--out '{folder}' holds something else than an experiment: name a new or empty folder")
+        refuse_links(folder)
         make_folder(folder, CELLS)
-        store = cls(folder)
+        return cls(folder)
+
+    @classmethod
+    def create(cls, folder: Path, plan: "Plan") -> "Store":
+        """`claim` a folder and `add` a plan to it.
+
+        Raises:
+            UsageError: As `claim` and `locked`.
+        """
+        store = cls.claim(folder)
         with store.locked():
-            store._write_plan(plan)
-            for cell, reason in plan.skipped:
-                store.record(cell, "skipped", reason)
+            store.add(plan)
         return store
 
+    def add(self, plan: "Plan") -> None:
+        """Write down what is asked for, beside all that was before; skipped cells leave their reason."""
+        known = self._known_cells()
+        cells = dict.fromkeys([*plan.cells, *(cell for cell, _ in plan.skipped)])
+        asked = StoredPlan(plan.baseline, bool(plan.control), plan.control, tuple(cells), _without_none(plan.resolved))
+        asked.with_cells_of(known).write(self.folder)
+        for cell, reason in plan.skipped:
+            self.record(cell, "skipped", reason)
+
     def read_plan(self) -> StoredPlan:
-        """What was asked for.
+        """What was asked for; where ``plan.json`` is damaged, as far as the cells tell.
 
         Raises:
-            SchemaError: The file is damaged.
+            NewerFormat: A newer version wrote it.
+            SchemaError: The cells do not tell either.
         """
-        path = self.folder / PLAN
         try:
-            data = json.loads(path.read_text())
-            cells = tuple(Cell.from_json(cell) for cell in data["cells"])
-            control = {int(seed): int(other) for seed, other in data.get("control", [])}
-            return StoredPlan(data["baseline"], bool(data["a_a"]), control, cells)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise SchemaError(f"{path} is no readable plan: {error!r}") from error
+            return read_plan(self.folder)
+        except NewerFormat:
+            raise
+        except SchemaError as error:
+            return plan_from_cells(self.folder, self._ended_cells(), str(error))
 
     @contextmanager
-    def locked(self) -> Iterator[None]:
+    def locked(self, on_wait: Callable[[], None] | None = None) -> Iterator[None]:
         """Keep other runs out of the folder.
 
+        Args:
+            on_wait: Wait for another run to end; this is called first. None: do not wait.
+
         Raises:
-            UsageError: Another run is using it.
+            UsageError: Another run is using it, or a link leads out of it.
         """
-        with folder_lock(self.folder / LOCK, f"Another run is using '{self.folder}'"):
+        refuse_links(self.folder)
+        with folder_lock(self.folder / LOCK, f"Another run is using '{self.folder}'", on_wait):
             yield
 
     def cell_folder(self, cell: Cell) -> Path:
         """Where the cell's results are, once it has ended."""
         return self.folder / CELLS / cell.id
 
+    def examine(self, cell: Cell) -> Manifest:
+        """What there is to say of a cell; see `harness.record.cell_folder.examine`."""
+        return examine(self.cell_folder(cell), cell)
+
     def is_done(self, cell: Cell) -> bool:
-        """Whether the cell need not be run again."""
-        folder = self.cell_folder(cell)
-        return (folder / MANIFEST).is_file() and read_manifest(folder).status == "done"
+        """Whether the cell need not be run again: it is done, and nothing of it is damaged."""
+        return self.examine(cell).status == "done"
 
     def record(self, cell: Cell, status: Status, reason: str) -> Manifest:
         """Leave a manifest for a cell that could not leave one itself; keeps its log. A done cell is left as it is."""
         folder = self.cell_folder(cell)
-        if self.is_done(cell):
-            return read_manifest(folder)
+        found = self.examine(cell)
+        if found.status == "done":
+            return found
         partial = partial_folder(folder)
         partial.mkdir(parents=True, exist_ok=True)
-        manifest = Manifest(cell, status=status, reason=reason, started=now())
-        manifest.write(partial)
+        manifest = Manifest(cell, status=status, reason=reason, started=now()).write(partial)
         publish(partial, folder)
         return manifest
 
@@ -153,28 +156,32 @@ class Store:
         return partial
 
     def manifests(self) -> list[Manifest]:
-        """Of all cells that have ended, by start."""
-        found = [read_manifest(path.parent) for path in (self.folder / CELLS).glob(f"[!.]*/{MANIFEST}")]
+        """Of all cells that have ended, by start; those that cannot be read are left out."""
+        found = []
+        for path in self._left_manifests():
+            with suppress(SchemaError):  # `examine` says what is wrong with it
+                found.append(read_manifest(path.parent))
         return sorted(found, key=lambda manifest: (manifest.started, manifest.cell.id))
 
-    def _write_plan(self, plan: "Plan") -> None:
-        """Add the plan's cells to those that are there: a folder grows, nothing is lost."""
-        path = self.folder / PLAN
-        known = self.read_plan().cells if path.exists() else ()
-        cells = dict.fromkeys([*known, *plan.cells, *(cell for cell, _ in plan.skipped)])
-        data = {
-            "baseline": plan.baseline,
-            "a_a": bool(plan.control),
-            "control": [list(pair) for pair in plan.control.items()],
-            "cells": [cell.to_json() for cell in cells],
-        }
-        write_whole(path, json.dumps(data, indent=1) + "\n")
-        write_whole(self.folder / EXPERIMENT, tomli_w.dumps(_without_none(plan.resolved)))
+    def _left_manifests(self) -> list[Path]:
+        return sorted((self.folder / CELLS).glob(f"[!.]*/{MANIFEST}"))
+
+    def _known_cells(self) -> Sequence[Cell]:
+        """What was asked for before; where the plan is damaged, what has ended: the rest is asked for again."""
+        try:
+            return read_plan(self.folder).cells if (self.folder / PLAN).exists() else self._ended_cells()
+        except NewerFormat:
+            raise
+        except SchemaError:
+            return self._ended_cells()
+
+    def _ended_cells(self) -> list[Cell]:
+        return [manifest.cell for manifest in self.manifests()]
 
 
 def _is_usable(folder: Path) -> bool:
     """Whether it holds an experiment, or nothing but what a run leaves that is killed before its plan is written."""
-    if (folder / PLAN).is_file():
+    if (folder / PLAN).is_file() or any((folder / CELLS).glob(f"[!.]*/{MANIFEST}")):
         return True
     left = {path.name for path in folder.iterdir() if not is_partial(path)}
     cells = folder / CELLS

@@ -38,6 +38,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
+from harness.files.bounded import reading, require_regular
 from harness.record.episode_facts import EpisodeFacts
 
 FORMAT = 2
@@ -46,6 +47,9 @@ FORMAT_KEY = b"harness.trace"
 FACTS_KEY = b"harness.facts"
 """Of the `EpisodeFacts`; a file of an earlier version has none."""
 NOTHING_KNOWN = EpisodeFacts()
+
+TRACE_BYTES, MOST_ROWS = 2**35, 200_000_000
+"""Most that is read of a trace."""
 
 INTEGERS = ("env", "episode", "step")
 NUMBERS = (
@@ -226,15 +230,15 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
     Raises:
         SchemaError: The file is damaged, is no trace or was written by a newer version.
     """
-    try:
+    with reading(path, "trace"):
+        require_regular(path, TRACE_BYTES)
         file = pq.ParquetFile(path)
         version = _version(file.schema_arrow, path)
         there = columns if version > 1 or columns is None else _columns_of_1(columns)
         _require_columns(file.schema_arrow, there or [], path)
-        table, facts = file.read(columns=there), _facts(file, path)
-    except (OSError, pa.ArrowInvalid) as error:
-        raise SchemaError(f"{path} is no readable trace: {error}") from error
-    arrays = {name: _to_numpy(table.column(name)) for name in table.column_names}
+        _require_rows(file, path)
+        table, facts = file.read(columns=there), _facts(file)
+        arrays = {name: _to_numpy(table.column(name), f"{path}: {name}") for name in table.column_names}
     if version == 1:
         terminated = arrays["ground"] | arrays["reached"]
         arrays.update(terminated=terminated, held=np.zeros_like(terminated))
@@ -253,22 +257,36 @@ def _version(schema: pa.Schema, path: Path) -> int:
     return int(version)
 
 
-def _facts(file: pq.ParquetFile, path: Path) -> EpisodeFacts:
+def _facts(file: pq.ParquetFile) -> EpisodeFacts:
     written = (file.metadata.metadata or {}).get(FACTS_KEY)
-    try:
-        return NOTHING_KNOWN if written is None else EpisodeFacts.from_bytes(written)
-    except ValueError as error:
-        raise SchemaError(f"{path} is no readable trace: {error}") from error
+    return NOTHING_KNOWN if written is None else EpisodeFacts.from_bytes(written)
 
 
 def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
     missing = [name for name in columns if name not in schema.names]
     if missing:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
+    known = trace_schema(1, 1)
+    for name in (name for name in schema.names if name in known.names):
+        found, expected = schema.field(name).type, known.field(name).type
+        if pa.types.is_fixed_size_list(expected):
+            right = pa.types.is_fixed_size_list(found) and found.value_type == expected.value_type
+        else:
+            right = found == expected
+        if not right:
+            raise SchemaError(f"{path} has a column {name} of {found}, not of {expected}")
 
 
-def _to_numpy(column: pa.ChunkedArray) -> NDArray[Any]:
+def _require_rows(file: pq.ParquetFile, path: Path) -> None:
+    if file.metadata.num_rows > MOST_ROWS:
+        raise SchemaError(f"{path} has {file.metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
+
+
+def _to_numpy(column: pa.ChunkedArray, noun: str) -> NDArray[Any]:
     if pa.types.is_fixed_size_list(column.type):
-        flat = column.combine_chunks().flatten().to_numpy()
-        return np.asarray(flat).reshape(len(column), column.type.list_size)
-    return np.asarray(column.to_numpy())
+        flat = np.asarray(column.combine_chunks().flatten().to_numpy()).reshape(len(column), column.type.list_size)
+    else:
+        flat = np.asarray(column.to_numpy())
+    if column.null_count or (flat.dtype.kind == "f" and not np.isfinite(flat).all()):
+        raise SchemaError(f"{noun} holds what is no finite number")
+    return flat

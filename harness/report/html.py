@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 from harness.eta.headline import SUCCESS
-from harness.record.store import EXPERIMENT
 from harness.report.behaviour_rows import BehaviourRow, along_grid, behaviour_grids, behaviour_row, seeds_grid
 from harness.report.facts import shared_facts
 from harness.report.figure import draw_panels
@@ -91,7 +90,7 @@ def _render(results: Results) -> str:
         transfer=_transfer(load_transfers(results)),
         manifests=results.manifests,
         facts=shared_facts(results.manifests),
-        experiment=(results.folder / EXPERIMENT).read_text(encoding="utf-8"),
+        experiment=results.experiment_text,
     )
 
 

@@ -11,7 +11,8 @@ from harness.eta.headline import Headline, count_seeds
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
 from harness.eta.swaps import smallest_p
-from harness.record.store import EXPERIMENT
+from harness.record.forms import Status
+from harness.record.plan_file import EXPERIMENT
 from harness.results import Results
 from harness.results.combination import Combination
 
@@ -174,13 +175,16 @@ def count_cells(results: Results) -> str:
     """How many cells there are, and how many ended how."""
     counts = Counter(manifest.status for manifest in results.manifests)
     noun = "cell" if counts.total() == 1 else "cells"
-    ended = [f"{counts[status]} {status}" for status in ("done", "failed", "skipped", "pending") if counts[status]]
+    order: tuple[Status, ...] = ("done", "failed", "damaged", "skipped", "pending")
+    ended = [f"{counts[status]} {status}" for status in order if counts[status]]
     return f"{counts.total()} {noun}: {', '.join(ended)}" if ended else "No cells"
 
 
 def unfinished_cells(results: Results) -> list[str]:
-    """A line for each failed cell; one for all that were skipped or wait for the same reason."""
-    lines = [f"failed: {manifest.cell.title}: {manifest.reason}" for manifest in results.failed]
+    """A line for each cell that failed or is damaged; one for all that were skipped or wait for the same reason."""
+    lines = [results.plan.note] if results.plan.note else []
+    for manifest in (*results.failed, *results.damaged):
+        lines.append(f"{manifest.status}: {manifest.cell.title}: {manifest.reason}")
     waiting = [manifest for manifest in results.manifests if manifest.status in ("skipped", "pending")]
     counts = Counter((manifest.status, manifest.reason) for manifest in waiting)
     return lines + [f"{count} {status}: {reason}" for (status, reason), count in counts.items()]

@@ -5,10 +5,12 @@ from functools import cached_property
 from pathlib import Path
 
 from harness.eta.curve import Kind
+from harness.files.bounded import read_text
 from harness.metric import Metric
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
+from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
 from harness.record.trace import Trace, read_trace
 from harness.registry.choice import build_defaults
@@ -30,7 +32,7 @@ class Records:
 
         Raises:
             UsageError: The folder is no experiment's.
-            SchemaError: A file in it is damaged or written by a newer version.
+            SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
         """
         self.folder = folder
         self.store = Store.open(folder)
@@ -38,8 +40,7 @@ class Records:
         self.kind: Kind = kind
         self.plan = self.store.read_plan()
         self.baseline = self.plan.baseline
-        ended = {manifest.cell.id: manifest for manifest in self.store.manifests()}
-        self.manifests = [ended.get(cell.id) or _pending(cell) for cell in self.plan.cells]
+        self.manifests = [self.store.examine(cell) for cell in self.plan.cells]
         self._measured: dict[str, Measured] = {}
         self._moments: dict[str, tuple[Moment, ...]] = {}
 
@@ -52,6 +53,19 @@ class Records:
     def failed(self) -> list[Manifest]:
         """Cells that failed."""
         return [manifest for manifest in self.manifests if manifest.status == "failed"]
+
+    @property
+    def damaged(self) -> list[Manifest]:
+        """Cells of which a file is not what was written; nothing is read of them."""
+        return [manifest for manifest in self.manifests if manifest.status == "damaged"]
+
+    @property
+    def experiment_text(self) -> str:
+        """The newest experiment as an experiment file; the file's own text in a folder of version 0.1."""
+        path = self.folder / EXPERIMENT
+        if self.plan.experiment or not path.is_file():
+            return self.plan.experiment_text
+        return read_text(path)
 
     @property
     def done(self) -> list[Manifest]:
@@ -87,7 +101,3 @@ class Records:
     def traces(self, cells: Iterable[Cell]) -> list[Trace]:
         """Training traces of done cells, with the columns that a reward is computed from."""
         return [read_trace(self.store.cell_folder(cell) / TRACE, [*SCORED, "reward"]) for cell in cells]
-
-
-def _pending(cell: Cell) -> Manifest:
-    return Manifest(cell, status="pending", reason="not run yet")

@@ -8,6 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.eta.curve import Kind
+from harness.files.sums import note_made
 from harness.files.whole_file import whole_file
 from harness.record.manifest import Manifest
 from harness.record.store import RESULTS
@@ -44,6 +45,7 @@ class Results(Records):
             table = table.set_column(index, name, table.column(name).cast(pa.float64()))
         with whole_file(path) as partial:
             pq.write_table(table, partial)
+        note_made(path)
         return path
 
     def _row(self, manifest: Manifest) -> dict[str, Any]:
@@ -66,7 +68,7 @@ def load_results(folder: str | Path, kind: Kind = "accumulated") -> Results:
 
     Raises:
         UsageError: The folder is no experiment's.
-        SchemaError: A file in it is damaged or written by a newer version.
+        SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
     """
     return Results(Path(folder), load_registry(), kind)
 

@@ -10,7 +10,9 @@ import pyarrow.parquet as pq
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
+from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
+from harness.record.folder import MANIFEST
 from harness.reward import Reward
 from harness.score.recording import Chunk, Recording
 from harness.score.scorer import Scorer
@@ -56,7 +58,7 @@ def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> 
 def _write(into: Path, columns: Mapping[str, Float]) -> None:
     kept: dict[str, pa.ChunkedArray] = {}
     rows = len(next(iter(columns.values())))
-    if into.exists():
+    if into.exists() and into.name not in changed_since_made(into.parent):
         earlier = pq.read_table(into)
         if earlier.num_rows != rows:
             raise UsageError(f"{into} has {earlier.num_rows} rows, the recording {rows}: it belongs to another one")
@@ -65,6 +67,8 @@ def _write(into: Path, columns: Mapping[str, Float]) -> None:
         into.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(into) as partial:
             pq.write_table(pa.table({**kept, **columns}), partial, compression="zstd")
+        if (into.parent / MANIFEST).exists():
+            note_made(into)  # behind the manifest, which names what the cell itself left
     except OSError as error:
         raise UsageError(f"'{into}' cannot be written: {error.strerror}. Name another folder with --out") from None
 

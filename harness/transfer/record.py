@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from harness.files.bounded import digest_of
+from harness.record import forms
 from harness.record.folder import MANIFEST, POLICY, WEIGHTS
 from harness.record.manifest import Ending, read_record
 from harness.registry.choice import Choice
@@ -37,7 +39,7 @@ class TransferRecord(Ending):
         """Whether it tells of the policy that a cell has now; one that has none any more has no other."""
         return digest in ("", self.policy)
 
-    FORMAT: ClassVar[int] = 1
+    FORMAT: ClassVar[int] = 2
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -52,7 +54,7 @@ def read_transfer(folder: Path) -> TransferRecord | None:
     """
     if not (folder / MANIFEST).is_file():
         return None
-    return read_record(folder, TransferRecord.FORMAT, "record of a transfer", _from_json)
+    return read_record(folder, TransferRecord.FORMAT, "record of a transfer", forms.TRANSFER, _from_json)
 
 
 def simulator_id(simulator: Choice) -> str:
@@ -64,7 +66,7 @@ def simulator_id(simulator: Choice) -> str:
 def policy_digest(cell_folder: Path) -> str:
     """SHA-256 of the weights that a cell left; empty where they are not there any more."""
     path = cell_folder / POLICY / WEIGHTS
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
+    return digest_of(path) if path.is_file() else ""
 
 
 def _from_json(data: dict[str, Any]) -> TransferRecord:

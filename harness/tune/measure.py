@@ -66,8 +66,8 @@ class Measurer:
 
     def _train(self, plan: Plan, store: Store) -> None:
         run = ExperimentRun(plan, store, self.registry, self.executor, self.options)
-        with self.follow(plan.cells, run.done) as on_event:
-            run.run(on_event)
+        with run.begin() as begun, self.follow(plan.cells, begun.done) as on_event:
+            begun.run(on_event)
 
     def _order(self, cell: Cell, store: Store) -> Order:
         path = self.folder / VALIDATION / f"{cell.id}.parquet"

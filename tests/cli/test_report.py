@@ -60,12 +60,15 @@ def test_a_folder_that_is_no_experiment_is_refused(harness, tmp_path):
 
 
 def test_a_damaged_cell_is_told_in_one_line(harness, experiment, tmp_path):
-    """A trace that is cut short ends with the file's name, not with a traceback."""
+    """A trace that is cut short costs its cell alone; the line names the file and says what to do."""
     trace = next((tmp_path / experiment / "cells").glob("*/trace.parquet"))
     trace.write_bytes(trace.read_bytes()[:100])
-    answer = harness("report", experiment, "--json")
-    assert (answer.status, answer.err.count("\n")) == (1, 1)
-    assert "trace.parquet" in answer.err
+    answer = harness("report", experiment)
+    assert answer.status == 1
+    assert answer.err == f"harness: damaged cells: 1; harness verify '{experiment}' tells of them\n"
+    told = " ".join(answer.out.split())
+    assert "1 damaged" in told
+    assert "trace.parquet is not what was written: its SHA-256 differs; run again to replace it" in told
 
 
 def test_summary_goes_where_it_is_told(harness, experiment, tmp_path):

@@ -111,19 +111,19 @@ def test_cell_has_the_id_that_it_had(name: str):
 
 @pytest.mark.parametrize("name", CELLS)
 def test_manifest_is_written_as_it_was(name: str, tmp_path: Path):
-    """Read and written again it has the same keys and values."""
+    """Read and written again it has the same keys and values, and names its files besides."""
     read_manifest(LEFT / "cells" / name).write(tmp_path)
     [before, after] = [
         json.loads((folder / "manifest.json").read_text()) for folder in (LEFT / "cells" / name, tmp_path)
     ]
-    assert after == before
+    del after["files"], after["digest"]
+    assert after == {**before, "format": 2}
 
 
 def test_nothing_is_run_again(old: Path):
     """The same experiment finds all of its cells done."""
     run, events = _resume(old)
-    assert [cell.id for cell in run.done] == [cell.id for cell in run.plan.cells]
-    assert sorted(cell.id for cell in run.done) == CELLS
+    assert sorted(cell.id for cell in run.plan.cells if run.store.is_done(cell)) == CELLS
     assert events == []
 
 

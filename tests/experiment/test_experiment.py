@@ -130,8 +130,11 @@ def test_folder_in_use_is_refused(toys: Registry, tmp_path: Path):
     """Two runs do not meet in one folder."""
     plan = _plan(toys)
     store = Store.create(tmp_path, plan)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
+    refused = ExperimentRun(plan, store, toys, toys.get("executors", "here").load()(), RunOptions(wait=False))
     with store.locked(), pytest.raises(UsageError, match="Another run is using"):
-        _ended(plan, store, toys)
+        refused.run()
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()} == before
 
 
 REFUSED = {

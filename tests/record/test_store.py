@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
 from harness.record.folder import LOG, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
-from harness.record.store import CELLS, EXPERIMENT, LOCK, PLAN, Store
+from harness.record.plan_file import EXPERIMENT, PLAN, read_plan
+from harness.record.store import CELLS, LOCK, Store
 
 MakeCell = Callable[..., Cell]
 MakePlan = Callable[..., Plan]
@@ -25,6 +26,7 @@ MakePlan = Callable[..., Plan]
 def _finish(store: Store, cell: Cell, status: str = "done") -> None:
     folder = store.cell_folder(cell)
     folder.mkdir()
+    (folder / TRACE).write_bytes(b"rows")
     Manifest(cell, status=status).write(folder)
 
 
@@ -32,7 +34,7 @@ def test_new_folder_holds_the_plan(make_cell: MakeCell, make_plan: MakePlan, tmp
     """The cells, in their order, and the label of the baseline are read as they were planned."""
     cells = [make_cell(seed=seed) for seed in (1, 0)]
     store = Store.create(tmp_path / "deep" / "down", make_plan(*cells, baseline="base"))
-    assert Store.open(store.folder).read_plan() == ("base", False, {}, tuple(cells))
+    assert Store.open(store.folder).read_plan().cells == tuple(cells)
 
 
 def test_new_folder_holds_the_experiment(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -136,24 +138,31 @@ def test_cells_without_a_plan_are_left_alone(make_cell: MakeCell, make_plan: Mak
 
 
 def test_run_killed_behind_its_plan_goes_on(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
-    """Opened it says what is missing; run again it has both files."""
-    store = Store.create(tmp_path, make_plan(make_cell()))
+    """The plan says all; run again there are both files."""
+    Store.create(tmp_path, make_plan(make_cell()))
     (tmp_path / EXPERIMENT).unlink()
-    with pytest.raises(UsageError, match=r"is no experiment: it holds no experiment\.toml"):
-        Store.open(tmp_path)
+    assert Store.open(tmp_path).read_plan().cells == (make_cell(),)
     Store.create(tmp_path, make_plan(make_cell(seed=1)))
     assert Store.open(tmp_path).read_plan().cells == (make_cell(), make_cell(seed=1))
-    assert store.folder == tmp_path
+    assert (tmp_path / EXPERIMENT).is_file()
 
 
-def test_damaged_plan_is_not_written_over(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
-    """Neither it nor the experiment beside it."""
-    Store.create(tmp_path, replace(make_plan(make_cell()), resolved={"seeds": 1}))
+def test_damaged_plan_is_made_anew_by_the_next_run(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """Cells that have ended stay; what had not begun is asked for by the same command again."""
+    store = Store.create(tmp_path, make_plan(make_cell(), make_cell(seed=1)))
+    _finish(store, make_cell())
     (tmp_path / PLAN).write_text("{")
-    with pytest.raises(SchemaError, match=r"plan\.json is no readable plan"):
-        Store.create(tmp_path, replace(make_plan(make_cell()), resolved={"seeds": 2}))
-    assert (tmp_path / EXPERIMENT).read_text() == "seeds = 1\n"
-    assert (tmp_path / PLAN).read_text() == "{"
+    Store.create(tmp_path, make_plan(make_cell(seed=2)))
+    assert read_plan(tmp_path).cells == (make_cell(), make_cell(seed=2))
+
+
+def test_plan_of_a_newer_version_is_not_written_over(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
+    """Nothing is wrong with it."""
+    Store.create(tmp_path, make_plan(make_cell()))
+    (tmp_path / PLAN).write_text('{"format": 3}')
+    with pytest.raises(NewerFormat, match=r"plan\.json has format 3, this version reads up to 2"):
+        Store.create(tmp_path, make_plan(make_cell(seed=1)))
+    assert (tmp_path / PLAN).read_text() == '{"format": 3}'
 
 
 def test_second_plan_is_added(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -288,12 +297,9 @@ def test_damaged_plan_is_refused(make_cell: MakeCell, make_plan: MakePlan, tmp_p
 def test_plan_is_plain_json(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
     """Another program can read which cells there are to be."""
     Store.create(tmp_path, make_plan(make_cell()))
-    assert json.loads((tmp_path / PLAN).read_text()) == {
-        "baseline": "baseline",
-        "a_a": False,
-        "control": [],
-        "cells": [make_cell().to_json()],
-    }
+    told = json.loads((tmp_path / PLAN).read_text())
+    assert (told["baseline"], told["a_a"], told["control"]) == ("baseline", False, [])
+    assert told["cells"] == [make_cell().to_json()]
 
 
 def test_null_control_is_read_as_it_was_planned(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -301,16 +307,17 @@ def test_null_control_is_read_as_it_was_planned(make_cell: MakeCell, make_plan: 
     cells = [make_cell(seed=seed) for seed in (0, 7, 8, 15)]
     Store.create(tmp_path, make_plan(*cells, control={0: 8, 7: 15}))
     assert json.loads((tmp_path / PLAN).read_text())["control"] == [[0, 8], [7, 15]]
-    assert Store.open(tmp_path).read_plan() == ("baseline", True, {0: 8, 7: 15}, tuple(cells))
+    plan = Store.open(tmp_path).read_plan()
+    assert (plan.baseline, plan.a_a, plan.control) == ("baseline", True, {0: 8, 7: 15})
+    assert plan.cells == tuple(cells)
 
 
 def test_plan_of_version_0_1_has_no_control(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
     """It compared the baseline's runs with the very same runs."""
     store = Store.create(tmp_path, make_plan(make_cell()))
-    data = json.loads((tmp_path / PLAN).read_text())
-    del data["control"]
-    (tmp_path / PLAN).write_text(json.dumps({**data, "a_a": True}))
-    assert store.read_plan() == ("baseline", True, {}, (make_cell(),))
+    (tmp_path / PLAN).write_text(json.dumps({"baseline": "base", "a_a": True, "cells": [make_cell().to_json()]}))
+    plan = store.read_plan()
+    assert (plan.baseline, plan.a_a, plan.control, plan.cells) == ("base", True, {}, (make_cell(),))
 
 
 def test_done_cell_is_never_touched(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
@@ -319,7 +326,6 @@ def test_done_cell_is_never_touched(make_cell: MakeCell, make_plan: MakePlan, tm
     store = Store.create(tmp_path / "out", make_plan(cell))
     folder = store.cell_folder(cell)
     _finish(store, cell)
-    (folder / TRACE).write_bytes(b"rows")
     Store.create(tmp_path / "out", make_plan(skipped=((cell, "it cannot any more"),)))
     store.record(cell, "failed", "too late")
     assert (folder / TRACE).read_bytes() == b"rows"

@@ -1,6 +1,7 @@
 """What an experiment's folder says, as data and as a table."""
 
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -11,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import harness
-from harness.errors import SchemaError, UsageError
+from harness.errors import UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
@@ -112,10 +113,14 @@ def test_table_of_cells_that_have_not_run(make_cell: MakeCell, make_plan: MakePl
 
 
 def test_damaged_trace_is_named(experiment: Store, make_cell: MakeCell, registry: Registry):
-    """A file that cannot be read is an error that names it, never a number."""
+    """A cell with a file that is not what was written is damaged, and no number of it is read; the others are."""
     (experiment.cell_folder(make_cell()) / TRACE).write_bytes(b"PAR1")
-    with pytest.raises(SchemaError, match=rf"{make_cell().id}/trace\.parquet is no readable trace"):
-        _ = Results(experiment.folder, registry).combinations
+    results = Results(experiment.folder, registry)
+    [damaged] = results.damaged
+    assert damaged.cell == make_cell()
+    assert re.search(rf"{make_cell().id}/trace\.parquet is not what was written", damaged.reason)
+    assert make_cell() not in results.done_cells
+    assert results.combinations
 
 
 def test_other_folders_are_no_results(tmp_path: Path):

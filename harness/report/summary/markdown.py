@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 from harness.eta.behaviour_change import Change
-from harness.record.store import EXPERIMENT
+from harness.record.plan_file import EXPERIMENT
 from harness.report.behaviour_rows import along_grid, behaviour_grids
 from harness.report.facts import Fact, shared_facts
 from harness.report.question import question

@@ -2,11 +2,11 @@
 
 from collections import Counter
 
-from harness.record.manifest import Status
+from harness.record.forms import Status
 from harness.results import Results
 from harness.results.combination import Combination, Group
 
-STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending")
+STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending", "damaged")
 
 
 def missing_text(results: Results, combination: Combination) -> str:

@@ -13,7 +13,7 @@
 from pathlib import Path
 
 from harness.errors import UsageError
-from harness.record.store import EXPERIMENT, PLAN
+from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
 from harness.report.summary.curves import CURVES, write_curves
@@ -47,7 +47,7 @@ def write_summary(results: Results, folder: Path) -> None:
         raise UsageError(f"--summary '{folder}' is the folder of an experiment: name another")
     figures, overview, pictures = _draw(results)
     files = {
-        EXPERIMENT: (results.folder / EXPERIMENT).read_bytes(),
+        EXPERIMENT: results.experiment_text.encode(),
         RECORD: (report_text(results) + "\n").encode(),
         CELLS: write_cells(results).encode(),
         CURVES: write_curves(results.combinations),

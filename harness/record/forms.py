@@ -1,0 +1,145 @@
+"""What the JSON of an experiment's folder has to look like: names, types, ranges. It is checked before it is used.
+
+A folder may come from anybody. A file of another form is damaged; no value of a wrong type gets further than here.
+"""
+
+from typing import Annotated, Any, Literal, NotRequired
+
+from pydantic import AfterValidator, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError, with_config
+from typing_extensions import TypedDict
+
+MOST_CELLS = 1_000_000
+"""Of a plan."""
+MOST_FILES = 100_000
+"""Of a cell's folder."""
+
+
+def _inside(path: str) -> str:
+    if ".." in path.split("/"):
+        raise ValueError("leads out of the folder")
+    return path
+
+
+Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
+Line = Annotated[str, StringConstraints(max_length=100_000)]
+Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+FilePath = Annotated[str, StringConstraints(max_length=1_000, pattern=r"^[^/\\]+(/[^/\\]+)*$"), AfterValidator(_inside)]
+"""In the folder that names it, or below."""
+Count = Annotated[int, Field(gt=0, lt=2**53)]
+Whole = Annotated[int, Field(ge=0, lt=2**63)]
+Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Status = Literal["done", "failed", "skipped", "pending", "damaged"]
+
+EXACT = ConfigDict(strict=True, extra="forbid")
+OPEN = ConfigDict(strict=True, extra="allow")
+
+
+@with_config(EXACT)
+class ChoiceForm(TypedDict):
+    """See `harness.registry.choice.Choice`."""
+
+    name: Name
+    label: Name
+    params: dict[Name, Any]
+
+
+@with_config(EXACT)
+class CellForm(TypedDict):
+    """See `harness.record.cell.Cell`."""
+
+    simulator: ChoiceForm
+    robot: Name
+    task: ChoiceForm
+    algorithm: ChoiceForm
+    reward: ChoiceForm
+    seed: Whole
+    steps: Count
+    evaluation_episodes: Count
+    evaluate_every: NotRequired[Whole]
+    deterministic: NotRequired[bool]
+
+
+@with_config(OPEN)
+class MachineForm(TypedDict, total=False):
+    """See `harness.experiment.provenance.describe_machine`."""
+
+    system: Line
+    cpu: Line
+    cpu_flags: list[Name]
+    cores: int | None
+
+
+@with_config(OPEN)
+class EnvironmentForm(TypedDict, total=False):
+    """See `harness.experiment.provenance.describe_environment`."""
+
+    versions: dict[Name, Line]
+    machine: MachineForm
+    commit: Line
+    command: Line
+    sources: dict[Name, Line]
+
+
+@with_config(EXACT)
+class EndingForm(TypedDict):
+    """See `harness.record.manifest.Ending`."""
+
+    format: Literal[1, 2]
+    status: Status
+    reason: Line
+    started: Line
+    seconds: Seconds
+    environment: EnvironmentForm
+    files: NotRequired[Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES)]]
+
+
+@with_config(EXACT)
+class ManifestForm(EndingForm):
+    """See `harness.record.manifest.Manifest`."""
+
+    id: Name
+    cell: CellForm
+    training_seconds: Seconds
+    resumed_from: NotRequired[Whole]
+    note: NotRequired[Line]
+
+
+@with_config(EXACT)
+class TransferForm(EndingForm):
+    """See `harness.transfer.record.TransferRecord`."""
+
+    cell: Name
+    simulator: ChoiceForm
+    policy: Line
+
+
+@with_config(EXACT)
+class PlanForm(TypedDict):
+    """See `harness.record.plan_file.StoredPlan`."""
+
+    format: NotRequired[Literal[1, 2]]
+    baseline: Name
+    a_a: bool
+    control: NotRequired[list[Annotated[list[Whole], Field(min_length=2, max_length=2)]]]
+    cells: Annotated[list[CellForm], Field(max_length=MOST_CELLS)]
+    experiment: NotRequired[dict[Name, Any]]
+    experiment_digest: NotRequired[Digest]
+
+
+MANIFEST: TypeAdapter[ManifestForm] = TypeAdapter(ManifestForm)
+TRANSFER: TypeAdapter[TransferForm] = TypeAdapter(TransferForm)
+PLAN: TypeAdapter[PlanForm] = TypeAdapter(PlanForm)
+
+
+def require_form(form: TypeAdapter[Any], data: Any) -> None:
+    """See whether parsed JSON has a form.
+
+    Raises:
+        ValueError: It has not; the message names the first key that is wrong.
+    """
+    try:
+        form.validate_python(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(str(part) for part in first["loc"]) or "the file"
+        raise ValueError(f"{where}: {first['msg']}") from None

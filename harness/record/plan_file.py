@@ -1,0 +1,159 @@
+"""What was asked for in an experiment's folder: ``plan.json``, and ``experiment.toml``, which people read."""
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+import tomli_w
+
+from harness.errors import SchemaError, UsageError
+from harness.files.bounded import digest_of, reading
+from harness.files.sealed import read_sealed, seal
+from harness.files.whole_file import write_whole
+from harness.record import forms
+from harness.record.cell import Cell
+from harness.registry.toml_file import read_toml
+
+EXPERIMENT, PLAN = "experiment.toml", "plan.json"
+FORMAT = SEALED_SINCE = 2
+"""Format 1, of version 0.1, has no digest, and names no experiment."""
+PLAN_BYTES = 2**30
+
+
+@dataclass(frozen=True, eq=False)
+class StoredPlan:
+    """What was asked for in an experiment's folder.
+
+    Attributes:
+        baseline: Label of the reward that the others are compared with.
+        a_a: Whether the newest experiment compares the baseline with itself.
+        control: By each seed the other seed that the baseline is trained with again for that; version 0.1 had none.
+        cells: Of all experiments that were run here.
+        experiment: The newest one, every default filled in; empty in folders of version 0.1.
+        note: What there is to say where the file is damaged, and this was put together from the cells; else empty.
+    """
+
+    baseline: str
+    a_a: bool
+    control: Mapping[int, int]
+    cells: tuple[Cell, ...]
+    experiment: Mapping[str, Any] = field(default_factory=dict)
+    note: str = ""
+
+    def with_cells_of(self, earlier: Sequence[Cell]) -> Self:
+        """The same, behind the cells that were asked for before: a folder grows, nothing is lost."""
+        return type(self)(
+            self.baseline, self.a_a, self.control, tuple(dict.fromkeys([*earlier, *self.cells])), self.experiment
+        )
+
+    def write(self, folder: Path) -> None:
+        """Write both files; ``plan.json``, which says all, comes first.
+
+        Raises:
+            OSError: One cannot be written; each is there as it was before, or as it is now.
+        """
+        text = self.experiment_text
+        data = {
+            "format": FORMAT,
+            "baseline": self.baseline,
+            "a_a": self.a_a,
+            "control": [list(pair) for pair in self.control.items()],
+            "experiment": self.experiment,
+            "experiment_digest": hashlib.sha256(text.encode()).hexdigest(),
+            "cells": [cell.to_json() for cell in self.cells],
+        }
+        write_whole(folder / PLAN, seal(data))
+        write_whole(folder / EXPERIMENT, text)
+
+    @property
+    def experiment_text(self) -> str:
+        """The newest experiment as an experiment file."""
+        return tomli_w.dumps(self.experiment)
+
+
+def read_plan(folder: Path) -> StoredPlan:
+    """The plan in a folder.
+
+    Raises:
+        SchemaError: It is damaged or written by a newer version.
+    """
+    path = folder / PLAN
+    data = read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
+    with reading(path, "plan"):
+        forms.require_form(forms.PLAN, data)
+        cells = tuple(Cell.from_json(cell) for cell in data["cells"])
+        control = {int(seed): int(other) for seed, other in data.get("control", [])}
+        return StoredPlan(data["baseline"], data["a_a"], control, cells, data.get("experiment", {}))
+
+
+def is_experiment_of_plan(folder: Path) -> bool:
+    """Whether ``experiment.toml`` is the one that ``plan.json`` was written with; so it is where that names none.
+
+    Raises:
+        SchemaError: The plan is damaged.
+    """
+    told = read_sealed(folder / PLAN, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES).get("experiment_digest")
+    path = folder / EXPERIMENT
+    return told is None or (path.is_file() and digest_of(path) == told)
+
+
+def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredPlan:
+    """The plan that cells and ``experiment.toml`` tell of, where ``plan.json`` is damaged.
+
+    Cells that had not begun are not known any more; the same command as before asks for them again.
+
+    Args:
+        folder: The experiment's.
+        cells: Those that left a manifest.
+        damage: What is wrong with the file.
+
+    Raises:
+        SchemaError: Neither says what the baseline is.
+    """
+    known = tuple(sorted(cells, key=lambda cell: (cell.seed, cell.id)))
+    experiment = _experiment_in(folder)
+    labels = {cell.reward.name: cell.reward.label for cell in known}
+    baseline = _label(experiment.get("baseline", "baseline"), known)
+    if baseline not in {cell.reward.label for cell in known}:
+        raise SchemaError(
+            f"{damage}. The cells tell of the rewards {', '.join(sorted(labels.values())) or '(none)'}, and "
+            f"{EXPERIMENT} does not say which of them is the baseline: run the same command as before"
+        )
+    rewards = [_label(reward, known) for reward in experiment.get("reward", [])]
+    control = control_seeds(_seeds_of(experiment, known)) if baseline in rewards else {}
+    note = f"{damage}. The plan was put together from {len(known)} cells; run the same command as before to mend it"
+    return StoredPlan(baseline, bool(control), control, known, experiment, note)
+
+
+def control_seeds(seeds: Sequence[int]) -> dict[int, int]:
+    """For each seed another one, none of which the experiment has: the null control's."""
+    beyond = max(seeds) + 1
+    return {seed: seed + beyond for seed in seeds}
+
+
+def _experiment_in(folder: Path) -> dict[str, Any]:
+    try:
+        return read_toml(folder / EXPERIMENT, "experiment file")
+    except UsageError:  # damaged too, or gone: the cells are all that there is
+        return {}
+
+
+def _label(given: Any, cells: Sequence[Cell]) -> str:
+    """The label of the reward that an experiment file names, as `harness.registry.choice.Choice.to_json` wrote it."""
+    if not isinstance(given, dict):
+        return str(given)
+    params = {key: value for key, value in given.items() if key != "name"}
+    for cell in cells:
+        told = cell.reward.to_json()
+        if told["name"] == given.get("name") and {k: v for k, v in told["params"].items() if v is not None} == params:
+            return cell.reward.label
+    return str(given.get("name"))
+
+
+def _seeds_of(experiment: Mapping[str, Any], cells: Sequence[Cell]) -> list[int]:
+    told = experiment.get("seeds")
+    if isinstance(told, int):
+        return list(range(told))
+    return list(told) if isinstance(told, list) else sorted({cell.seed for cell in cells})
