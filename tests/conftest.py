@@ -188,7 +188,7 @@ def run_here(toys: Registry) -> Callable[..., Results]:
 
     def run(plan: Plan, folder: Path, on_event: OnEvent = lambda event: None) -> Results:
         executor = toys.get("executors", "here").load()()
-        return ExperimentRun(plan, Store.create(folder, plan), toys, executor).run(on_event)
+        return ExperimentRun(plan, Store.claim(folder), toys, executor).run(on_event)
 
     return run
 

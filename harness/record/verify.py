@@ -131,7 +131,7 @@ def _transfer_in(path: Path) -> Ending:
 def _of_made(folder: Path) -> Iterator[Problem]:
     for parent in (folder, *_folders(folder / CELLS, "[!.]*")):
         for name in changed_since_made(parent):
-            yield Problem((parent / name).relative_to(folder), "it is not what was made", MADE_REMEDY)
+            yield Problem((parent / name).relative_to(folder), f"it is not what {SUMS} beside it says", MADE_REMEDY)
 
 
 def _folders(folder: Path, pattern: str) -> list[Path]:

@@ -1,0 +1,109 @@
+"""A full or failing disk at every single write: no traceback, nothing lost, and the same command goes on."""
+
+import errno
+import hashlib
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from harness.errors import HarnessError, StorageError
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.folder import LOG, MANIFEST
+from harness.record.store import CELLS, Store
+from harness.record.verify import verify
+from harness.registry.choice import Choice
+from harness.results import Results
+from tests.experiment.faults import Faults, faults
+
+__all__ = ["faults"]
+
+ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
+RunHere = Callable[..., Results]
+
+
+@pytest.fixture
+def plan(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]) -> Plan:
+    """Two cells."""
+    return make_plan(*(make_cell(reward=reward) for reward in (make_cell().reward, ARP)))
+
+
+def _left(folder: Path) -> dict[str, str]:
+    """Digests of what the cells left; manifests and logs tell of times."""
+    paths = [path for path in (folder / CELLS).rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
+
+
+def _fail(number: int) -> Callable[[], None]:
+    def fault() -> None:
+        raise OSError(number, os.strerror(number))
+
+    return fault
+
+
+@pytest.mark.parametrize(
+    ("numbers", "stride"),
+    [
+        ((errno.ENOSPC,), 17),
+        pytest.param((errno.ENOSPC, errno.EIO, errno.EMFILE), 1, marks=pytest.mark.slow),
+    ],
+    ids=["some", "every"],
+)
+def test_fault_at_any_write_loses_nothing(
+    faults: Faults, run_here: RunHere, plan: Plan, tmp_path: Path, numbers: tuple[int, ...], stride: int
+):
+    """Cells fail, or the run stops with an error of ours; the same run then leaves what an undisturbed one leaves."""
+    with faults.armed(tmp_path / "whole"):
+        run_here(plan, tmp_path / "whole")
+    expected, writes = _left(tmp_path / "whole"), faults.count
+    assert writes > 40
+    for number in numbers:
+        for at in range(0, writes, stride):
+            folder = tmp_path / f"{number}-{at}"
+            with faults.armed(folder, at, _fail(number)), suppress(HarnessError):
+                run_here(plan, folder)
+            done = {m.cell.id for m in Store(folder).manifests() if m.status == "done"}
+            kept = {path: digest for path, digest in _left(folder).items() if path.split("/")[1] in done}
+            run_here(plan, folder)
+            assert _left(folder) == expected, at
+            assert kept.items() <= expected.items()
+            assert verify(folder) == [], at
+
+
+def test_full_disk_is_told_in_one_line(run_here: RunHere, plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """What was given, what is wrong, what to do."""
+    folder = tmp_path / "out"
+    monkeypatch.setattr(os, "replace", lambda *names: _fail(errno.ENOSPC)())
+    with pytest.raises(StorageError) as told:
+        run_here(plan, folder)
+    assert str(told.value) == (
+        f"'{folder}' cannot be written: No space left on device. "
+        "What is done is kept; mend that, and the same command goes on from there"
+    )
+
+
+def test_kill_at_any_write_of_the_plan_leaves_one_that_can_be_read(
+    faults: Faults, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_path: Path
+):
+    """The earlier one or the new one; the process ends without another word, as when it is killed."""
+    folder = tmp_path / "out"
+    first, second = make_plan(make_cell()), make_plan(make_cell(), make_cell(seed=1))
+    Store.create(folder, first)
+    for at in range(1000):
+        child = os.fork()
+        if child == 0:
+            with faults.armed(folder, at, lambda: os._exit(9)):
+                Store.create(folder, second)
+            os._exit(0)
+        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        assert status in (0, 9)
+        assert Store.open(folder).read_plan().cells in (first.cells, second.cells)
+        assert Store.open(folder).read_plan().note == ""
+        if status == 0:
+            break
+        Store.create(folder, first)
+    assert 5 < at < 1000
+    assert Store.open(folder).read_plan().cells == second.cells

@@ -1,0 +1,71 @@
+"""Reading files that anybody may have made."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from harness.errors import SchemaError, UsageError
+from harness.files.bounded import digest_of, open_regular, read_json, read_text, reading
+
+
+def test_regular_file_is_read(tmp_path: Path):
+    """A link to one is followed: the user may lay his files where he likes."""
+    (tmp_path / "a").write_text("\u03b7", encoding="utf-8")
+    (tmp_path / "b").symlink_to(tmp_path / "a")
+    assert read_text(tmp_path / "b") == "\u03b7"
+
+
+def test_large_file_is_refused_unread(tmp_path: Path):
+    """A sparse one takes no space, and would take all memory."""
+    with (tmp_path / "a").open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(OSError, match="it has 1,099,511,627,776 bytes, 16,777,216 are allowed"):
+        read_text(tmp_path / "a")
+
+
+def test_pipe_is_refused(tmp_path: Path):
+    """It would hang."""
+    os.mkfifo(tmp_path / "a")
+    with pytest.raises(OSError, match="no regular file"):
+        read_text(tmp_path / "a")
+
+
+def test_device_is_refused():
+    """It never ends."""
+    with pytest.raises(OSError, match="no regular file"), open_regular(Path("/dev/zero"), 10):
+        pass
+
+
+def test_folder_is_refused(tmp_path: Path):
+    """It is no file."""
+    with pytest.raises(OSError, match=r"directory|no regular file"):
+        read_text(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "NaN", "[Infinity]", "{", "1" * 10_000], ids=lambda text: text[:10])
+def test_what_is_no_json_is_refused(tmp_path: Path, text: str):
+    """ValueError, whatever the parser raises."""
+    (tmp_path / "a").write_text(text)
+    with pytest.raises(ValueError, match=r"."):
+        read_json(tmp_path / "a")
+
+
+@pytest.mark.parametrize("error", [RecursionError("deep"), OverflowError(), KeyError("x"), MemoryError()], ids=repr)
+def test_whatever_a_reader_raises_is_one_line(tmp_path: Path, error: Exception):
+    """It names the file and what it should be."""
+    with pytest.raises(SchemaError, match=rf"{tmp_path} is no readable mesh: {type(error).__name__}"):  # noqa: SIM117
+        with reading(tmp_path, "mesh"):
+            raise error
+
+
+def test_our_own_errors_pass(tmp_path: Path):
+    """They say more."""
+    with pytest.raises(UsageError, match="mine"), reading(tmp_path, "mesh"):
+        raise UsageError("mine")
+
+
+def test_digest_is_sha256(tmp_path: Path):
+    """As `sha256sum` prints it."""
+    (tmp_path / "a").write_bytes(b"abc")
+    assert digest_of(tmp_path / "a") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"

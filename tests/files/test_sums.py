@@ -1,0 +1,57 @@
+"""Digests of files that were made from others."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from harness.files.sums import SUMS, changed_since_made, note_made, read_sums
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Two files that were made."""
+    for name in ("report.html", "results.parquet"):
+        (tmp_path / name).write_text(name)
+        note_made(tmp_path / name)
+    return tmp_path
+
+
+def test_nothing_has_changed(folder: Path):
+    """A folder as it was made; one without made files too."""
+    assert changed_since_made(folder) == []
+    assert changed_since_made(folder.parent) == []
+
+
+def test_made_again_it_has_another_digest(folder: Path):
+    """In place of the earlier one."""
+    (folder / "report.html").write_text("newer")
+    assert changed_since_made(folder) == ["report.html"]
+    note_made(folder / "report.html")
+    assert changed_since_made(folder) == []
+
+
+def test_missing_file_has_changed(folder: Path):
+    """Until another file is made: then it is forgotten."""
+    (folder / "report.html").unlink()
+    assert changed_since_made(folder) == ["report.html"]
+    note_made(folder / "results.parquet")
+    assert read_sums(folder).keys() == {"results.parquet"}
+
+
+def test_every_flipped_bit_of_the_sums_is_found(folder: Path):
+    """It names the file that it told of, or itself."""
+    text = (folder / SUMS).read_bytes()
+    for place in range(0, len(text) * 8, 7):
+        flipped = bytearray(text)
+        flipped[place // 8] ^= 1 << place % 8
+        (folder / SUMS).write_bytes(flipped)
+        assert changed_since_made(folder)
+
+
+@pytest.mark.skipif(shutil.which("sha256sum") is None, reason="there is no sha256sum")
+def test_sha256sum_reads_it(folder: Path):
+    """Who has no harness checks it all the same."""
+    ended = subprocess.run(["sha256sum", "--check", SUMS], cwd=folder, capture_output=True, text=True, check=True)
+    assert ended.stdout == "report.html: OK\nresults.parquet: OK\n"

@@ -1,0 +1,174 @@
+"""What in a folder is not what was written, and mending it."""
+
+import json
+import random
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.experiment.plan import Plan
+from harness.record.folder import MANIFEST, POLICY, TRACE
+from harness.record.plan_file import EXPERIMENT, PLAN
+from harness.record.store import CELLS, LOCK, REPORT, Store
+from harness.record.verify import DAMAGED, repair, verify
+from harness.registry.registry import load_registry
+from harness.results import Results
+
+
+def _files(folder: Path) -> list[Path]:
+    """Everything that a flipped bit could change."""
+    return sorted(path for path in folder.rglob("*") if path.is_file() and path.stat().st_size and path.name != LOCK)
+
+
+def _first_cell(folder: Path) -> Path:
+    return sorted((folder / CELLS).iterdir())[0]
+
+
+def test_folder_as_it_was_written_is_sound(ran: Path):
+    """Nothing is found, and there is nothing to repair."""
+    assert verify(ran) == []
+    assert repair(ran) == []
+
+
+def test_every_file_can_be_found_damaged(ran: Path):
+    """The first byte of each: the problem names the file, or the folder that it belongs to."""
+    for path in _files(ran):
+        before = path.read_bytes()
+        path.write_bytes(bytes([before[0] ^ 1]) + before[1:])
+        [problem] = verify(ran)
+        assert path.is_relative_to(ran / problem.path) or path.name in problem.what
+        path.write_bytes(before)
+
+
+def test_missing_data_is_damage(ran: Path):
+    """A report cannot do without a trace."""
+    (_first_cell(ran) / TRACE).unlink()
+    [problem] = verify(ran)
+    assert problem.what.endswith(f"{TRACE} is missing")
+
+
+def test_policies_may_be_taken_away(ran: Path):
+    """To make a folder smaller: no report reads them."""
+    shutil.rmtree(_first_cell(ran) / POLICY)
+    assert verify(ran) == []
+
+
+def test_folder_of_another_cell_is_damage(ran: Path):
+    """A cell under another one's name would be counted for it."""
+    first, second = sorted((ran / CELLS).iterdir())[:2]
+    shutil.rmtree(second)
+    shutil.copytree(first, second)
+    [problem] = verify(ran)
+    assert problem.what == f"it holds another cell, {first.name}"
+
+
+def test_other_folders_cannot_be_verified(tmp_path: Path):
+    """They hold nothing that was written here."""
+    with pytest.raises(UsageError, match="is no experiment"):
+        verify(tmp_path)
+
+
+def test_damaged_cell_is_set_aside_and_done_again(
+    ran: Path, make_plan: Callable[..., Plan], run_here: Callable[..., Results]
+):
+    """Nothing is thrown away; the same run then gives the same rows."""
+    cell = _first_cell(ran)
+    before = (cell / TRACE).read_bytes()
+    (cell / TRACE).write_bytes(b"PAR1")
+    repair(ran)
+    assert (ran / DAMAGED / f"{cell.name}-0" / TRACE).read_bytes() == b"PAR1"
+    assert verify(ran) == []
+    run_here(make_plan(*Store(ran).read_plan().cells), ran)
+    assert (cell / TRACE).read_bytes() == before
+
+
+def test_damaged_cell_is_replaced_by_the_next_run(
+    ran: Path, make_plan: Callable[..., Plan], run_here: Callable[..., Results]
+):
+    """Without any repair."""
+    cell = _first_cell(ran)
+    before = (cell / TRACE).read_bytes()
+    (cell / MANIFEST).write_bytes((cell / MANIFEST).read_bytes()[:100])
+    run_here(make_plan(*Store(ran).read_plan().cells), ran)
+    assert (cell / TRACE).read_bytes() == before
+    assert verify(ran) == []
+
+
+@pytest.mark.parametrize("damage", ["{", None], ids=["damaged", "gone"])
+def test_plan_is_put_together_from_the_cells(ran: Path, damage: str | None):
+    """A report says so and shows all that has ended; repair writes it."""
+    known = Store(ran).read_plan()
+    (ran / PLAN).unlink()
+    if damage:
+        (ran / PLAN).write_text(damage)
+    results = Results(ran, load_registry())
+    assert "was put together from 4 cells" in results.plan.note
+    assert {cell.id for cell in results.done_cells} == {cell.id for cell in known.cells}
+    assert [action.what for action in repair(ran)] == ["put together from 4 cells"]
+    assert verify(ran) == []
+    assert set(Store(ran).read_plan().cells) == set(known.cells)
+    assert Store(ran).read_plan().baseline == known.baseline
+
+
+def test_changed_experiment_is_written_again(ran: Path):
+    """The plan holds it too."""
+    before = (ran / EXPERIMENT).read_text()
+    (ran / EXPERIMENT).write_text("seeds = 9\n")
+    assert [str(problem.path) for problem in verify(ran)] == [EXPERIMENT]
+    repair(ran)
+    assert (ran / EXPERIMENT).read_text() == before
+
+
+def test_damaged_page_is_removed(ran: Path):
+    """It can be made again."""
+    (ran / REPORT).write_text("<html>9</html>")
+    repair(ran)
+    assert not (ran / REPORT).exists()
+    assert verify(ran) == []
+
+
+def test_link_is_found_and_removed(ran: Path, tmp_path: Path):
+    """It leads out of the folder; what it leads to stays."""
+    (tmp_path / "kept").mkdir()
+    (ran / "cells" / ".x.partial").symlink_to(tmp_path / "kept")
+    [problem] = verify(ran)
+    assert str(problem.path) == "cells/.x.partial"
+    repair(ran)
+    assert (tmp_path / "kept").is_dir()
+    assert verify(ran) == []
+
+
+def _numbers(folder: Path) -> dict[str, object]:
+    """What a report says of each cell that it believes, and of nothing else."""
+    results = Results(folder, load_registry())
+    return {cell.id: results.measured(cell) for cell in results.done_cells}
+
+
+def _flips(folder: Path, count: int, seed: int) -> Iterator[tuple[Path, int]]:
+    rng, files = random.Random(seed), _files(folder)
+    for _ in range(count):
+        path = rng.choice(files)
+        yield path, rng.randrange(path.stat().st_size * 8)
+
+
+@pytest.mark.parametrize("count", [40, pytest.param(1600, marks=pytest.mark.slow)])
+def test_no_flipped_bit_is_read_as_another_number(ran: Path, count: int):
+    """Every one is named by `verify`; a report says of a cell what it said, or that it is damaged."""
+    expected = json.dumps(_numbers(ran), default=str)
+    registry = load_registry()
+    whole = Results(ran, registry)
+    for path, bit in _flips(ran, count, seed=1):
+        before = path.read_bytes()
+        flipped = bytearray(before)
+        flipped[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(flipped)
+        [problem] = verify(ran)
+        assert path.is_relative_to(ran / problem.path) or path.name in problem.what, (path, bit)
+        believed = {cell.id for cell in Results(ran, registry).done_cells}
+        owner = path.relative_to(ran).parts[1] if path.is_relative_to(ran / CELLS) else None
+        assert believed == {cell.id for cell in whole.done_cells if cell.id != owner}
+        path.write_bytes(before)
+    assert json.dumps(_numbers(ran), default=str) == expected
