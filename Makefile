@@ -7,9 +7,16 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 TORCH_INDEX ?=
 
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+INSTALL := $(PIP) install --quiet
+# Exact versions and nothing but them: a file whose SHA-256 is not in the lock is refused.
+INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
-.PHONY: install dev run reference test slow bench check format clean
+# What install and dev set up, of pyproject.toml's extras.
+RUN_EXTRAS := mujoco sb3 report
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control figures tune tensorboard dev
+
+.PHONY: install dev lock run reference test slow bench check format clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
@@ -52,13 +59,26 @@ format: dev
 clean:
 	rm -rf $(VENV) build dist *.egg-info
 
-# torch first and alone: with it there, nothing else asks for another build of it.
-$(VENV)/.installed: pyproject.toml constraints.txt
+# torch stands in no lock: its files differ by build and index. What it needs besides is there before it, from the lock.
+# pip check: --no-deps asks for nothing, so only this says what a lock lacks on this platform.
+$(VENV)/.installed: pyproject.toml constraints.txt requirements/run.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(PIP) $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX)) torch
-	$(PIP) --editable '.[mujoco,sb3,report]'
+	$(INSTALL_LOCK) requirements/run.txt
+	$(INSTALL) --constraint constraints.txt $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX)) torch
+	$(INSTALL) --no-deps --no-build-isolation --editable .
+	$(PIP) check
 	touch $@
 
-$(VENV)/.installed-dev: $(VENV)/.installed
-	$(PIP) --editable '.[mujoco,pybullet,dm-control,sb3,report,figures,tune,tensorboard,dev]'
+$(VENV)/.installed-dev: $(VENV)/.installed requirements/dev.txt
+	$(INSTALL_LOCK) requirements/dev.txt
+	$(PIP) check
 	touch $@
+
+# Versions stay that still fit pyproject.toml and constraints.txt. Newer ones: make lock UPGRADE=pytest, or UPGRADE=all.
+lock: COMPILE = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
+	--generate-hashes --no-emit-package torch --excludes requirements/cuda.txt --constraint constraints.txt \
+	--custom-compile-command 'make lock' pyproject.toml
+lock: NEWER = $(if $(filter all,$(UPGRADE)),--upgrade,$(addprefix --upgrade-package=,$(UPGRADE)))
+lock: dev
+	$(COMPILE) $(NEWER) $(addprefix --extra=,$(DEV_EXTRAS)) --output-file requirements/dev.txt
+	$(COMPILE) --constraint requirements/dev.txt $(addprefix --extra=,$(RUN_EXTRAS)) --output-file requirements/run.txt

@@ -1,4 +1,4 @@
-"""What make does for the records of an experiment, with a harness that only says how it was called."""
+"""What make installs, and what it does for the records of an experiment; a stand-in only says how it was called."""
 
 import hashlib
 import os
@@ -18,6 +18,12 @@ case $1 in
 esac
 """
 
+PYTHON = """#!/bin/sh
+echo "$@" >> calls.txt
+case $2 in venv) mkdir -p "$3/bin" && cp "$0" "$3/bin/python" ;; esac
+"""
+SOURCES = ("pyproject.toml", "constraints.txt", "requirements/run.txt", "requirements/dev.txt")
+
 pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 
 
@@ -25,7 +31,7 @@ pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is no
 def checkout(tmp_path):
     """A copy of the Makefile with an experiment of one line, and all installed."""
     shutil.copy(MAKEFILE, tmp_path)
-    for name in ("pyproject.toml", "constraints.txt", ".venv/bin/harness", ".venv/.installed", ".venv/.installed-dev"):
+    for name in (*SOURCES, ".venv/bin/harness", ".venv/.installed", ".venv/.installed-dev"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
     (tmp_path / ".venv/bin/harness").write_text(HARNESS)
@@ -36,17 +42,90 @@ def checkout(tmp_path):
     return tmp_path
 
 
-def _make(checkout, experiment="my_own", run_status=0, left="done"):
-    """Status and words of `make reference`, where the run ends so and leaves its cell so."""
-    told = {"RUN_STATUS": str(run_status), "LEFT": left}
-    outer = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS", "EXPERIMENT"))}
-    command = ["make", "reference", f"EXPERIMENT={experiment}"]
+@pytest.fixture
+def empty_checkout(tmp_path):
+    """A copy of the Makefile with nothing installed, and a Python that installs nothing."""
+    shutil.copy(MAKEFILE, tmp_path)
+    (tmp_path / "requirements").mkdir()
+    for name in SOURCES:
+        (tmp_path / name).touch()
+    (tmp_path / "python").write_text(PYTHON)
+    (tmp_path / "python").chmod(0o755)
+    return tmp_path
+
+
+def _run_make(checkout, *arguments, **told):
+    """Status and words of make with these arguments."""
+    inherited = ("MAKE", "MFLAGS", "EXPERIMENT", "VENV", "PYTHON", "TORCH_INDEX")
+    outer = {name: value for name, value in os.environ.items() if not name.startswith(inherited)}
+    command = ["make", *arguments]
     ended = subprocess.run(command, cwd=checkout, env={**outer, **told}, capture_output=True, text=True, check=False)
     return ended.returncode, ended.stdout + ended.stderr
 
 
+def _make(checkout, experiment="my_own", run_status=0, left="done"):
+    """Status and words of `make reference`, where the run ends so and leaves its cell so."""
+    return _run_make(checkout, "reference", f"EXPERIMENT={experiment}", RUN_STATUS=str(run_status), LEFT=left)
+
+
 def _calls(checkout):
     return (checkout / "calls.txt").read_text().splitlines()
+
+
+def _installations(checkout):
+    """What pip was told to install since this was last asked."""
+    calls = _calls(checkout)
+    (checkout / "calls.txt").write_text("")
+    return [call.partition(" install --quiet ")[2] for call in calls if " install " in call]
+
+
+def test_all_but_torch_is_installed_from_the_lock(empty_checkout):
+    """The lock first, by its hashes; then torch finds all that it needs; then the project with nothing else."""
+    assert _run_make(empty_checkout, "install", "PYTHON=./python")[0] == 0
+    assert _installations(empty_checkout) == [
+        "--no-deps --require-hashes --requirement requirements/run.txt",
+        "--constraint constraints.txt torch",
+        "--no-deps --no-build-isolation --editable .",
+    ]
+
+
+def test_torch_alone_comes_from_its_index(empty_checkout):
+    """Everything else comes from where pip looks anyway."""
+    assert _run_make(empty_checkout, "install", "PYTHON=./python", "TORCH_INDEX=https://torch.example/cpu")[0] == 0
+    told = [call for call in _installations(empty_checkout) if "torch.example" in call]
+    assert told == ["--constraint constraints.txt --index-url https://torch.example/cpu torch"]
+
+
+def test_dev_adds_the_larger_lock(empty_checkout):
+    """To what users install."""
+    assert _run_make(empty_checkout, "install", "PYTHON=./python")[0] == 0
+    _installations(empty_checkout)
+    assert _run_make(empty_checkout, "dev", "PYTHON=./python")[0] == 0
+    assert _installations(empty_checkout) == ["--no-deps --require-hashes --requirement requirements/dev.txt"]
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_changed_lock_is_installed_again(empty_checkout, name):
+    """As is a changed pyproject.toml or constraints.txt; and where nothing changed, nothing is done."""
+    assert _run_make(empty_checkout, "dev", "PYTHON=./python")[0] == 0
+    _installations(empty_checkout)
+    assert _run_make(empty_checkout, "dev", "PYTHON=./python")[0] == 0
+    assert _installations(empty_checkout) == []
+    later = (empty_checkout / ".venv/.installed-dev").stat().st_mtime + 1
+    os.utime(empty_checkout / name, (later, later))
+    assert _run_make(empty_checkout, "dev", "PYTHON=./python")[0] == 0
+    assert _installations(empty_checkout)[-1] == "--no-deps --require-hashes --requirement requirements/dev.txt"
+
+
+def test_lock_takes_up_what_it_is_told(empty_checkout):
+    """One package, all, or nothing but what pyproject.toml and constraints.txt ask for."""
+    words = {
+        upgrade: _run_make(empty_checkout, "--dry-run", "lock", f"UPGRADE={upgrade}")[1]
+        for upgrade in ("", "pytest", "all")
+    }
+    assert "--upgrade" not in words[""]
+    assert "--upgrade-package=pytest" in words["pytest"]
+    assert "--upgrade " in words["all"]
 
 
 def test_cells_are_kept_by_the_content_of_the_file(checkout):
