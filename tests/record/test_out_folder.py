@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.record.out_folder import folder_lock, make_folder
+from harness.record.out_folder import folder_lock, make_folder, refuse_links
 
 HOLD = """
 import sys
@@ -66,3 +66,35 @@ def test_folder_below_a_file_cannot_be_made(tmp_path: Path):
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match=r"cannot be written: '.*file' allows no writing here"):
         make_folder(tmp_path / "file" / "inner")
+
+
+def test_second_process_waits_if_it_is_told_to(tmp_path: Path):
+    """It says so once, and has the folder when the first one lets go."""
+    path, told = tmp_path / ".lock", []
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], text=True, **pipes) as holder:
+        assert holder.stdout.readline() == "held\n"
+
+        def let_go() -> None:
+            told.append("waiting")
+            holder.stdin.close()
+
+        with folder_lock(path, "In use", let_go):
+            assert told == ["waiting"]
+
+
+@pytest.mark.parametrize("inner", ["plan.json", ".lock", "cells", "cells/x", "cells/x/trace.parquet"])
+def test_link_in_a_folder_is_refused(tmp_path: Path, inner: str):
+    """What is written into it would land elsewhere; the line names it."""
+    path = tmp_path / "out" / inner
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(UsageError, match=f"^'{path}' is a link; nothing is written into a folder with links"):
+        refuse_links(tmp_path / "out")
+
+
+def test_folder_may_be_a_link_itself(tmp_path: Path):
+    """The user says where his results go."""
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "out").symlink_to(tmp_path / "disk")
+    refuse_links(tmp_path / "out")

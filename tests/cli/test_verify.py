@@ -1,0 +1,62 @@
+"""``harness verify`` and ``harness repair``."""
+
+import json
+
+import pytest
+
+
+@pytest.fixture
+def experiment(harness, quick):
+    """A finished experiment."""
+    harness("run", *quick, "--seeds", "1", "--out", "mine")
+    return "mine"
+
+
+def test_sound_folder_ends_with_0(harness, experiment):
+    """One line says so, and that there is nothing to repair."""
+    assert harness("verify", experiment)[:2] == (0, "'mine' is what was written\n")
+    assert harness("repair", experiment)[:2] == (0, "'mine' is what was written: there is nothing to repair\n")
+
+
+def test_damage_is_named_set_aside_and_done_again(harness, experiment, quick, tmp_path):
+    """Verify, repair, run, verify."""
+    trace = next((tmp_path / experiment / "cells").glob("*/trace.parquet"))
+    before = trace.read_bytes()
+    trace.write_bytes(before[:100])
+    answer = harness("verify", experiment)
+    assert answer.status == 1
+    assert (
+        "trace.parquet is not what was written: its SHA-256 differs. What to do: run again to replace it." in answer.out
+    )
+    assert "moved to damaged/" in harness("repair", experiment).out
+    harness("run", *quick, "--seeds", "1", "--out", "mine")
+    assert trace.read_bytes() == before
+    assert harness("verify", experiment).status == 0
+
+
+def test_problems_as_json(harness, experiment, tmp_path):
+    """Other programs read them."""
+    (tmp_path / experiment / "plan.json").write_text("{")
+    [problem] = json.loads(harness("verify", experiment, "--json").out)["problems"]
+    assert problem["path"] == "plan.json"
+    assert set(problem) == {"path", "problem", "remedy"}
+
+
+@pytest.mark.parametrize("command", ["verify", "repair"])
+def test_other_folder_is_a_usage_error(harness, command, tmp_path):
+    """One line, exit status 2."""
+    answer = harness(command, str(tmp_path))
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "is no experiment" in answer.err
+
+
+def test_second_run_may_refuse_to_wait(harness, experiment, quick, tmp_path):
+    """`--no-wait`: one line, exit status 2, nothing written."""
+    from harness.record.store import Store
+
+    before = (tmp_path / experiment / "plan.json").read_bytes()
+    with Store(tmp_path / experiment).locked():
+        answer = harness("run", *quick, "--seeds", "3", "--no-wait", "--out", "mine")
+    assert answer.status == 2
+    assert "Another run is using 'mine'" in answer.err
+    assert (tmp_path / experiment / "plan.json").read_bytes() == before

@@ -1,0 +1,82 @@
+"""Runs that are killed at any moment and started again end as if they had not been."""
+
+import hashlib
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from harness.record.folder import LOG, MANIFEST
+from harness.record.store import CELLS, Store
+from harness.record.verify import verify
+
+# A shell that starts this in the background has INT ignored, which children inherit.
+PROGRAM = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from harness.cli import main; main()"
+)
+RUN = [sys.executable, "-c", PROGRAM, "run"]
+MATRIX = ["--sim", "kinematic", "--algo", "random,spg", "--task", "fd100-reach:horizon=50", "--seeds", "1"]
+MATRIX += ["--steps", "2000", "--evaluation-episodes", "2", "--checkpoint-every", "500", "--jobs", "2"]
+KILLS = 100
+TO_ALL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+
+
+def _start(folder: Path, err: Path) -> "subprocess.Popen[bytes]":
+    """A run in a session of its own: what is killed here is what we choose."""
+    with err.open("ab") as file:
+        command = [*RUN, *MATRIX, "--out", str(folder)]
+        return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file, start_new_session=True)
+
+
+def _workers(parent: int) -> list[int]:
+    told = subprocess.run(["pgrep", "-P", str(parent)], capture_output=True, text=True, check=False)
+    return [int(line) for line in told.stdout.split()]
+
+
+def _disturb(process: "subprocess.Popen[bytes]", rng: random.Random) -> None:
+    """Kill the run, or one of its workers alone, in one of the ways in which that happens."""
+    how = rng.choice([*TO_ALL, None])
+    if how is not None:
+        process.send_signal(how)
+    elif workers := _workers(process.pid):
+        os.kill(rng.choice(workers), signal.SIGKILL)
+
+
+def _left(folder: Path) -> dict[str, str]:
+    paths = [path for path in (folder / CELLS).rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
+
+
+@pytest.mark.skipif(shutil.which("pgrep") is None, reason="there is no pgrep")
+@pytest.mark.slow
+def test_killed_runs_lose_nothing(tmp_path: Path):
+    """KILL, TERM, INT, or a worker alone: afterwards every byte is that of an undisturbed run, and no traceback."""
+    whole, err, rng = tmp_path / "whole", tmp_path / "err", random.Random(7)
+    began = time.monotonic()
+    assert _start(whole, err).wait() == 0
+    seconds, expected = time.monotonic() - began, _left(whole)
+    assert len(Store(whole).manifests()) == 4
+    done = 0
+    while done < KILLS:
+        folder = tmp_path / f"killed-{done}"
+        finished = False
+        while not finished:
+            before = {manifest.cell.id for manifest in Store(folder).manifests() if manifest.status == "done"}
+            process = _start(folder, err)
+            if done < KILLS:
+                time.sleep(rng.uniform(0.0, seconds))
+                _disturb(process, rng)
+                done += process.poll() is None
+            finished = process.wait() == 0
+            after = {manifest.cell.id for manifest in Store(folder).manifests() if manifest.status == "done"}
+            assert before <= after
+        assert _left(folder) == expected
+        assert verify(folder) == []
+        shutil.rmtree(folder)
+    assert b"Traceback" not in err.read_bytes()

@@ -1,0 +1,76 @@
+"""What was asked for, read back or put together."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.errors import SchemaError
+from harness.record.cell import Cell
+from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, control_seeds, plan_from_cells, read_plan
+from harness.registry.choice import Choice
+
+ARP = Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")
+MakeCell = Callable[..., Cell]
+
+
+def test_plan_is_read_as_it_was_written(make_cell: MakeCell, tmp_path: Path):
+    """Every field."""
+    plan = StoredPlan("baseline", True, {0: 2}, (make_cell(), make_cell(seed=2)), {"seeds": [0]})
+    plan.write(tmp_path)
+    assert vars(read_plan(tmp_path)) == vars(plan)
+    assert (tmp_path / EXPERIMENT).read_text() == "seeds = [\n    0,\n]\n"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"baseline": 3},
+        {"a_a": "yes"},
+        {"control": [[0]]},
+        {"control": [[0, -1]]},
+        {"cells": None},
+        {"cells": [{}]},
+        {"cells": [3]},
+        {"more": 1},
+        {"experiment": []},
+    ],
+    ids=str,
+)
+def test_plan_of_another_form_is_refused(make_cell: MakeCell, tmp_path: Path, change: dict[str, object]):
+    """The line names the file and the key."""
+    data = {"baseline": "baseline", "a_a": False, "cells": [make_cell().to_json()], **change}
+    (tmp_path / PLAN).write_text(json.dumps(data))
+    with pytest.raises(SchemaError, match=rf"plan\.json is no readable plan: ValueError: {next(iter(change))}"):
+        read_plan(tmp_path)
+
+
+def test_control_is_put_together_from_the_experiment(make_cell: MakeCell, tmp_path: Path):
+    """The file says whether the baseline is compared with itself, and the seeds say with which."""
+    (tmp_path / EXPERIMENT).write_text(
+        'baseline = {name = "baseline"}\nreward = [{name = "baseline"}]\nseeds = [0, 1]\n'
+    )
+    cells = [make_cell(seed=seed) for seed in range(4)]
+    plan = plan_from_cells(tmp_path, cells, "damaged")
+    assert (plan.baseline, plan.a_a, plan.control) == ("baseline", True, {0: 2, 1: 3})
+
+
+def test_baseline_is_found_by_its_parameters(make_cell: MakeCell, tmp_path: Path):
+    """Two rewards of one name are told apart."""
+    (tmp_path / EXPERIMENT).write_text('baseline = {name = "arp", k1 = 1.0, k2 = 2.0}\n')
+    cells = [make_cell(reward=Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")), make_cell(reward=ARP)]
+    assert plan_from_cells(tmp_path, cells, "damaged").baseline == "arp:k2=2"
+
+
+def test_unknown_baseline_is_an_error(make_cell: MakeCell, tmp_path: Path):
+    """Nothing is guessed: the line says what there is, and what to do."""
+    with pytest.raises(
+        SchemaError, match=r"^damaged\. The cells tell of the rewards arp:k2=2, and experiment\.toml does"
+    ):
+        plan_from_cells(tmp_path, [make_cell(reward=ARP)], "damaged")
+
+
+def test_control_seeds_are_none_of_the_experiment():
+    """One for each."""
+    assert control_seeds([3, 7]) == {3: 11, 7: 15}
