@@ -119,16 +119,19 @@ def _show(results: "Results") -> None:
     from rich.console import Console
 
     from harness.files.sums import note_made
+    from harness.record.out_folder import storage_errors
     from harness.record.store import REPORT
     from harness.report.comparison_table import comparison_table
     from harness.report.html import write_html
 
     Console().print(comparison_table(results))
-    results.write_table()
+    with storage_errors(results.folder):
+        results.write_table()
     typer.echo(f"Results: {results.folder}")
     try:
-        write_html(results, results.folder / REPORT)
-        note_made(results.folder / REPORT)
+        with storage_errors(results.folder):
+            write_html(results, results.folder / REPORT)
+            note_made(results.folder / REPORT)
         typer.echo(f"Report:  {results.folder / REPORT}")
     except UsageError as error:  # the extra is missing: the results are there all the same
         typer.echo(f"No {REPORT}: {error}")

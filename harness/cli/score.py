@@ -48,11 +48,13 @@ def score(
 
 def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, registry: "Registry", as_json: bool) -> None:
     from harness.record.folder import SCORES, TRACE
+    from harness.record.out_folder import refuse_links
     from harness.results import load_results
     from harness.results.score_matrix import score_matrices
     from harness.score.open_recording import open_recording
 
     results = load_results(folder)
+    refuse_links(folder)
     if not results.done_cells:
         raise UsageError(f"'{folder}' has no finished cell to score")
     trained = [cell.reward for cell in results.done_cells] if every else []

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.errors import StorageError, UsageError
+from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, OnEvent
 from harness.experiment.event_log import require_tensorboard
@@ -14,6 +14,7 @@ from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.workers import worker_count
 from harness.record.cell import Cell
 from harness.record.manifest import read_manifest
+from harness.record.out_folder import storage_errors
 from harness.record.store import Store
 from harness.registry.choice import choose
 from harness.registry.registry import Registry, load_registry
@@ -145,17 +146,9 @@ class ExperimentRun:
             UsageError: Another run is using the folder, and the options say not to wait. Nothing is written.
             StorageError: The folder cannot be written, now or while the cells run.
         """
-        try:
-            with self.store.locked(on_wait if self.options.wait else None):
-                self.store.add(self.plan)
-                yield BegunRun(self, tuple(cell for cell in self.plan.cells if self.store.is_done(cell)))
-        except BrokenPipeError:
-            raise  # who read what is printed is gone: nothing is wrong with the folder
-        except OSError as error:
-            raise StorageError(
-                f"'{self.store.folder}' cannot be written: {error.strerror or error}. "
-                "What is done is kept; mend that, and the same command goes on from there"
-            ) from error
+        with storage_errors(self.store.folder), self.store.locked(on_wait if self.options.wait else None):
+            self.store.add(self.plan)
+            yield BegunRun(self, tuple(cell for cell in self.plan.cells if self.store.is_done(cell)))
 
 
 @dataclass(frozen=True)

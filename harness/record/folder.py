@@ -18,6 +18,8 @@ SCORES = "scores.parquet"
 CHECKPOINT = "checkpoint.safetensors"
 """In a partial folder: where a training that was killed goes on."""
 TENSORBOARD = "tensorboard"
+TRANSFER = "transfer"
+"""Folder of an experiment: what policies did elsewhere; see `harness.transfer.record`."""
 
 
 def partial_folder(folder: Path) -> Path:

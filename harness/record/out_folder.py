@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from harness.errors import UsageError
+from harness.errors import StorageError, UsageError
 
 
 @contextmanager
@@ -32,6 +32,24 @@ def folder_lock(path: Path, problem: str, on_wait: Callable[[], None] | None = N
         held = lock.acquire()
     with held:
         yield
+
+
+@contextmanager
+def storage_errors(folder: Path) -> Iterator[None]:
+    """What the system refuses while a folder is written becomes one line.
+
+    Raises:
+        StorageError: The disk is full or fails, or too many files are open.
+    """
+    try:
+        yield
+    except BrokenPipeError:
+        raise  # who read what is printed is gone: nothing is wrong with the folder
+    except OSError as error:
+        raise StorageError(
+            f"'{folder}' cannot be written: {error.strerror or error}. "
+            "What is done is kept; mend that, and the same command goes on from there"
+        ) from error
 
 
 def make_folder(folder: Path, inner: str = "") -> None:

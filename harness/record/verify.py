@@ -9,11 +9,11 @@ from harness.errors import NewerFormat, SchemaError
 from harness.files.sums import SUMS, changed_since_made
 from harness.record import forms
 from harness.record.cell_folder import REMEDY, examine, require_files
+from harness.record.folder import TRANSFER
 from harness.record.manifest import Ending, Manifest, read_manifest, read_record
 from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
 from harness.record.store import CELLS, Store
 
-TRANSFER = "transfer"
 DAMAGED = "damaged"
 """Where `repair` puts what is damaged: nothing is thrown away."""
 PLAN_REMEDY = "harness repair puts it together from the cells; the same harness run asks for the rest"

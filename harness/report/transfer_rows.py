@@ -73,8 +73,8 @@ def transfer_grid(block: TransferBlock) -> Grid:
 
 
 def failure_lines(failed: Iterable[Failure]) -> list[str]:
-    """A line for each evaluation that failed."""
-    return [f"failed: {cell.title} in {record.simulator.label}: {record.reason}" for cell, record in failed]
+    """A line for each evaluation that failed or is damaged."""
+    return [f"{record.status}: {cell.title} in {record.simulator.label}: {record.reason}" for cell, record in failed]
 
 
 def _lines(row: TransferRow) -> list[tuple[str, ...]]:

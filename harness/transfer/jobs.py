@@ -12,7 +12,9 @@ from harness.experiment.draft import leave_record
 from harness.experiment.order import Order
 from harness.experiment.workers import News, run_orders, worker_count
 from harness.record.cell import Cell
+from harness.record.folder import TRANSFER
 from harness.record.manifest import now
+from harness.record.out_folder import storage_errors
 from harness.record.store import Store
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.registry import Registry, load_registry
@@ -20,7 +22,7 @@ from harness.results import Results
 from harness.robot.load import load_robot
 from harness.transfer.evaluation import EvaluateElsewhere
 from harness.transfer.matrix import Transfers, load_transfers
-from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_transfer, simulator_id
+from harness.transfer.record import TransferRecord, policy_digest, read_transfer, simulator_id
 
 Given: TypeAlias = str | dict[str, Any]
 
@@ -108,7 +110,7 @@ def plan_transfers(results: Results, to: str | Sequence[Given] | None, registry:
         raise UsageError(f"'{results.folder}' has no finished cell: nothing is trained that could be evaluated")
     simulators, left_out = _choose(to, registry) if to is not None else _choose_all(cells, registry)
     jobs = tuple(
-        TransferJob(cell, simulator, results.store.folder / FOLDER / cell.id / simulator_id(simulator))
+        TransferJob(cell, simulator, results.store.folder / TRANSFER / cell.id / simulator_id(simulator))
         for cell in cells
         for simulator in simulators
         if simulator != cell.simulator
@@ -128,6 +130,7 @@ def run_transfers(plan: TransferPlan, at_once: int, on_event: OnEvent = lambda e
 
     Raises:
         UsageError: The folder cannot be written, or another run is using it.
+        StorageError: The disk is full or fails.
     """
     if not plan.missing:
         return
@@ -142,7 +145,7 @@ def run_transfers(plan: TransferPlan, at_once: int, on_event: OnEvent = lambda e
         elif news.kind == "ended":
             on_event(TransferEvent("ended", job, _reason(job, news, plan.store)))
 
-    with plan.store.locked():
+    with storage_errors(plan.store.folder), plan.store.locked():
         _discard_partial(plan.store)
         try:
             run_orders([_order(job, plan.store) for job in plan.missing], at_once, tell)
@@ -212,5 +215,5 @@ def _reason(job: TransferJob, news: News, store: Store) -> str:
 
 def _discard_partial(store: Store) -> None:
     """Remove what a killed call left."""
-    for folder in (store.folder / FOLDER).glob("*/.*.partial"):
+    for folder in (store.folder / TRANSFER).glob("*/.*.partial"):
         shutil.rmtree(folder)

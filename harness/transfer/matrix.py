@@ -7,13 +7,13 @@ from typing import Any, NamedTuple, TypeAlias
 from harness.eta.headline import SUCCESS
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION
+from harness.record.folder import EVALUATION, TRANSFER
 from harness.record.returns import mean_return
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.results import Results
 from harness.results.combination import Group
-from harness.transfer.record import FOLDER, TransferRecord, policy_digest, read_transfer, simulator_id
+from harness.transfer.record import TransferRecord, policy_digest, read_transfer, simulator_id
 
 FORMAT = 1
 
@@ -107,9 +107,10 @@ def load_transfers(results: Results) -> Transfers:
     """One matrix per algorithm and reward; none where no policy was evaluated away from where it was trained.
 
     Raises:
-        SchemaError: A file is damaged or written by a newer version.
+        SchemaError: A file is damaged or written by a newer version; damaged transfers are told under `failed`.
     """
-    records = {cell: _records(results, cell) for cell in results.done_cells}
+    every = {cell: _records(results, cell) for cell in results.done_cells}
+    records = {cell: [record for record in found if record.status != "damaged"] for cell, found in every.items()}
     groups: dict[Group, list[Cell]] = {}
     for cell in records:
         groups.setdefault(Group.of(cell, compared="simulator"), []).append(cell)
@@ -118,14 +119,14 @@ def load_transfers(results: Results) -> Transfers:
         for group, cells in groups.items()
         if any(records[cell] for cell in cells)
     ]
-    failed = [Failure(cell, record) for cell, found in records.items() for record in found if record.status == "failed"]
+    failed = [Failure(cell, record) for cell, found in every.items() for record in found if record.status != "done"]
     return Transfers(tuple(matrices), tuple(failed))
 
 
 def _records(results: Results, cell: Cell) -> list[TransferRecord]:
     """Of the cell's policy as it is now, by simulator."""
     digest = policy_digest(results.store.cell_folder(cell))
-    found = [read_transfer(folder) for folder in sorted((results.folder / FOLDER / cell.id).glob("[!.]*"))]
+    found = [read_transfer(folder) for folder in sorted((results.folder / TRANSFER / cell.id).glob("[!.]*"))]
     return [record for record in found if record is not None and record.is_of(digest)]
 
 
@@ -202,7 +203,7 @@ def _evaluation(results: Results, cell: Cell, record: TransferRecord | None) -> 
     if record is None:
         folder = results.store.cell_folder(cell)
     else:
-        folder = results.folder / FOLDER / cell.id / simulator_id(record.simulator)
+        folder = results.folder / TRANSFER / cell.id / simulator_id(record.simulator)
     trace = read_trace(folder / EVALUATION)
     return Evaluation(results.measure(trace).get(SUCCESS), mean_return(trace))
 

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import digest_of
 from harness.record import forms
+from harness.record.cell_folder import require_files
 from harness.record.folder import MANIFEST, POLICY, WEIGHTS
 from harness.record.manifest import Ending, read_record
 from harness.registry.choice import Choice
-
-FOLDER = "transfer"
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class TransferRecord(Ending):
 
     def is_of(self, digest: str) -> bool:
         """Whether it tells of the policy that a cell has now; one that has none any more has no other."""
-        return digest in ("", self.policy)
+        return digest in ("", self.policy) or self.status == "damaged"
 
     FORMAT: ClassVar[int] = 2
 
@@ -47,13 +47,26 @@ class TransferRecord(Ending):
 
 
 def read_transfer(folder: Path) -> TransferRecord | None:
-    """The record in a transfer's folder; None where there is none.
+    """The record in a transfer's folder, with the status ``damaged`` if that is not what was written; None without one.
 
     Raises:
-        SchemaError: It is damaged or written by a newer version.
+        NewerFormat: A newer version wrote it.
     """
-    if not (folder / MANIFEST).is_file():
+    if not (folder / MANIFEST).exists():
         return None
+    try:
+        record = _read(folder)
+        require_files(folder, record)
+    except NewerFormat:
+        raise
+    except SchemaError as error:
+        name = folder.name.rpartition("-")[0]
+        reason = f"{error}; harness transfer does it again"
+        return TransferRecord(folder.parent.name, Choice(name, (), name), "", status="damaged", reason=reason)
+    return record
+
+
+def _read(folder: Path) -> TransferRecord:
     return read_record(folder, TransferRecord.FORMAT, "record of a transfer", forms.TRANSFER, _from_json)
 
 

@@ -18,7 +18,7 @@ import tomli_w
 
 from harness.errors import UsageError
 from harness.files.whole_file import is_partial, write_whole
-from harness.record.out_folder import folder_lock, make_folder
+from harness.record.out_folder import folder_lock, make_folder, refuse_links, storage_errors
 from harness.registry.toml_file import read_toml
 from harness.tune.tuning import Setup
 
@@ -34,7 +34,8 @@ def tuning_folder(folder: Path, setup: Setup) -> Iterator[None]:
     """
     _require_same(folder, setup)
     make_folder(folder)
-    with folder_lock(folder / LOCK, f"Another search is using '{folder}'"):
+    refuse_links(folder)
+    with storage_errors(folder), folder_lock(folder / LOCK, f"Another search is using '{folder}'"):
         write_whole(folder / TUNING, tomli_w.dumps({**setup.keys, "trials": setup.tuning.trials}))
         yield
 

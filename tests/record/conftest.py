@@ -10,11 +10,11 @@ from harness.experiment.draft import leave_record
 from harness.experiment.plan import Plan
 from harness.files.sums import note_made
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, partial_folder
+from harness.record.folder import EVALUATION, TRANSFER, partial_folder
 from harness.record.store import REPORT, Store
 from harness.registry.choice import Choice
 from harness.results import Results
-from harness.transfer.record import FOLDER, TransferRecord, simulator_id
+from harness.transfer.record import TransferRecord, simulator_id
 
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
 
@@ -47,7 +47,7 @@ def _run(
     (folder / REPORT).write_text("<html></html>\n")
     note_made(folder / REPORT)
     elsewhere = Choice("kinematic", (), "kinematic")
-    place = folder / FOLDER / cells[0].id / simulator_id(elsewhere)
+    place = folder / TRANSFER / cells[0].id / simulator_id(elsewhere)
     partial_folder(place).mkdir(parents=True)
     shutil.copy(Store(folder).cell_folder(cells[0]) / EVALUATION, partial_folder(place) / EVALUATION)
     leave_record(place, TransferRecord(cells[0].id, elsewhere, "", status="done"))

@@ -96,7 +96,7 @@ def test_failure_names_cell_simulator_and_reason():
     class Title:
         title: str
 
-    record = SimpleNamespace(simulator=choice("stuck"), reason="RuntimeError: it fell")
+    record = SimpleNamespace(simulator=choice("stuck"), status="failed", reason="RuntimeError: it fell")
     assert failure_lines([(Title("ideal · sac · arp · seed 0"), record)]) == [
         "failed: ideal · sac · arp · seed 0 in stuck: RuntimeError: it fell"
     ]

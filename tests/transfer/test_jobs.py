@@ -13,12 +13,12 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import NewerFormat, UsageError
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.workers import News, OnNews, Order
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, MANIFEST, POLICY, partial_folder
+from harness.record.folder import EVALUATION, MANIFEST, POLICY, TRANSFER, partial_folder
 from harness.record.manifest import read_manifest
 from harness.record.store import Store
 from harness.record.trace import read_trace
@@ -28,7 +28,7 @@ from harness.results import Results, load_results
 from harness.transfer.evaluation import evaluate_elsewhere
 from harness.transfer.jobs import plan_transfers, run_transfers, transfer
 from harness.transfer.matrix import Transfers, load_transfers
-from harness.transfer.record import FOLDER, read_transfer, simulator_id
+from harness.transfer.record import read_transfer, simulator_id
 
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
 """Acting at random reaches some targets; an arm that does not move reaches none."""
@@ -65,7 +65,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> list[Order]:
 
 def folder_of(results: Results, cell: Cell, simulator: str) -> Path:
     """Where the transfer of a cell's policy is."""
-    return results.folder / FOLDER / cell.id / simulator_id(choose(load_registry(), "simulators", simulator))
+    return results.folder / TRANSFER / cell.id / simulator_id(choose(load_registry(), "simulators", simulator))
 
 
 def success(transfers: Transfers, home: str, place: str) -> float | None:
@@ -166,7 +166,7 @@ def test_process_that_dies_costs_itself_alone(train: Train):
     reasons = {failure.record.reason for failure in transfers.failed}
     assert reasons == {"its process ended with exit status 3 before the evaluation did"}
     assert success(transfers, "ideal", "stuck") == 0.0
-    assert not list((results.folder / FOLDER).glob("*/.*"))
+    assert not list((results.folder / TRANSFER).glob("*/.*"))
 
 
 def test_killed_call_loses_what_it_was_at(train: Train, tmp_path: Path):
@@ -179,13 +179,13 @@ def test_killed_call_loses_what_it_was_at(train: Train, tmp_path: Path):
     note.read_text()  # comes when the first policy was in "stuck" and waits in the other
     call.send_signal(signal.SIGKILL)
     call.wait()
-    done = [folder for folder in (results.folder / FOLDER).glob("*/*") if read_transfer(folder)]
+    done = [folder for folder in (results.folder / TRANSFER).glob("*/*") if read_transfer(folder)]
     assert len(done) == 1
     kept = (done[0] / EVALUATION).stat()
     transfers = transfer(results.folder, "stuck")
     assert success(transfers, "ideal", "stuck") == 0.0
     assert (done[0] / EVALUATION).stat().st_mtime_ns == kept.st_mtime_ns
-    assert len(list((results.folder / FOLDER).glob("*/*"))) == 4
+    assert len(list((results.folder / TRANSFER).glob("*/*"))) == 4
 
 
 def test_policy_that_is_gone_fails_alone_and_what_was_known_stays(train: Train, here: list[Order]):
@@ -237,7 +237,7 @@ def test_bad_arguments_are_refused(train: Train, to: str, jobs: int | None, told
     results = train(seeds=1)
     with pytest.raises(UsageError, match=told.replace("?", r"\?")):
         transfer(results.folder, to, jobs)
-    assert not (results.folder / FOLDER).exists()
+    assert not (results.folder / TRANSFER).exists()
 
 
 def test_missing_plugins_are_refused(train: Train, monkeypatch: pytest.MonkeyPatch):
@@ -263,17 +263,31 @@ def test_folder_in_use_is_refused(train: Train):
         run_transfers(plan, 1)
 
 
-def test_damaged_and_newer_records_are_told(train: Train, here: list[Order]):
-    """With the file's name."""
+def test_newer_record_is_told(train: Train, here: list[Order]):
+    """With the file's name; it is not done again."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
     path = folder_of(results, results.done_cells[0], "stuck") / MANIFEST
     path.write_text(json.dumps({**json.loads(path.read_text()), "format": 99}))
-    with pytest.raises(SchemaError, match=r"manifest\.json has format 99"):
+    with pytest.raises(NewerFormat, match=r"manifest\.json has format 99"):
         load_transfers(results)
-    path.write_text("{")
-    with pytest.raises(SchemaError, match=r"manifest\.json is no readable record"):
-        load_transfers(results)
+
+
+@pytest.mark.parametrize("name", [MANIFEST, EVALUATION])
+def test_damaged_transfer_costs_itself_alone_and_is_done_again(train: Train, here: list[Order], name: str):
+    """It is a line beside the others."""
+    results = train(seeds=2)
+    transfer(results.folder, "stuck")
+    path = folder_of(results, results.done_cells[0], "stuck") / name
+    path.write_bytes(path.read_bytes()[:50])
+    found = load_transfers(results)
+    [failure] = found.failed
+    assert (failure.cell, failure.record.status) == (results.done_cells[0], "damaged")
+    assert str(path) in failure.record.reason
+    assert len(found.matrices) == 2
+    count = len(here)
+    assert transfer(results.folder, "stuck").failed == ()
+    assert len(here) == count + 1
 
 
 def test_reading_needs_no_plugin_s_engine(train: Train, here: list[Order]):

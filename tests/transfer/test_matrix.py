@@ -10,7 +10,7 @@ import pytest
 
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, POLICY
+from harness.record.folder import EVALUATION, POLICY, TRANSFER
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
@@ -18,7 +18,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
 from harness.results import Results
 from harness.transfer.matrix import TransferMatrix, load_transfers
-from harness.transfer.record import FOLDER, TransferRecord, policy_digest, simulator_id
+from harness.transfer.record import TransferRecord, policy_digest, simulator_id
 
 HOME, AWAY = Choice("ideal", (), "ideal"), Choice("stuck", (), "stuck")
 REASON = "RuntimeError: it fell"
@@ -57,7 +57,7 @@ def write_evaluation(folder: Path, reached: int) -> None:
 
 def visit(results: Results, cell: Cell, reached: int | None, simulator: Choice = AWAY) -> None:
     """Record that the cell's policy was evaluated there; None where that failed."""
-    folder = results.folder / FOLDER / cell.id / simulator_id(simulator)
+    folder = results.folder / TRANSFER / cell.id / simulator_id(simulator)
     folder.mkdir(parents=True)
     digest = policy_digest(results.store.cell_folder(cell))
     if reached is None:
