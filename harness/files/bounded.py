@@ -70,22 +70,23 @@ def _refuse(constant: str) -> Any:
 
 
 @contextmanager
-def reading(path: Path, noun: str) -> Iterator[None]:
+def reading(path: Path, noun: str, kind: type[HarnessError] = SchemaError) -> Iterator[None]:
     """Whatever a reader lets through becomes one line that names the file.
 
     Args:
         path: What is read.
         noun: What it should be, ``trace``.
+        kind: What is raised; `UsageError` where a user named the file.
 
     Raises:
-        SchemaError: The block raised something else than a `HarnessError`.
+        SchemaError: The block raised something else than a `HarnessError`; or `kind`, where it is another.
     """
     try:
         yield
     except HarnessError:
         raise
     except Exception as error:  # readers of other people's bytes raise anything
-        raise SchemaError(f"{path} is no readable {noun}: {one_line(error)}") from error
+        raise kind(f"{path} is no readable {noun}: {one_line(error)}") from error
 
 
 def digest_of(path: Path) -> str:
