@@ -11,7 +11,7 @@ marks without width, halves of characters, what has no meaning yet, and separato
 
 
 def visible(text: str, keep: str = "") -> str:
-    """The text with every character that is not seen, or that does something, as an escape: ``\\x1b``, ``\\u202e``.
+    r"""The text with every character that is not seen, or that does something, as an escape: ``\x1b``, ``\u202e``.
 
     Letters of all languages and ordinary blanks stay as they are.
 
