@@ -20,7 +20,7 @@ MOST_DEPTH = 20
 
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _DEEP_KEY = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_DEPTH}}}")
-"""A key of many parts, ``a.b.c``: tomllib takes minutes over one of ten thousand, so it is looked for before."""
+"""A key of many parts, ``a.b.c``: tomllib takes minutes over one of 100,000 parts, so it is looked for before."""
 
 
 def read_toml(path: Path, noun: str, overrides: Mapping[str, Any] = NONE) -> dict[str, Any]:
