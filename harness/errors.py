@@ -10,6 +10,8 @@ HarnessError
     └── NewerFormat       because a newer version wrote it
 """
 
+from harness.text import one_line_of
+
 
 class HarnessError(Exception):
     """Root of the tree: catching it catches whatever this project raises on purpose."""
@@ -52,8 +54,8 @@ class StorageError(HarnessError):
 
 
 def one_line(error: BaseException) -> str:
-    """The type and the message of an exception on one line, ``ValueError: no such thing``."""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}".removesuffix(": ")
+    """The type and the message of an exception on one line, ``ValueError: no such thing``; see `one_line_of`."""
+    return one_line_of(f"{type(error).__name__}: {error}").removesuffix(":")
 
 
 def sentence(noun: str) -> str:

@@ -44,3 +44,9 @@ def test_an_exception_fits_on_one_line(error: Exception, line: str):
 def test_a_sentence_keeps_the_capitals_of_a_path():
     """Only the first letter changes."""
     assert errors.sentence("experiment file 'A/b.toml'") == "Experiment file 'A/b.toml'"
+
+
+def test_an_exception_of_a_stranger_is_shown_escaped_and_cut():
+    """What it says may come from a file."""
+    assert errors.one_line(ValueError("\x1b]0;title\x07")) == "ValueError: \\x1b]0;title\\x07"
+    assert len(errors.one_line(ValueError("x" * 13_000))) == 300

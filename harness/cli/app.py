@@ -11,6 +11,7 @@ from harness.cli.commands import add_plugin_commands, names_of
 from harness.cli.describe import describe
 from harness.cli.doctor import doctor
 from harness.cli.eta import eta
+from harness.cli.lines import complain
 from harness.cli.names import list_names
 from harness.cli.parity import parity
 from harness.cli.plugins import plugins
@@ -19,11 +20,14 @@ from harness.cli.run import run
 from harness.cli.score import score
 from harness.cli.transfer import transfer
 from harness.cli.tune import tune
+from harness.cli.unexpected import describe_unexpected
 from harness.cli.verify import repair, verify
 from harness.errors import HarnessError, UsageError
 from harness.registry.registry import load_registry
 
 FAILED, USAGE = 1, 2
+UNFORESEEN = 70
+"""As EX_SOFTWARE of sysexits.h."""
 
 
 def _show_version(wanted: bool) -> None:
@@ -63,8 +67,30 @@ def build_app() -> typer.Typer:
 
 
 def main(args: list[str] | None = None) -> None:
-    """Entry point of ``harness``: 0 fine, 1 some cells failed, 2 a usage error, 130 interrupted."""
-    sys.exit(_run(sys.argv[1:] if args is None else args))
+    """Entry point of ``harness``.
+
+    Exit status: 0 fine, 1 some cells failed, 2 a usage error, 70 what nobody foresaw, 130 interrupted.
+    """
+    sys.exit(_answer(sys.argv[1:] if args is None else args))
+
+
+def _answer(args: list[str]) -> int:
+    """The exit status; what went wrong is said in one line."""
+    try:
+        return _run(args)
+    except TyperException as error:  # what typer refuses: an unknown option, a missing argument
+        if error.format_message():  # none where there is no argument at all, which shows the help
+            complain(error.format_message())
+        return error.exit_code
+    except UsageError as error:
+        complain(str(error))
+        return USAGE
+    except HarnessError as error:
+        complain(str(error))
+        return FAILED
+    except Exception as error:  # nobody's traceback on the screen
+        complain(describe_unexpected(error))
+        return UNFORESEEN
 
 
 def _run(args: list[str]) -> int:
@@ -73,20 +99,4 @@ def _run(args: list[str]) -> int:
     if not args or args[0] not in own:  # ours wait for no plugin
         add_plugin_commands(app, load_registry())
     command = typer.main.get_command(app)
-    try:
-        return command.main(args, prog_name="harness", standalone_mode=False, obj=own) or 0  # 130 when interrupted
-    except TyperException as error:  # what typer refuses: an unknown option, a missing argument
-        if error.format_message():  # none where there is no argument at all, which shows the help
-            _say(error.format_message())
-        return error.exit_code
-    except UsageError as error:
-        _say(str(error))
-        return USAGE
-    except HarnessError as error:
-        _say(str(error))
-        return FAILED
-
-
-def _say(message: str) -> None:
-    """One line on standard error."""
-    typer.echo(f"harness: {' '.join(message.split())}", err=True)
+    return command.main(args, prog_name="harness", standalone_mode=False, obj=own) or 0  # 130 when interrupted

@@ -55,9 +55,8 @@ def audit(
         shown = {"reward": names[0], "against": names[1], **setting, "verdict": verdict_of(found), **found.to_json()}
         typer.echo(json.dumps(shown, indent=1, allow_nan=False))
         return
-    from rich.console import Console
-
     from harness.audit.audit_table import audit_table
+    from harness.cli.terminal import show
 
     text = f"{label} · {robot} · {chosen.label} · {episodes} episodes of at most {world.horizon} steps"
-    Console().print(audit_table(found, names[0], text, names[1]))
+    show(audit_table(found, names[0], text, names[1]))

@@ -63,8 +63,7 @@ def _show(found: "Bench", as_json: bool) -> None:
 
         typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
     else:
-        from rich.console import Console
-
         from harness.bench.bench_table import bench_table
+        from harness.cli.terminal import show
 
-        Console().print(bench_table(found))
+        show(bench_table(found))

@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.lines import say
 from harness.errors import UsageError
 
 
@@ -26,4 +27,4 @@ def describe(
     kinds = ["robots"] if is_path(name) else [kind for kind in KINDS if (kind, bare) in registry.specs]
     if not kinds:
         raise UsageError(unknown_name("name", bare, {known for _, known in registry.specs}))
-    typer.echo("\n\n".join(describe_name(registry, kind, name, robot) for kind in kinds))
+    say("\n\n".join(describe_name(registry, kind, name, robot) for kind in kinds))

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.lines import say
 from harness.cli.options import CurveKind
 from harness.errors import UsageError
 
@@ -51,14 +52,13 @@ def eta(
         from harness.report.eta_page import write_eta_page
 
         write_eta_page(comparison, plot)
-        typer.echo(f"Figure: {plot}", err=True)
+        say(f"Figure: {plot}", err=True)
     if as_json:
         import json
 
         typer.echo(json.dumps(comparison.to_json(), indent=1, allow_nan=False))
     else:
-        from rich.console import Console
-
+        from harness.cli.terminal import show
         from harness.report.eta_table import eta_table
 
-        Console().print(eta_table(comparison))
+        show(eta_table(comparison))

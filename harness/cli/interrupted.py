@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import typer
+from harness.cli.lines import say
 
 
 @contextmanager
@@ -13,5 +13,5 @@ def kept_when_interrupted(kept: str, folder: Path) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        typer.echo(f"harness: interrupted: {kept} in '{folder}', the same command goes on from there", err=True)
+        say(f"harness: interrupted: {kept} in '{folder}', the same command goes on from there", err=True)
         raise

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.lines import say
 from harness.cli.options import ROBOT
 from harness.errors import UsageError
 
@@ -39,17 +40,16 @@ def parity(
         from harness.parity.page import write_parity
 
         write_parity(found, html)
-        typer.echo(f"Page: {html}", err=True)
+        say(f"Page: {html}", err=True)
     if as_json:
         import json
 
         typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
     else:
-        from rich.console import Console
-
+        from harness.cli.terminal import show
         from harness.parity.parity_table import parity_table
 
-        Console().print(parity_table(found))
+        show(parity_table(found))
     if found.failed:
         raise typer.Exit(1)
 

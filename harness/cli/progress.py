@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from harness.cli.terminal import Terminal
 from harness.executor import Event
 from harness.record.cell import Cell
 
@@ -16,9 +17,13 @@ class LiveProgress:
     """Call it with every event. Without a terminal it prints a line when a cell starts or ends."""
 
     def __init__(self, cells: Sequence[Cell], done: Collection[Cell], console: Console | None = None) -> None:
-        self._console = console or Console(stderr=True)
+        self._console = console or Terminal(stderr=True)
         self._progress = Progress(
-            TextColumn("{task.description}"), BarColumn(), StepSpeed(), TimeRemainingColumn(), console=self._console
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            StepSpeed(),
+            TimeRemainingColumn(),
+            console=self._console,
         )
         ended = {cell.id for cell in done}
         steps = sum(cell.steps for cell in cells if cell.id not in ended)

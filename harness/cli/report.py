@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.lines import complain, say
 from harness.cli.options import CurveKind
 
 
@@ -25,27 +26,26 @@ def report(
         from harness.report.html import write_html
 
         write_html(results, html)
-        typer.echo(f"Report: {html}", err=True)
+        say(f"Report: {html}", err=True)
     if summary is not None:
         from harness.report.summary.summary import write_summary
 
         write_summary(results, summary)
-        typer.echo(f"Summary: {summary}", err=True)
+        say(f"Summary: {summary}", err=True)
     if as_json:
         from harness.report.document import report_text
 
         typer.echo(report_text(results))
     elif html is None and summary is None:
-        from rich.console import Console
-
+        from harness.cli.terminal import show
         from harness.report.comparison_table import comparison_table
         from harness.report.transfer_table import transfer_table
         from harness.transfer.matrix import load_transfers
 
-        console, transfers = Console(), load_transfers(results)
-        console.print(comparison_table(results))
+        transfers = load_transfers(results)
+        show(comparison_table(results))
         if transfers.matrices:
-            console.print(transfer_table(transfers))
+            show(transfer_table(transfers))
     if results.damaged:
-        typer.echo(f"harness: damaged cells: {len(results.damaged)}; harness verify '{folder}' tells of them", err=True)
+        complain(f"damaged cells: {len(results.damaged)}; harness verify '{folder}' tells of them")
     return 1 if results.damaged else 0

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
+from harness.cli.lines import complain, say
 from harness.cli.options import CurveKind, ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
@@ -87,7 +88,7 @@ def run(
     folder = ready.store.folder
     with (
         kept_when_interrupted("finished cells are kept", folder),
-        ready.begin(lambda: typer.echo(f"harness: waiting for another run in '{folder}' to end", err=True)) as begun,
+        ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
         LiveProgress(ready.plan.cells, begun.done) as progress,
     ):
         results = begun.run(progress)
@@ -116,22 +117,21 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
 
 def _show(results: "Results") -> None:
     """The comparison on standard output; what was written too."""
-    from rich.console import Console
-
+    from harness.cli.terminal import show
     from harness.files.sums import note_made
     from harness.record.out_folder import storage_errors
     from harness.record.store import REPORT
     from harness.report.comparison_table import comparison_table
     from harness.report.html import write_html
 
-    Console().print(comparison_table(results))
+    show(comparison_table(results))
     with storage_errors(results.folder):
         results.write_table()
-    typer.echo(f"Results: {results.folder}")
+    say(f"Results: {results.folder}")
     try:
         with storage_errors(results.folder):
             write_html(results, results.folder / REPORT)
             note_made(results.folder / REPORT)
-        typer.echo(f"Report:  {results.folder / REPORT}")
+        say(f"Report:  {results.folder / REPORT}")
     except UsageError as error:  # the extra is missing: the results are there all the same
-        typer.echo(f"No {REPORT}: {error}")
+        say(f"No {REPORT}: {error}")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from harness.cli.lines import say
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def _score_files(
         _print_json({"files": written})
     else:
         for entry in written:
-            typer.echo(f"{entry['file']} -> {entry['scores']}")
+            say(f"{entry['file']} -> {entry['scores']}")
 
 
 def _write(recording: "Recording", rewards: "Iterable[Choice]", into: Path, registry: "Registry") -> None:
@@ -105,9 +106,8 @@ def _print_json(data: object) -> None:
 
 
 def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:
-    from rich.console import Console
-
+    from harness.cli.terminal import show
     from harness.report.score_table import score_table
 
-    Console().print(score_table(matrices))
-    typer.echo(f"Columns: scores.parquet in each folder of {results.store.folder / 'cells'}")
+    show(score_table(matrices))
+    say(f"Columns: scores.parquet in each folder of {results.store.folder / 'cells'}")

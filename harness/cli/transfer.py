@@ -45,11 +45,10 @@ def transfer(
 
         typer.echo(json.dumps(transfers.to_json(), indent=1, allow_nan=False))
     elif transfers.matrices:
-        from rich.console import Console
-
+        from harness.cli.terminal import show
         from harness.report.transfer_table import transfer_table
 
-        Console().print(transfer_table(transfers))
+        show(transfer_table(transfers))
     else:
         typer.echo("Nothing to evaluate: the policies were trained in the only simulator that there is.")
     return 1 if transfers.failed else 0

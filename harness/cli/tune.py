@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
+from harness.cli.lines import say
 from harness.cli.options import ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
@@ -131,21 +132,20 @@ def _watch(trials: int) -> "Watch":
         success, distance = outcome_text(trial)
         told = f": {trial.reason}" if trial.reason else f": success {success}, final distance {distance}"
         where = f"[trial {trial.number + 1}/{trials}] {' and '.join(rewards)}"
-        typer.echo(f"{where} · {params_text(trial)} · {trial.status}{told}", err=True)
+        say(f"{where} · {params_text(trial)} · {trial.status}{told}", err=True)
 
     return Watch(follow, tell)
 
 
 def _show(tuned: "Tuned", as_json: bool) -> None:
-    from rich.console import Console
-
+    from harness.cli.terminal import show
     from harness.tune.tuning_table import tuning_table
 
-    Console(stderr=as_json).print(tuning_table(tuned))  # standard output belongs to the JSON, where it is asked for
+    show(tuning_table(tuned), err=as_json)  # standard output belongs to the JSON, where it is asked for
     if tuned.file is None:
-        typer.echo("No setting to recommend: a search has no complete trial", err=as_json)
+        say("No setting to recommend: a search has no complete trial", err=as_json)
     else:
-        typer.echo(f"Tuned: {tuned.file} (next: harness run {tuned.file})", err=as_json)
+        say(f"Tuned: {tuned.file} (next: harness run {tuned.file})", err=as_json)
     if as_json:
         import json
 

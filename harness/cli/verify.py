@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.lines import say
+
 Folder = Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")]
 UNSOUND = 1
 
@@ -21,10 +23,10 @@ def verify(
         typer.echo(json.dumps({"format": 1, "problems": [problem.to_json() for problem in problems]}, indent=1))
     elif problems:
         for problem in problems:
-            typer.echo(f"{problem.path}: {problem.what}. What to do: {problem.remedy}.")
-        typer.echo(f"harness repair '{folder}' sets aside what is damaged")
+            say(f"{problem.path}: {problem.what}. What to do: {problem.remedy}.")
+        say(f"harness repair '{folder}' sets aside what is damaged")
     else:
-        typer.echo(f"'{folder}' is what was written")
+        say(f"'{folder}' is what was written")
     return UNSOUND if problems else 0
 
 
@@ -34,6 +36,6 @@ def repair(folder: Folder) -> None:
 
     actions = mend(folder)
     for action in actions:
-        typer.echo(f"{action.path}: {action.what}")
+        say(f"{action.path}: {action.what}")
     if not actions:
-        typer.echo(f"'{folder}' is what was written: there is nothing to repair")
+        say(f"'{folder}' is what was written: there is nothing to repair")

@@ -2,6 +2,7 @@
 
 import hashlib
 import itertools
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -23,10 +24,26 @@ from harness.robot import Robot
 from harness.robot.load import load_robot
 
 Given: TypeAlias = str | dict[str, Any]
-Names: TypeAlias = Annotated[list[Given], Field(min_length=1)]
-Count: TypeAlias = Annotated[int, Field(gt=0)]
-Seed: TypeAlias = Annotated[int, Field(ge=0)]
-Interval: TypeAlias = Annotated[int, Field(ge=0)]
+
+MOST_NAMES = 1_000
+"""In a list of simulators, algorithms or rewards."""
+MOST_SEEDS = 10_000
+"""Intervals no longer get narrower, and one training after the other they take a year."""
+LARGEST_SEED = 2**31 - 1
+"""What every generator takes; the null control adds as much again."""
+MOST_STEPS = 1_000_000_000
+"""Of a training: at 1,000 a second eleven days."""
+MOST_EPISODES = 100_000
+"""Of an evaluation: a share of successes is exact to 0.2 %."""
+MOST_CELLS = 100_000
+"""Of a plan; they are in memory, and each leaves a folder."""
+
+Names: TypeAlias = Annotated[list[Given], Field(min_length=1, max_length=MOST_NAMES)]
+SeedCount: TypeAlias = Annotated[int, Field(gt=0, le=MOST_SEEDS)]
+Steps: TypeAlias = Annotated[int, Field(gt=0, le=MOST_STEPS)]
+Episodes: TypeAlias = Annotated[int, Field(gt=0, le=MOST_EPISODES)]
+Seed: TypeAlias = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
+Interval: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 LISTS = ("sim", "algo", "reward")
 
 
@@ -43,19 +60,20 @@ class Experiment:
 
     sim: Annotated[Names, Field(description="simulators")]
     algo: Annotated[Names, Field(description="algorithms")]
-    reward: Annotated[list[Given], Field(description="proposed rewards; none: the baseline is trained alone")] = Field(
-        default_factory=_arp
-    )
+    reward: Annotated[
+        list[Given], Field(max_length=MOST_NAMES, description="proposed rewards; none: the baseline is trained alone")
+    ] = Field(default_factory=_arp)
     baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
     task: Annotated[Given, Field(description="the task")] = "fd100-reach"
     robot: Annotated[
         str | None, Field(description="the robot: a name, a URDF, or a folder with robot.toml; by default the task's")
     ] = None
     seeds: Annotated[
-        Count | Annotated[list[Seed], Field(min_length=1)], Field(description="how many seeds (0, 1, ...), or a list")
+        SeedCount | Annotated[list[Seed], Field(min_length=1, max_length=MOST_SEEDS)],
+        Field(description="how many seeds (0, 1, ...), or a list"),
     ] = 6
-    steps: Annotated[Count, Field(description="environment steps of training per cell")] = 5_000
-    evaluation_episodes: Annotated[Count, Field(description="episodes of an evaluation")] = 100
+    steps: Annotated[Steps, Field(description="environment steps of training per cell")] = 5_000
+    evaluation_episodes: Annotated[Episodes, Field(description="episodes of an evaluation")] = 100
     evaluate_every: Annotated[
         Interval, Field(description="environment steps from one evaluation to the next; 0: at the end alone")
     ] = 0
@@ -121,7 +139,8 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     An algorithm that takes discrete actions only gets a task with continuous ones in its discrete form.
 
     Raises:
-        UsageError: A name or parameter is unknown, a library is missing, or the robot cannot do the task.
+        UsageError: A name or parameter is unknown, a library is missing, the robot cannot do the task, or there are
+            more cells than `MOST_CELLS`.
     """
     simulators = _choose_each(registry, "simulators", experiment.sim)
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
@@ -132,10 +151,13 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     robot = _locate(experiment.robot or built.robot, registry)
     arm = load_robot(robot, registry)
     built.check(arm)
-    control = control_seeds(experiment.seed_list) if baseline in rewards else {}
+    seeds = experiment.seed_list
+    control = control_seeds(seeds) if baseline in rewards else {}
+    paid = dict.fromkeys([baseline, *rewards])
+    _require_few(len(seeds), len(simulators), len(algorithms), len(paid))
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
     matrix = [
-        *itertools.product(experiment.seed_list, simulators, algorithms, dict.fromkeys([baseline, *rewards])),
+        *itertools.product(seeds, simulators, algorithms, paid),
         *itertools.product(control.values(), simulators, algorithms, [baseline]),
     ]
     forms = {algorithm: _fit(algorithm, task, arm, registry, experiment.steps) for algorithm in algorithms}
@@ -156,6 +178,14 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     )
 
 
+def _require_few(seeds: int, simulators: int, algorithms: int, rewards: int) -> None:
+    """Raises UsageError where the matrix is too large; before it is made."""
+    count = seeds * simulators * algorithms * rewards
+    if count > MOST_CELLS:
+        factors = f"{seeds} seeds x {simulators} simulators x {algorithms} algorithms x {rewards} rewards"
+        raise UsageError(f"{factors} are {count:,} cells, {MOST_CELLS:,} are allowed. Make several experiments of it.")
+
+
 def _split_names(given: Any) -> Any:
     """Names one by one: ``"a,b:x=1"`` and ``["a", "b:x=1"]`` are the same; tables stand as they are."""
     if not isinstance(given, list):
@@ -167,7 +197,7 @@ def _split_names(given: Any) -> Any:
 def _locate(robot: str, registry: Registry) -> str:
     """A registered name as it is, a path in full: a cell means the same from any working directory."""
     path = Path(robot)
-    if robot in registry.names("robots") or not path.exists():
+    if robot in registry.names("robots") or not os.path.exists(path):  # no error, whatever the text
         return robot
     # A link to a URDF stays one: what lies beside it is looked for where the user says that it is.
     return str(path.resolve() if path.is_dir() else path.parent.resolve() / path.name)

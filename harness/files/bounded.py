@@ -3,6 +3,7 @@
 import errno
 import hashlib
 import json
+import math
 import os
 import stat
 from collections.abc import Iterator
@@ -47,7 +48,7 @@ def require_regular(path: Path, most: int) -> None:
 def read_bytes(path: Path, most: int = TEXT_BYTES) -> bytes:
     """All of a regular file; see `open_regular`."""
     with open_regular(path, most) as file:
-        return file.read(most)
+        return file.read()
 
 
 def read_text(path: Path, most: int = TEXT_BYTES) -> str:
@@ -75,9 +76,16 @@ def parse_json(text: bytes) -> Any:
         ValueError: As `read_json`.
     """
     try:
-        return json.loads(text.decode("utf-8"), parse_constant=_refuse)
+        return json.loads(text.decode("utf-8"), parse_constant=_refuse, parse_float=_finite)
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
+
+
+def _finite(number: str) -> float:
+    value = float(number)
+    if not math.isfinite(value):
+        raise ValueError(f"it holds {number}, which is beyond all numbers")
+    return value
 
 
 def _refuse(constant: str) -> Any:
@@ -85,22 +93,23 @@ def _refuse(constant: str) -> Any:
 
 
 @contextmanager
-def reading(path: Path, noun: str) -> Iterator[None]:
+def reading(path: Path, noun: str, kind: type[HarnessError] = SchemaError) -> Iterator[None]:
     """Whatever a reader lets through becomes one line that names the file.
 
     Args:
         path: What is read.
         noun: What it should be, ``trace``.
+        kind: What is raised; `UsageError` where a user named the file.
 
     Raises:
-        SchemaError: The block raised something else than a `HarnessError`.
+        SchemaError: The block raised something else than a `HarnessError`; or `kind`, where it is another.
     """
     try:
         yield
     except HarnessError:
         raise
     except Exception as error:  # readers of other people's bytes raise anything
-        raise SchemaError(f"{path} is no readable {noun}: {one_line(error)}") from error
+        raise kind(f"{path} is no readable {noun}: {one_line(error)}") from error
 
 
 def digest_of(path: Path) -> str:

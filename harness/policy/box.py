@@ -1,10 +1,13 @@
 """The box of continuous actions, on a card."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 Ends = tuple[float, ...]
+MOST_ACTIONS = 100
+"""At once: an arm has one for each of its joints."""
+LARGEST = 1e18
+"""Of the ends: their difference is finite in float32."""
 
 
 def describe_box(low: Ends, high: Ends) -> dict[str, Any]:
@@ -23,6 +26,8 @@ def box_of(card: Mapping[str, Any]) -> tuple[Ends, Ends]:
     low, high = ([float(end) for end in action[key]] for key in ("low", "high"))
     if not low or len(low) != len(high):
         raise ValueError(f"the actions have {len(low)} lower and {len(high)} upper ends")
-    if not all(math.isfinite(a) and math.isfinite(b) and a <= b for a, b in zip(low, high, strict=True)):
+    if len(low) > MOST_ACTIONS:
+        raise ValueError(f"there are {len(low):,} actions, {MOST_ACTIONS:,} are allowed")
+    if not all(-LARGEST <= a <= b <= LARGEST for a, b in zip(low, high, strict=True)):  # NaN is not either
         raise ValueError(f"no action lies between {low} and {high}")
     return tuple(low), tuple(high)

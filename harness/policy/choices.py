@@ -3,6 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+MOST_CHOICES = 100_000
+"""Three for each of ten joints together are 59,049."""
+
 
 def describe_choices(choices: int) -> dict[str, Any]:
     """What a card says of the actions."""
@@ -19,4 +22,6 @@ def choices_of(card: Mapping[str, Any]) -> int:
     choices = int(card["action"]["choices"])
     if choices < 1:
         raise ValueError(f"{choices} choices leave none")
+    if choices > MOST_CHOICES:
+        raise ValueError(f"there are {choices:,} choices, {MOST_CHOICES:,} are allowed")
     return choices

@@ -1,6 +1,5 @@
 """What TD3 and DDPG learn."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
@@ -8,6 +7,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from harness.arrays import Float32
+from harness.policy.box import LARGEST
 from harness.policy.continuous import ContinuousNetwork
 
 
@@ -42,6 +42,6 @@ class Deterministic(ContinuousNetwork):
     def from_card(cls, card: Mapping[str, Any], weights: Mapping[str, Float32]) -> Self:
         """See `harness.policy.policy.Policy.from_card`."""
         noise = float(card["noise"])
-        if not 0.0 <= noise < math.inf:
-            raise ValueError(f"noise is {noise}, not a number from 0 on")
+        if not 0.0 <= noise <= LARGEST:
+            raise ValueError(f"noise is {noise}, not a number from 0 to {LARGEST:g}")
         return replace(super().from_card(card, weights), noise=noise)

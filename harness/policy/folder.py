@@ -10,9 +10,16 @@ import safetensors.numpy
 
 from harness.arrays import Float32
 from harness.errors import SchemaError
+from harness.files.bounded import read_bytes, read_json
 from harness.record.folder import CARD, WEIGHTS
 
 FORMAT = 2
+MOST_CARD_BYTES = 2**20
+"""Of a card: ours have two thousand, most of them the training cell."""
+MOST_WEIGHT_BYTES = 64 * 2**20
+"""Of the arrays: those of three layers of 2,048, and 100 times what reaching takes."""
+MOST_HEADER_BYTES = 2**20
+"""Of the names and shapes before the arrays: 10,000 of them."""
 Weights = Mapping[str, Float32]
 
 
@@ -31,16 +38,33 @@ def read_folder(folder: Path) -> tuple[dict[str, Any], Weights]:
     Raises:
         SchemaError: A later version wrote it.
     """
-    card = json.loads((folder / CARD).read_text())
+    card = read_json(folder / CARD, MOST_CARD_BYTES)
     if card["format"] > FORMAT:
         raise SchemaError(f"{folder / CARD} has format {card['format']}, this version reads up to {FORMAT}")
-    weights = safetensors.numpy.load_file(folder / WEIGHTS)
     if card["format"] == 1:
         card = _from_format_1(card)
+    if not isinstance(card["algorithm"], str):
+        raise ValueError(f"the algorithm is {card['algorithm']!r}, no text")
+    return card, _read_weights(folder / WEIGHTS)
+
+
+def _read_weights(path: Path) -> Weights:
+    """The arrays.
+
+    Raises:
+        ValueError: Their names alone are too many, or an array is not of float32, or has no numbers.
+    """
+    content = read_bytes(path, MOST_WEIGHT_BYTES)
+    header = int.from_bytes(content[:8], "little")
+    if header > MOST_HEADER_BYTES:
+        raise ValueError(f"the header of {path.name} has {header:,} bytes, {MOST_HEADER_BYTES:,} are allowed")
+    weights = safetensors.numpy.load(content)
     for name, array in weights.items():
         if array.dtype != np.float32:
             raise ValueError(f"{name} is {array.dtype}, not float32")
-    return card, weights
+        if not array.size:
+            raise ValueError(f"{name} has no numbers, {array.shape}")
+    return weights
 
 
 def _from_format_1(card: Mapping[str, Any]) -> dict[str, Any]:

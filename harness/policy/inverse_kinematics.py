@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.arrays import Float, Float32
 from harness.motion.limits import JointLimits
+from harness.policy.box import LARGEST
 from harness.policy.policy import Policy
 from harness.policy.uniform import Uniform
 from harness.robot import Robot
@@ -21,6 +22,8 @@ MODES = ("movej", "movej-absolute", "set-joints")
 """Action modes that it acts in; see `harness.motion`."""
 
 KINDS = ("revolute", "continuous", "prismatic")
+LONGEST_PERIOD = 1e3
+"""[s]; ours is a fiftieth."""
 SHAPES = {"joints": (4, 4), "axes": (3,), "lower": (), "upper": (), "max_speed": (), "max_change": ()}
 """Of each array's part for one joint."""
 
@@ -103,10 +106,17 @@ class InverseKinematics(Policy):
             raise ValueError(f"no arm has the joints {kinds}")
         if card["mode"] not in MODES:
             raise ValueError(f"no action mode {card['mode']!r}; there is: {', '.join(MODES)}")
+        period = float(card["period"])
+        if not 0.0 < period <= LONGEST_PERIOD:
+            raise ValueError(f"the period is {period} s, not above 0 and at most {LONGEST_PERIOD:g} s")
         for name, shape in {**{name: (len(kinds), *part) for name, part in SHAPES.items()}, "tip": (4, 4)}.items():
-            if weights[name].shape != shape or not np.isfinite(weights[name]).all():
+            if weights[name].shape != shape or not (np.abs(weights[name]) <= LARGEST).all():  # NaN is not either
                 raise ValueError(f"{name} is {weights[name].shape}, not finite numbers {shape}")
-        return cls(weights, kinds, card["mode"], float(card["period"]), card["robot"], card["algorithm"])
+        lower, upper, speed, change = (weights[name] for name in ("lower", "upper", "max_speed", "max_change"))
+        if not ((lower <= upper) & (speed > 0.0) & (change > 0.0)).all():
+            raise ValueError("a joint has no range, no speed or no acceleration")
+        robot = {str(key): str(value) for key, value in card["robot"].items()}
+        return cls(weights, kinds, card["mode"], period, robot, card["algorithm"])
 
     def _speed(self, room: Float) -> Float:
         """Speeds, (n, dof), that end the way `room` in this period, or are as high as stopping at its end allows."""

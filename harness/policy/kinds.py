@@ -2,9 +2,7 @@
 
 from pathlib import Path
 
-import safetensors
-
-from harness.errors import SchemaError
+from harness.errors import HarnessError, SchemaError
 from harness.policy.categorical import Categorical
 from harness.policy.deterministic import Deterministic
 from harness.policy.folder import read_folder
@@ -15,6 +13,7 @@ from harness.policy.policy import Policy
 from harness.policy.squashed_gaussian import SquashedGaussian
 from harness.policy.uniform import Uniform
 from harness.policy.uniform_choice import UniformChoice
+from harness.text import one_line_of
 
 KINDS: tuple[type[Policy], ...] = (
     SquashedGaussian,
@@ -50,7 +49,9 @@ def load_policy(folder: Path) -> Policy:
     try:
         card, weights = read_folder(folder)
         return kind_named(card["kind"]).from_card(card, weights)
+    except HarnessError:
+        raise
     except KeyError as error:
         raise SchemaError(f"{folder} holds no readable policy: {error} is missing") from error
-    except (OSError, ValueError, TypeError, AttributeError, ArithmeticError, safetensors.SafetensorError) as error:
-        raise SchemaError(f"{folder} holds no readable policy: {error}") from error
+    except Exception as error:  # bytes of anybody: any exception of numpy, safetensors and Python's numbers
+        raise SchemaError(f"{folder} holds no readable policy: {one_line_of(str(error))}") from error

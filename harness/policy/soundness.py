@@ -25,6 +25,8 @@ def require_sound(network: Network, outputs: int) -> None:
     width = None
     for index in range(1 + max(layers, default=-1)):
         width = _outputs_of(network, f"hidden.{index}", width)
+    if network.depth > len(layers):
+        raise ValueError("a hidden layer is there twice")
     for head in network.heads:
         if _outputs_of(network, head, width) != outputs:
             raise ValueError(f"{head} does not have {outputs} outputs")

@@ -14,6 +14,8 @@ from harness.hookspecs import NOUNS
 from harness.registry.parameters import build, parameters_of, resolved
 from harness.registry.registry import Registry
 
+LONGEST = 10_000
+"""Characters of a name with its parameters: a hundred times what a reward has."""
 SYNTAX = "write name or name:key=value,key=value"
 _NAME_WITH_PARAMS = re.compile(r"[\w-]+:\w+=")
 
@@ -38,7 +40,14 @@ class Choice:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> "Choice":
-        """The choice that `to_json` wrote."""
+        """The choice that `to_json` wrote.
+
+        Raises:
+            ValueError: Its name or label has several lines, which would be taken for lines of ours.
+        """
+        for text in (data["name"], data["label"]):
+            if not isinstance(text, str) or not _is_line(text):
+                raise ValueError(f"{text!r} is no name")
         params = tuple((key, _frozen(value)) for key, value in data["params"].items())
         return cls(data["name"], params, data["label"])
 
@@ -94,10 +103,14 @@ def split_list(given: str | Iterable[str]) -> list[str]:
 
     A comma starts a new name unless ``key=value`` follows, which belongs to the name before it. Commas in parentheses
     stay.
+
+    Raises:
+        UsageError: A text is too long.
     """
     texts = [given] if isinstance(given, str) else list(given)
     names: list[str] = []
     for text in texts:
+        _require_short(text)
         for index, part in enumerate(_split(text)):
             belongs = index > 0 and "=" in part and ":" not in part.split("=")[0]
             if belongs and ":" in names[-1]:
@@ -111,8 +124,9 @@ def parse(text: str) -> tuple[str, dict[str, str]]:
     """Split ``name:key=value,key=value`` into the name and its parameters, still text.
 
     Raises:
-        UsageError: The text is malformed.
+        UsageError: The text is malformed, or too long.
     """
+    _require_short(text)
     name, colon, rest = text.partition(":")
     if not name or "=" in name or (colon and not rest) or text.count("(") != text.count(")"):
         raise UsageError(f"'{text}' is malformed: {SYNTAX}")
@@ -127,6 +141,11 @@ def parse(text: str) -> tuple[str, dict[str, str]]:
     return name.strip(), params
 
 
+def _require_short(text: str) -> None:
+    if len(text) > LONGEST:
+        raise UsageError(f"'{text[:20]}...' has {len(text):,} characters, {LONGEST:,} are allowed: {SYNTAX}")
+
+
 def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> tuple[Choice, Any]:
     """The choice, and what was built to check it: a name inside a name costs no second one."""
     name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
@@ -138,7 +157,14 @@ def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, A
     values, changed = resolved(target, built, noun)
     text = ",".join(f"{key}={_text(value)}" for key, value in changed.items())
     frozen = tuple((key, _frozen(value)) for key, value in values.items())
-    return Choice(name, frozen, f"{name}:{text}" if text else name), built
+    label = f"{name}:{text}" if text else name
+    if not _is_line(label):
+        raise UsageError(f"'{label}' has line breaks: {SYNTAX}")
+    return Choice(name, frozen, label), built
+
+
+def _is_line(text: str) -> bool:
+    return text.splitlines() in ([], [text])
 
 
 def _split(text: str) -> list[str]:

@@ -11,6 +11,10 @@ import pydantic
 
 from harness.errors import PluginError, UsageError, sentence
 from harness.registry.registry import Registry, did_you_mean
+from harness.text import shortened
+
+SHOWN = 100
+"""Characters of a value that is refused."""
 
 
 @dataclass(frozen=True)
@@ -144,11 +148,14 @@ def _type_name(hint: Any) -> str:
 
 
 def _first_problem(error: pydantic.ValidationError) -> str:
-    """The problem that lies deepest: of the alternatives that a field allows, the one that was meant."""
-    problem = max(error.errors(), key=lambda problem: len(problem["loc"]))
+    """The problem that lies deepest: of the alternatives that a field allows, the one that was meant.
+
+    What has the right type and the wrong value was meant rather than what has another type.
+    """
+    problem = max(error.errors(), key=lambda problem: (len(problem["loc"]), not problem["type"].endswith("_type")))
     field, *inner = problem["loc"] or ("",)
     where = ".".join([str(field), *(str(part) for part in inner if isinstance(part, int))])
     message = problem["msg"].removeprefix("Value error, ")
     if problem["type"] == "missing":
         return f"{where}: {message}"
-    return f"{where}={problem['input']!r}: {message}" if where else message
+    return f"{where}={shortened(repr(problem['input']), SHOWN)}: {message}" if where else message

@@ -1,5 +1,6 @@
 """From a name or a path to a robot."""
 
+import os
 from pathlib import Path
 
 from harness.errors import UsageError
@@ -20,7 +21,7 @@ def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Ro
     """
     text = str(name_or_path)
     if is_path(name_or_path):
-        if not Path(text).exists():
+        if not os.path.exists(text):  # no error, whatever the text
             raise UsageError(
                 f"No robot at '{text}': name a URDF, a folder that holds robot.toml, or a registered robot"
             )

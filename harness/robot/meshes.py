@@ -1,7 +1,8 @@
 """Mesh files: where a URDF's name for one leads, and the surface in an STL or OBJ."""
 
+import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -12,9 +13,20 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.files.bounded import read_bytes
+from harness.text import one_line_of
 
 HEADER = 84
 """Bytes of a binary STL before its first triangle; the last four say how many there are."""
+MOST_BYTES = 64 * 2**20
+"""Of a file: a binary STL of `MOST_TRIANGLES` has 48 MiB, one in text of a quarter of them has as much."""
+MOST_TRIANGLES = 1_000_000
+"""Of a surface: a link drawn in detail has a tenth of it, and what collides is the hull."""
+LONGEST_LINE = 1_000
+"""Bytes that are read of the line of a point."""
+LARGEST = 1e9
+"""Of a point's coordinates, in whatever unit: in micrometres a kilometre."""
+NO_POINTS = f"it holds no points, or some that are not finite or beyond {LARGEST:g}"
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -33,7 +45,7 @@ def locate_mesh(name: str, folder: Path) -> Path:
         An absolute path.
 
     Raises:
-        UsageError: There is no such file; says where it was looked for.
+        UsageError: There is no such file, or it is too large; says where it was looked for.
     """
     scheme, separator, rest = name.rpartition("://")
     if separator and scheme not in {"package", "model", "file"}:
@@ -45,13 +57,21 @@ def locate_mesh(name: str, folder: Path) -> Path:
     else:
         places = [folder / rest]
     for place in places:
-        if place.is_file():
+        if os.path.isfile(place):  # no error, whatever the name
+            _require_small(place)
             return place
     raise UsageError(
         f"has the mesh '{name}', and there is no file '{places[0]}'"
         f"{', nor one in the folders around it' if len(places) > 1 else ''}. "
         "Put it there, or take its <visual> or <collision> out of the URDF."
     )
+
+
+def _require_small(path: Path) -> None:
+    """Also what only an engine reads, and not `read_mesh`, has to be of a size that can be read."""
+    size = path.stat().st_size
+    if size > MOST_BYTES:
+        raise UsageError(f"has the mesh '{path}' of {size:,} bytes, {MOST_BYTES:,} are allowed. Simplify it.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,24 +94,23 @@ def read_mesh(path: Path) -> Mesh:
         path: An STL file, binary or text, or a Wavefront OBJ, whose objects are taken as one.
 
     Raises:
-        UsageError: The file cannot be read, is of another format, or holds no points that are finite.
+        UsageError: The file cannot be read, is of another format or too large, or holds no points that are finite.
     """
     if not is_readable(path):
         raise UsageError(f"'{path}' is no STL or OBJ file. Convert it: other meshes cannot be collided with.")
     try:
         return _read(path, path.stat().st_mtime_ns)
-    except (OSError, ValueError) as error:
-        raise UsageError(f"'{path}' cannot be read as a mesh ({error}). Export it again.") from error
+    except Exception as error:  # bytes of anybody: too large for a number's type, for the memory, ...
+        problem = error.strerror if isinstance(error, OSError) and error.strerror else one_line_of(str(error))
+        raise UsageError(f"'{path}' cannot be read as a mesh ({problem}). Export it again.") from error
 
 
 @lru_cache(maxsize=128)
 def _read(path: Path, modified: int) -> Mesh:
     """The surface in a file that was `modified` then: an arm is read several times, and its meshes take longest."""
-    mesh = READERS[path.suffix.lower()](path.read_bytes())
-    if not mesh.vertices.size or not np.isfinite(mesh.vertices).all():
-        raise ValueError("it holds no points, or some that are not finite")
-    if mesh.faces.size and not 0 <= mesh.faces.min() <= mesh.faces.max() < len(mesh.vertices):
-        raise ValueError("it has triangles with corners that it does not have")
+    mesh = READERS[path.suffix.lower()](read_bytes(path, MOST_BYTES))
+    if not mesh.vertices.size or not (np.abs(mesh.vertices) <= LARGEST).all():  # NaN is not either
+        raise ValueError(NO_POINTS)
     mesh.vertices.flags.writeable = mesh.faces.flags.writeable = False
     return mesh
 
@@ -102,7 +121,7 @@ def is_readable(path: Path) -> bool:
 
 
 def _read_stl(data: bytes) -> Mesh:
-    corners = _corners_of_binary(data) if _is_binary_stl(data) else _rows(data, b"vertex")
+    corners = _corners_of_binary(data) if _is_binary_stl(data) else _points(data, b"vertex")
     if len(corners) % 3:
         raise ValueError("its last triangle is not complete")
     vertices, numbers = np.unique(corners, axis=0, return_inverse=True)
@@ -117,9 +136,14 @@ def _is_binary_stl(data: bytes) -> bool:
 
 
 def _corners_of_binary(data: bytes) -> Float:
-    triangles = np.frombuffer(data, TRIANGLE, count=_count_of(data), offset=HEADER)
-    corners: Float = triangles["corners"].reshape(-1, 3).astype(np.float64)
-    return corners
+    count = _count_of(data)
+    if count > MOST_TRIANGLES:
+        raise _too_many(count)
+    corners = np.frombuffer(data, TRIANGLE, count=count, offset=HEADER)["corners"].reshape(-1, 3)
+    if not np.isfinite(corners).all():
+        raise ValueError(NO_POINTS)
+    exact: Float = corners.astype(np.float64)
+    return exact
 
 
 def _count_of(data: bytes) -> int:
@@ -127,19 +151,46 @@ def _count_of(data: bytes) -> int:
 
 
 def _read_obj(data: bytes) -> Mesh:
-    vertices, faces = _rows(data, b"v"), []
-    for line in re.findall(rb"^f[ \t]+(.+)$", data, re.MULTILINE):
-        first, *others = (int(corner.partition(b"/")[0]) for corner in line.split())
-        faces += [(first, one, next_one) for one, next_one in pairwise(others)]  # a polygon is a fan of triangles
-    numbers = np.array(faces, dtype=np.int32).reshape(-1, 3)
+    vertices = _points(data, b"v")
+    numbers = np.fromiter(_corners_of_obj(data), np.int64).reshape(-1, 3)
     # They begin with 1; what is below 0 is counted from the end, as most files with it list all points first.
-    return Mesh(vertices, np.where(numbers < 0, numbers + len(vertices), numbers - 1))
+    corners = np.where(numbers < 0, numbers + len(vertices), numbers - 1)
+    if corners.size and not 0 <= corners.min() <= corners.max() < len(vertices):
+        raise ValueError("it has triangles with corners that it does not have")
+    return Mesh(vertices, corners.astype(np.int32))
 
 
-def _rows(data: bytes, word: bytes) -> Float:
+def _corners_of_obj(data: bytes) -> Iterator[int]:
+    """Numbers of the corners of all triangles, three by three; a polygon is a fan of triangles."""
+    count = 0
+    for line in re.finditer(rb"^f[ \t]+(.+)$", data, re.MULTILINE):
+        corners = (int(corner[0].partition(b"/")[0]) for corner in re.finditer(rb"\S+", line[1]))
+        first = next(corners)
+        for one, next_one in pairwise(corners):
+            count += 1
+            if count > MOST_TRIANGLES:
+                raise _too_many(count)
+            yield from (first, one, next_one)
+
+
+def _points(data: bytes, word: bytes) -> Float:
     """The three numbers behind `word` in each line that begins with it; more than three are left."""
-    lines = re.findall(rb"^[ \t]*" + word + rb"[ \t]+(.+)$", data, re.MULTILINE)
-    return np.array([line.split()[:3] for line in lines], dtype=np.float64).reshape(-1, 3)
+    return np.fromiter(_numbers(data, word), np.float64).reshape(-1, 3)
+
+
+def _numbers(data: bytes, word: bytes) -> Iterator[float]:
+    if (count := data.count(b"\n" + word + b" ")) > 3 * MOST_TRIANGLES:  # most of such files are found at once
+        raise _too_many(count // 3)
+    lines = re.finditer(rb"^[ \t]*" + word + rb"[ \t]+([^\n]{1,%d})" % LONGEST_LINE, data, re.MULTILINE)
+    for count, line in enumerate(lines):
+        if count == 3 * MOST_TRIANGLES:
+            raise _too_many(count // 3)
+        x, y, z = line[1].split(None, 3)[:3]
+        yield from (float(x), float(y), float(z))
+
+
+def _too_many(count: int) -> ValueError:
+    return ValueError(f"it has {count:,} triangles or more, {MOST_TRIANGLES:,} are allowed")
 
 
 READERS: Mapping[str, Callable[[bytes], Mesh]] = {".stl": _read_stl, ".obj": _read_obj}

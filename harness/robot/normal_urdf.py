@@ -14,7 +14,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot.kinematics import build_chain, forward
 from harness.robot.meshes import locate_mesh
-from harness.robot.urdf import Joint, JointKind, Urdf, linked, read_axis, read_number, read_vector
+from harness.robot.urdf import LARGEST, Joint, JointKind, Urdf, linked, read_axis, read_number, read_vector
 
 NEXT_TO_NO_MASS = ElementTree.fromstring("""<inertial><mass value="1e-6"/>
 <inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial>""")
@@ -24,6 +24,10 @@ SMALLEST_MOMENT = 1e-9
 """[kg m^2]."""
 ROUNDING = 1e-3
 """Of the moments in a URDF, as a share of them."""
+MOST_SHAPES = 1_000
+"""Collisions and visuals of all links together: a hundred for each link of an arm."""
+MOST_MESH_BYTES = 512 * 2**20
+"""Of the files of all of these together, each as often as it is named."""
 
 
 def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
@@ -41,15 +45,19 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
         A URDF; `urdf` itself where there was nothing to do.
 
     Raises:
-        UsageError: A mesh is not there, or a joint to be fixed cannot be computed with.
+        UsageError: A mesh is not there, a joint to be fixed cannot be computed with, or there are too many shapes.
     """
+    _require_few_shapes(urdf)
     robot = deepcopy(urdf.element)
     for joint in robot.findall("joint"):
         if joint.get("name") not in driven and joint.get("type") != "fixed":
             _fix(joint)
+    size = 0
     for link in robot.findall("link"):
         _give_mass(link)
-        _locate_meshes(link, folder)
+        size += _locate_meshes(link, folder)
+    if size > MOST_MESH_BYTES:
+        raise UsageError(f"The meshes have {size:,} bytes together, {MOST_MESH_BYTES:,} are allowed. Simplify them.")
     text = ElementTree.tostring(robot, encoding="unicode")
     return urdf if text == ElementTree.tostring(urdf.element, encoding="unicode") else Urdf(text, robot)
 
@@ -130,14 +138,26 @@ def _number(link: Element, inertial: Element, tag: str, attribute: str) -> float
         number = float(text)
     except ValueError:
         number = math.nan
-    if not math.isfinite(number):
-        raise UsageError(f"Link '{link.get('name')}' has '{text}' in <{tag} {attribute}=...>. Give a finite number.")
+    if not abs(number) <= LARGEST:  # NaN is not either
+        given = f"Link '{link.get('name')}' has '{text}' in <{tag} {attribute}=...>"
+        raise UsageError(f"{given}. Give a finite number of at most {LARGEST:g}.")
     return number
 
 
-def _locate_meshes(link: Element, folder: Path) -> None:
+def _require_few_shapes(urdf: Urdf) -> None:
+    count = sum(len(link.findall(tag)) for link in urdf.links.values() for tag in ("collision", "visual"))
+    if count > MOST_SHAPES:
+        raise UsageError(f"The URDF has {count:,} shapes, {MOST_SHAPES:,} are allowed. Simplify it.")
+
+
+def _locate_meshes(link: Element, folder: Path) -> int:
+    """Writes where the link's meshes are; how many bytes they have."""
+    total = 0
     for mesh in link.iter("mesh"):
         try:
-            mesh.set("filename", str(locate_mesh(mesh.get("filename", ""), folder)))
+            path = locate_mesh(mesh.get("filename", ""), folder)
         except UsageError as error:
             raise UsageError(f"Link '{link.get('name')}' {error}") from error
+        mesh.set("filename", str(path))
+        total += path.stat().st_size
+    return total

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.files.bounded import read_text, reading
 from harness.robot.chain_end import find_chain_end
 from harness.robot.joint_limits import describe_origin, read_joint_limits
 from harness.robot.kinematics import Chain, build_chain, chain_length, end_effector_position, position_jacobian
@@ -21,6 +22,8 @@ from harness.robot.shapes import Shape, attach_shapes, read_shapes
 from harness.robot.urdf import Joint, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
+MOST_BYTES = 4 * 2**20
+"""Of a URDF: 200 for each of the elements that it may have. A humanoid's has a fifth of a megabyte."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +129,11 @@ def read_robot(path: Path) -> Robot:
     Raises:
         UsageError: A file cannot be read or says something that cannot be; the message names the file.
     """
+    with reading(path, "robot", UsageError):
+        return _read_robot(path)
+
+
+def _read_robot(path: Path) -> Robot:
     settings, urdf_path = _find_files(path)
     with _naming(urdf_path):
         given = parse_urdf(_read_text(urdf_path))
@@ -183,7 +191,7 @@ def _find_in_folder(folder: Path) -> tuple[RobotSettings, Path]:
 
 def _read_text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        return read_text(path, MOST_BYTES)
     except OSError as error:
         raise UsageError(f"cannot be read ({error.strerror}). A robot is a URDF and its {FILE}.") from error
     except UnicodeDecodeError as error:

@@ -11,9 +11,12 @@ from typing import Any, Literal
 
 from harness.errors import UsageError
 from harness.registry.toml_file import read_toml
-from harness.robot.urdf import Joint
+from harness.robot.urdf import LARGEST, Joint
+from harness.text import shortened
 
 FILE = "robot.toml"
+SHOWN = 100
+"""Characters of a value that is refused."""
 TEXT_KEYS = ("name", "urdf", "end_effector")
 
 Quantity = Literal["home", "max_speed", "max_acceleration"]
@@ -64,7 +67,8 @@ class RobotSettings:
         values = self.entries[key]
         if not isinstance(values, list) or not all(_is_finite_number(value) for value in values):
             raise UsageError(
-                f"{self.path}: {key} is {values!r}. Give a list of {count} finite numbers, one per {motion} joint."
+                f"{self.path}: {key} is {_shown(values)}. "
+                f"Give a list of {count} finite numbers, one per {motion} joint."
             )
         if len(values) != count:
             raise UsageError(
@@ -85,7 +89,7 @@ def read_settings(path: Path) -> RobotSettings:
         raise UsageError(f"{path}: unknown {', '.join(unknown)}. The keys are {', '.join(KEYS)}.")
     for key in entries.keys() & set(TEXT_KEYS):
         if not isinstance(entries[key], str) or not entries[key]:
-            raise UsageError(f"{path}: {key} is {entries[key]!r}. Give a text that is not empty, in quotes.")
+            raise UsageError(f"{path}: {key} is {_shown(entries[key])}. Give a text that is not empty, in quotes.")
     return RobotSettings(path, entries)
 
 
@@ -100,4 +104,8 @@ def shown(value: float, joint: Joint) -> str:
 
 
 def _is_finite_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
+
+
+def _shown(given: object) -> str:
+    return shortened(repr(given), SHOWN)

@@ -3,7 +3,6 @@
 Reference: http://wiki.ros.org/urdf/XML/link
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,7 +15,8 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot.kinematics import read_only, transform
 from harness.robot.meshes import read_mesh
-from harness.robot.urdf import Urdf, Vector, linked
+from harness.robot.urdf import LARGEST, Urdf, Vector, linked
+from harness.text import shortened
 
 ShapeKind = Literal["box", "cylinder", "capsule", "sphere", "mesh"]
 
@@ -170,9 +170,10 @@ def read_origin(element: Element, owner: str) -> Float:
 
 def _numbers(text: str, count: int, where: str, owner: str) -> list[float]:
     try:
-        numbers = [float(word) for word in text.split()]
+        numbers = [float(word) for word in text.split(None, count)]
     except ValueError:
         numbers = []
-    if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
-        raise UsageError(f"{owner} has {text!r} in {where}, where {count} finite numbers belong. Correct it.")
+    if len(numbers) != count or not all(abs(number) <= LARGEST for number in numbers):  # NaN is not either
+        belongs = f"where {count} finite numbers belong, of at most {LARGEST:g}"
+        raise UsageError(f"{owner} has {shortened(repr(text), 60)} in {where}, {belongs}. Correct it.")
     return numbers

@@ -4,6 +4,7 @@ Only what kinematics needs is read: joints, their frames, axes and limits. Refer
 """
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,6 +18,43 @@ JointKind = Literal["fixed", "revolute", "continuous", "prismatic"]
 KINDS = (*get_args(JointKind), "planar", "floating")
 """All that a URDF has; the last two move in several ways at once and cannot be on a chain."""
 Vector = tuple[float, float, float]
+
+MOST_LINKS = 200
+"""Of a URDF: an arm has ten, a humanoid with both hands less than 150."""
+MOST_ELEMENTS = 20_000
+"""Of a URDF's XML: 100 for each of its links."""
+MOST_LEVELS = 30
+"""Elements within one another; a URDF has six."""
+SHOWN = 20
+"""Names in a message."""
+LARGEST = 1e18
+"""Of a number: more than any arm's, and products of several stay finite."""
+
+
+class _BoundedBuilder(ElementTree.TreeBuilder):
+    """Builds a tree that is not large, of a text that defines no words of its own."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._count = self._depth = 0
+
+    def start(self, tag: str, attrs: dict[str, str], /) -> Element:
+        """Called by the parser for every element that begins."""
+        self._count, self._depth = self._count + 1, self._depth + 1
+        if self._count > MOST_ELEMENTS or self._depth > MOST_LEVELS:
+            raise UsageError(
+                f"The URDF has more than {MOST_ELEMENTS:,} elements, or {MOST_LEVELS} within one another. Simplify it."
+            )
+        return super().start(tag, attrs)
+
+    def end(self, tag: str, /) -> Element:
+        """Called by the parser for every element that ends."""
+        self._depth -= 1
+        return super().end(tag)
+
+    def doctype(self, name: str, public: str | None, system: str | None) -> None:
+        """Called by the parser before a document type is read, which could define words as long as it likes."""
+        raise UsageError(f"The URDF has a <!DOCTYPE {name}>, which no URDF needs. Take it out.")
 
 
 @dataclass(frozen=True)
@@ -110,6 +148,8 @@ def parse_urdf(text: str) -> Urdf:
     """
     urdf = Urdf(text, _parse(text))
     links = [_name(link) for link in urdf.element.findall("link")]
+    if len(links) > MOST_LINKS:
+        raise UsageError(f"The URDF has {len(links):,} links, {MOST_LINKS} are allowed. Give the arm alone.")
     _check_unique("link", links)
     _check_unique("joint", [_name(joint) for joint in urdf.joints])
     for joint in urdf.joints:
@@ -123,8 +163,8 @@ def parse_urdf(text: str) -> Urdf:
 
 def _parse(text: str) -> Element:
     try:
-        robot = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+        robot: Element = ElementTree.XML(text, ElementTree.XMLParser(target=_BoundedBuilder()))
+    except (ElementTree.ParseError, ValueError) as error:  # the latter of half characters
         raise UsageError(f"The URDF is not well-formed XML: {error}. Correct it there.") from error
     if robot.tag != "robot":
         raise UsageError(f"The outermost element is <{robot.tag}>, a URDF's is <robot>. Give a URDF.")
@@ -132,9 +172,13 @@ def _parse(text: str) -> Element:
 
 
 def _check_unique(what: str, names: Sequence[str]) -> None:
-    repeated = sorted({name for name in names if names.count(name) > 1})
+    repeated = _repeated(names)
     if repeated:
         raise UsageError(f"The URDF has more than one {what} {_quoted(repeated)}. Give each its own name.")
+
+
+def _repeated(names: Sequence[str]) -> list[str]:
+    return sorted(name for name, count in Counter(names).items() if count > 1)
 
 
 def _check_tree(links: Sequence[str], joints: Sequence[Element]) -> None:
@@ -144,10 +188,11 @@ def _check_tree(links: Sequence[str], joints: Sequence[Element]) -> None:
     unknown = sorted({*children, *parents} - set(links))
     if unknown:
         raise UsageError(f"Joints name links that the URDF does not define: {_quoted(unknown)}. Define or rename them.")
-    shared = sorted({child for child in children if children.count(child) > 1})
+    shared = _repeated(children)
     if shared:
         raise UsageError(f"More than one joint carries link {_quoted(shared)}. Keep one joint for each link.")
-    roots = [link for link in links if link not in children]
+    carried = set(children)
+    roots = [link for link in links if link not in carried]
     if len(roots) != 1:
         found = _quoted(roots) or "none"
         raise UsageError(f"A URDF has one root link, carried by no joint; found: {found}. Join all links in one tree.")
@@ -158,7 +203,7 @@ def _path_to(tip: str, carrier: Mapping[str, Element]) -> list[Element]:
     path: list[Element] = []
     link = tip
     while link in carrier:
-        if carrier[link] in path:
+        if len(path) == len(carrier):  # each of them once, and still no root
             raise UsageError(f"The joints above link '{tip}' form a loop. Remove one: a URDF is a tree.")
         path.append(carrier[link])
         link = linked(carrier[link], "parent")
@@ -243,9 +288,10 @@ def read_vector(joint: Element, tag: str, attribute: str, default: Vector) -> Ve
     text = _text(joint, tag, attribute)
     if text is None:
         return default
-    numbers = [_finite(joint, word) for word in text.split()]
-    if len(numbers) != 3:
-        raise _joint_error(joint, f"has {len(numbers)} numbers in <{tag} {attribute}=...>. Give three.")
+    words = text.split()
+    if len(words) != 3:
+        raise _joint_error(joint, f"has {len(words)} numbers in <{tag} {attribute}=...>. Give three.")
+    numbers = [_finite(joint, word) for word in words]
     return numbers[0], numbers[1], numbers[2]
 
 
@@ -264,8 +310,8 @@ def _finite(joint: Element, text: str) -> float:
         number = float(text)
     except ValueError:
         number = math.nan
-    if not math.isfinite(number):
-        raise _joint_error(joint, f"has '{text}' where a finite number belongs. Correct it.")
+    if not abs(number) <= LARGEST:  # NaN is not either
+        raise _joint_error(joint, f"has '{text}' where a finite number belongs, of at most {LARGEST:g}. Correct it.")
     return number
 
 
@@ -287,4 +333,6 @@ def _joint_error(joint: Element, message: str) -> UsageError:
 
 
 def _quoted(names: Iterable[str]) -> str:
-    return ", ".join(f"'{name}'" for name in names)
+    """The first of them, as many as fit into a message."""
+    shown = [f"'{name}'" for name in names]
+    return ", ".join(shown[:SHOWN]) + (", ..." if len(shown) > SHOWN else "")

@@ -5,14 +5,14 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TextIO
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
 from harness.errors import UsageError
-from harness.score.recording import COLUMNS, Recording, choose_columns
+from harness.score.recording import COLUMNS, LARGEST, Recording, choose_columns
+from harness.text import shortened
 
 SPELLINGS = {
     **{name: (name,) for name in COLUMNS},
@@ -23,7 +23,14 @@ SPELLINGS = {
 }
 """What a column of `COLUMNS` may be called, trimmed and in lower case."""
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
+MOST_COLUMNS = 1_000
+"""Of a file: ours have 30."""
+LONGEST_LINE = 2**18
+"""Characters of a line: 250 for each of so many columns."""
+SHOWN = 60
+"""Characters of a name or a cell in a message."""
+
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _SEPARATED = re.compile(r"\d[,' ]\d")
 
 
@@ -38,7 +45,7 @@ def open_csv(path: Path) -> Recording:
     """A recorded run in a CSV file; its rows are read later.
 
     Raises:
-        UsageError: It cannot be read or has no reward column.
+        UsageError: It cannot be read, has too many columns or no reward column.
     """
     header = _read_header(path)
     columns = tuple(header.positions)
@@ -50,9 +57,11 @@ def open_csv(path: Path) -> Recording:
 def _read_header(path: Path) -> _Header:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            names = next(csv.reader(file), [])
+            names = next(csv.reader(_lines(file)), [])
     except (UnicodeDecodeError, csv.Error) as error:
         raise UsageError(f"{path}, line 1: no CSV file in UTF-8, and no trace: {error}") from error
+    if len(names) > MOST_COLUMNS:
+        raise UsageError(f"{path}, line 1: {len(names):,} columns, {MOST_COLUMNS:,} are allowed")
     spelled = [name.strip().lower() for name in names]
     found = {name: next((text for text in SPELLINGS[name] if text in spelled), None) for name in COLUMNS}
     chosen = choose_columns(name for name, text in found.items() if text is not None)
@@ -64,13 +73,25 @@ def _read_header(path: Path) -> _Header:
     return _Header(names, {name: spelled.index(str(found[name])) for name in chosen})
 
 
+def _lines(file: TextIO) -> Iterator[str]:
+    """The lines of a file, none of which is longer than `LONGEST_LINE`: csv.reader would take a whole file for one.
+
+    Raises:
+        csv.Error: One is.
+    """
+    while line := file.readline(LONGEST_LINE + 1):
+        if len(line) > LONGEST_LINE:
+            raise csv.Error(f"a line has more than {LONGEST_LINE:,} characters")
+        yield line
+
+
 def _no_reward(names: list[str]) -> str:
     """Why there is no reward column."""
     line = ",".join(names)
     for separator, word in ((";", "semicolons"), ("\t", "tabs"), ("|", "|")):
         if separator in line:
             return f"no column 'reward': the columns are separated by {word}; only commas are read, and decimal points"
-    there = ", ".join(name.strip() for name in names[:12]) + (", ..." if len(names) > 12 else "")
+    there = ", ".join(shortened(name.strip(), SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
     return f"no column 'reward'; there is: {there or 'nothing'}"
 
 
@@ -93,7 +114,7 @@ def _report_csv(path: Path, header: _Header, problem: str) -> UsageError:
     """The first fault of a file that could not be read, found by reading it again, slowly."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-            lines = csv.reader(file)
+            lines = csv.reader(_lines(file))
             next(lines)
             fault, rows = None, 0
             for rows, cells in enumerate(filter(None, lines), 1):  # noqa: B007 (rows is counted)
@@ -135,5 +156,5 @@ def _problem_of(text: str, needed: bool) -> str | None:
         return "the cell is empty" if needed else None
     if not _NUMBER.fullmatch(text):
         hint = ": write decimal points and no thousands separators" if _SEPARATED.search(text) else ""
-        return f"'{text}' is no finite number{hint}"
-    return None if np.isfinite(float(text)) else f"'{text}' is no finite number"
+        return f"'{shortened(text, SHOWN)}' is no finite number{hint}"
+    return None if abs(float(text)) <= LARGEST else f"'{shortened(text, SHOWN)}' is no finite number"

@@ -1,14 +1,18 @@
 """Recorded runs by the names of their files: this project's traces, and CSV files of anybody."""
 
 import glob
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
 from harness.errors import UsageError
+from harness.files.bounded import open_regular, reading
 from harness.score.csv_recording import open_csv
 from harness.score.recording import Recording
 from harness.score.trace_recording import open_trace
 
+MOST_BYTES = 8 * 2**30
+"""Of a file: `harness.score.recording.MOST_ROWS` of 160 bytes each; they are read a piece at a time."""
 _PARQUET = b"PAR1"
 
 
@@ -30,22 +34,23 @@ def open_recording(path: Path) -> Recording:
         UsageError: The file cannot be read, is empty or has no reward column.
         SchemaError: It is a Parquet file, and no trace that this version reads.
     """
-    try:
-        with path.open("rb") as file:
-            magic = file.read(len(_PARQUET))
-    except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror}") from error
-    if not magic:
-        raise UsageError(f"{path} is empty")
-    return open_trace(path) if magic == _PARQUET else open_csv(path)
+    with reading(path, "recording", UsageError):
+        try:
+            with open_regular(path, MOST_BYTES) as file:
+                magic = file.read(len(_PARQUET))
+        except OSError as error:
+            raise UsageError(f"{path} cannot be read: {error.strerror}") from error
+        if not magic:
+            raise UsageError(f"{path} is empty")
+        return open_trace(path) if magic == _PARQUET else open_csv(path)
 
 
 def _match_files(pattern: str) -> list[Path]:
-    path = Path(pattern).expanduser()
-    if path.is_file():  # a name may hold [ or *
+    path = Path(os.path.expanduser(pattern))  # no error, whatever the text
+    if os.path.isfile(path):  # a name may hold [ or *
         return [path]
     matched = [Path(name) for name in glob.glob(str(path), recursive=True)]
-    files = [name for name in matched if name.is_file()]
+    files = [name for name in matched if os.path.isfile(name)]
     if not files:
         only = "; it matches folders only" if matched else ""
         raise UsageError(f"No file matches '{pattern}'{only}. Quote a pattern, as in 'runs/*.csv'")

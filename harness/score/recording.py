@@ -28,12 +28,19 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
+from harness.files.bounded import reading
 from harness.score.scorer import TOUCHED, targets_touched
 
 Columns = dict[str, Float]
 
 ROWS = 65_536
 """Rows of a chunk: half a megabyte per column."""
+MOST_ROWS = 50_000_000
+"""Of a recording: at 50 a second eleven days without a pause."""
+LARGEST = 1e150
+"""Of a number: its square is finite."""
+LARGEST_STEP = 2**53
+"""Of a count: the last one up to which a floating-point number is exact."""
 
 EVENTS = ("reward_ground", "reward_target", "reward_step")
 COLUMNS = (
@@ -104,16 +111,20 @@ class Recording:
         """All rows in order, `rows` at a time, fewer only in the last chunk; nothing else is held in memory.
 
         Raises:
-            UsageError: A row cannot be read, or there is none; names file, line and column.
+            UsageError: A row cannot be read, there is none, or there are too many; names file, line and column.
+            SchemaError: The file is damaged.
         """
         line, counted = self._first_line, 0
         for table in _regroup(self._batches(), rows):
-            columns = {name: table.column(name).to_numpy().astype(np.float64, copy=False) for name in self.columns}
-            chunk = _read_chunk(columns, line, counted)
+            with reading(self.path, "recording"):
+                columns = {name: table.column(name).to_numpy().astype(np.float64, copy=False) for name in self.columns}
+                chunk = _read_chunk(columns, line, counted)
             if chunk is None:
-                raise self._report("a number is missing or not finite")
+                raise self._report("a number is missing, not finite or too large")
             yield chunk
             line += len(chunk.reward)
+            if line - self._first_line > MOST_ROWS:
+                raise UsageError(f"{self.path} has more than the {MOST_ROWS:,} rows that are allowed")
             counted = 0 if chunk.step is None else int(chunk.step[-1])
         if line == self._first_line:
             raise UsageError(f"{self.path} has no rows")
@@ -137,6 +148,8 @@ def _regroup(batches: Iterable[pa.RecordBatch], rows: int) -> Iterator[pa.Table]
 
 def _read_chunk(columns: Columns, line: int, counted: int) -> Chunk | None:
     """What rows say; None if one lacks a number that it needs. `counted` is the step of the row before."""
+    if any((np.abs(column) > LARGEST).any() for column in columns.values()):
+        return None
     reward = columns["reward"]
     event = np.sum([columns[name] for name in EVENTS], axis=0) if set(EVENTS) <= set(columns) else None
     needed = [reward] if event is None else [reward, event]
@@ -146,7 +159,9 @@ def _read_chunk(columns: Columns, line: int, counted: int) -> Chunk | None:
     best, delta = _before_step(columns)
     env = columns.get("env", np.zeros(len(reward)))
     told = columns.get("step", np.full(len(reward), np.nan))
-    if not _is_finite([*needed, begin, distance, best, delta, env]) or np.isinf(told).any():
+    if not _is_finite([*needed, begin, distance, best, delta, env]):
+        return None
+    if any((np.abs(count) > LARGEST_STEP).any() for count in (env, told)):
         return None
     filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else np.ones(len(reward), bool)
     alike = filled & (reward == 0.0) & (distance == begin) & (best == begin)

@@ -8,11 +8,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.errors import SchemaError, UsageError
+from harness.files.bounded import reading
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST
 from harness.record.manifest import read_manifest
 from harness.record.trace import FORMAT, FORMAT_KEY
-from harness.score.recording import ROWS, Recording, choose_columns
+from harness.score.recording import MOST_ROWS, ROWS, Recording, choose_columns
 from harness.score.scorer import TOUCHED
 
 
@@ -22,12 +23,12 @@ def open_trace(path: Path) -> Recording:
     Raises:
         SchemaError: It is no trace that this version reads.
     """
-    try:
+    with reading(path, "trace"):
         with pq.ParquetFile(path) as file:
-            schema = file.schema_arrow
+            schema, rows = file.schema_arrow, file.metadata.num_rows
         version = int((schema.metadata or {}).get(FORMAT_KEY, b"0"))
-    except (OSError, pa.ArrowInvalid) as error:
-        raise SchemaError(f"{path} is no readable trace: {error}") from error
+    if rows > MOST_ROWS:
+        raise SchemaError(f"{path} has {rows:,} rows, {MOST_ROWS:,} are allowed")
     if not 0 < version <= FORMAT:
         raise SchemaError(f"{path} is a trace of format {version}, this version reads 1 to {FORMAT}")
     columns = choose_columns(schema.names)
@@ -44,11 +45,8 @@ def _read_cell(manifest: Path) -> Cell | None:
 
 
 def _trace_batches(path: Path, columns: tuple[str, ...]) -> Iterator[pa.RecordBatch]:
-    try:
-        with pq.ParquetFile(path) as file:
-            yield from file.iter_batches(batch_size=ROWS, columns=list(columns))
-    except (OSError, pa.ArrowInvalid) as error:
-        raise SchemaError(f"{path} is no readable trace: {error}") from error
+    with reading(path, "trace"), pq.ParquetFile(path) as file:
+        yield from file.iter_batches(batch_size=ROWS, columns=list(columns))
 
 
 def _report_trace(path: Path, problem: str) -> UsageError:

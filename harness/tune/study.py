@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.errors import UsageError
+from harness.files.bounded import read_bytes, reading
 from harness.tune.outcome import Outcome
 from harness.tune.space import Dimension, Options
 from harness.tune.trial import Status, TrialRecord
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 JOURNAL = "study.log"
 OUTCOME, REASON, CELLS, REFUSED = "outcome", "reason", "cells", "refused"
+MOST_BYTES = 256 * 2**20
+"""Of a journal: 10,000 trials of ten parameters have a tenth of it."""
 STARTUP_TRIALS = 5
 """Finished trials that it takes before the first is pruned."""
 
@@ -34,20 +37,25 @@ def require_optuna() -> None:
 
 
 def open_storage(folder: Path) -> "JournalStorage":
-    """The journal in `folder`. Who opens it has to have the folder to itself."""
+    """The journal in `folder`. Who opens it has to have the folder to itself.
+
+    Raises:
+        SchemaError: It is damaged or too large, or no regular file.
+    """
     from optuna.storages import JournalStorage
     from optuna.storages.journal import JournalFileBackend
 
     path = folder / JOURNAL
     path.with_name(f"{JOURNAL}.lock").unlink(missing_ok=True)  # of a process that was killed while it wrote
-    _drop_half_line(path)
-    return JournalStorage(JournalFileBackend(str(path)))
+    with reading(path, "study"):
+        _drop_half_line(path)
+        return JournalStorage(JournalFileBackend(str(path)))
 
 
 def _drop_half_line(path: Path) -> None:
     """A line that was not written to its end would spoil the next one."""
     if path.exists():
-        content = path.read_bytes()
+        content = read_bytes(path, MOST_BYTES)
         whole = content[: content.rfind(b"\n") + 1]
         if len(whole) < len(content):
             with path.open("r+b") as file:
@@ -71,8 +79,13 @@ class Study:
 
     @property
     def trials(self) -> list[TrialRecord]:
-        """All trials, by number."""
-        return [self._record(trial) for trial in self._drawn()]
+        """All trials, by number.
+
+        Raises:
+            SchemaError: The journal says what no trial has.
+        """
+        with reading(Path(JOURNAL), "study"):
+            return [self._record(trial) for trial in self._drawn()]
 
     def draw(self, first: dict[str, Any] | None) -> int:
         """Begin another trial.

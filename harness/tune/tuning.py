@@ -6,14 +6,25 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 import tomli_w
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.errors import UsageError, sentence
-from harness.experiment.plan import Count, Given, Names, Plan, Seed, check_experiment, expand, table_of
+from harness.experiment.plan import (
+    Episodes,
+    Given,
+    Names,
+    Plan,
+    Seed,
+    SeedCount,
+    Steps,
+    check_experiment,
+    expand,
+    table_of,
+)
 from harness.registry.choice import Choice
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
@@ -24,6 +35,10 @@ FIRST_SEED = 1_000_000
 """Trainings of a search have the seeds from here on: apart from 0, 1, ..., which ``harness run`` trains with."""
 
 NOUN = "search"
+MOST_TRIALS = 10_000
+"""Of a search: the sampler looks at all that were before."""
+
+Trials: TypeAlias = Annotated[int, Field(gt=0, le=MOST_TRIALS)]
 
 
 def _arp() -> list[Given]:
@@ -43,15 +58,15 @@ class Tuning:
     search: Annotated[
         dict[str, str | list[Any]], Field(description="by parameter: LOW..HIGH, LOW..HIGH:log, A|B|C or a list")
     ] = Field(default_factory=dict)
-    trials: Annotated[Count, Field(description="settings to try, in each search")] = 20
-    seeds: Annotated[Count, Field(description="trainings of each setting under each reward")] = 2
-    steps: Annotated[Count, Field(description="environment steps of each training")] = 10_000
-    validation_episodes: Annotated[Count, Field(description="episodes that each policy is judged by")] = 100
+    trials: Annotated[Trials, Field(description="settings to try, in each search")] = 20
+    seeds: Annotated[SeedCount, Field(description="trainings of each setting under each reward")] = 2
+    steps: Annotated[Steps, Field(description="environment steps of each training")] = 10_000
+    validation_episodes: Annotated[Episodes, Field(description="episodes that each policy is judged by")] = 100
     per_reward: Annotated[bool, Field(description="one search for each reward, instead of one for all")] = False
     pruner: Annotated[
         Literal["median", "none"], Field(description="median: a trial below the median so far gets no more seeds")
     ] = "median"
-    batch: Annotated[Count, Field(description="trials drawn at once, which can run at once")] = 1
+    batch: Annotated[Trials, Field(description="trials drawn at once, which can run at once")] = 1
     seed: Annotated[Seed, Field(description="of what is drawn from the search space")] = 0
 
 

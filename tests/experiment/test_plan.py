@@ -339,3 +339,41 @@ def test_robot_is_given_by_its_full_path(toys: Registry, tmp_path: Path, monkeyp
         ("../linked.urdf", str(tmp_path / "linked.urdf")),
     ]:
         assert _plan(toys, robot=given).cells[0].robot == full
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"seeds": 1_000_000}, "seeds=1000000: Input should be less than or equal to 10000"),
+        ({"seeds": 1e9}, "seeds=1000000000.0: Input should be less than or equal to 10000"),
+        ({"seeds": list(range(10_001))}, "at most 10000 items"),
+        ({"seeds": [2**31]}, "less than or equal to 2147483647"),
+        ({"steps": 10**10}, "steps=10000000000: Input should be less than or equal to 1000000000"),
+        ({"steps": 10**400}, "less than or equal to 1000000000"),
+        ({"evaluation_episodes": 10**6}, "less than or equal to 100000"),
+        ({"evaluate_every": 10**10}, "less than or equal to 1000000000"),
+        ({"reward": [f"r{number}" for number in range(1_001)]}, "at most 1000 items"),
+        ({"sim": "x" * 10_001}, "has 10,001 characters, 10,000 are allowed"),
+    ],
+)
+def test_too_much_is_refused_with_what_is_allowed(keys: dict[str, Any], message: str):
+    """In a short line, before anything is made of it."""
+    with pytest.raises(UsageError, match=re.escape(message)) as refused:
+        check_experiment({"sim": "ideal", "algo": "wander", **keys})
+    assert len(str(refused.value)) < 300
+
+
+def test_a_matrix_of_too_many_cells_is_refused_before_it_is_made(toys: Registry):
+    """The product of what may be named is larger than what may be run."""
+    rewards = [f"arp:k1={1 + number}" for number in range(10)]
+    with pytest.raises(
+        UsageError, match=r"10000 seeds x 1 simulators x 1 algorithms x 11 rewards are 110,000 cells, 100,000"
+    ):
+        _plan(toys, seeds=10_000, reward=rewards)
+
+
+@pytest.mark.parametrize("robot", ["x" * 5_000 + ".urdf", "a\0b/c.urdf"])
+def test_a_robot_that_no_path_can_be_is_refused(toys: Registry, robot: str):
+    """Too long for the file system, or with a byte that ends names."""
+    with pytest.raises(UsageError, match="No robot at"):
+        _plan(toys, robot=robot)

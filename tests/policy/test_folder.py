@@ -2,7 +2,9 @@
 
 import contextlib
 import json
+import os
 import pickle
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -227,7 +229,9 @@ BOXES = {
     "an end less": ([-1.0], [1.0, 1.0], "1 lower and 2 upper ends"),
     "no action": ([], [], "0 lower and 0 upper ends"),
     "ends swapped": ([1.0, 1.0], [-1.0, -1.0], "no action lies between"),
-    "no number": ([float("nan"), 0.0], [1.0, 1.0], "no action lies between"),
+    "no number": ([float("nan"), 0.0], [1.0, 1.0], "it holds NaN, which is no JSON"),
+    "too large": ([-1e39, 0.0], [1.0, 1.0], "no action lies between"),
+    "too many": ([0.0] * 101, [1.0] * 101, "there are 101 actions, 100 are allowed"),
     "another size": ([-1.0] * 3, [1.0] * 3, "mean does not have 3 outputs"),
 }
 
@@ -240,7 +244,10 @@ def test_impossible_box_is_refused(saved: Path, low: list[float], high: list[flo
         load_policy(saved)
 
 
-@pytest.mark.parametrize(("choices", "reason"), [(0, "0 choices leave none"), (4, "value does not have 4 outputs")])
+@pytest.mark.parametrize(
+    ("choices", "reason"),
+    [(0, "0 choices leave none"), (10**30, "100,000 are allowed"), (4, "value does not have 4 outputs")],
+)
 def test_impossible_choices_are_refused(make_network: Make, tmp_path: Path, choices: int, reason: str):
     """As with a box."""
     make_network(Greedy).save(tmp_path / "policy")
@@ -267,6 +274,8 @@ ARRAYS = {
     "other mean": ("observation.mean", np.zeros(4, np.float32), r"observation.mean is \(4,\), on 5 numbers"),
     "no deviation": ("observation.std", np.zeros(5, np.float32), "observation.std is not above 0 everywhere"),
     "a gap": ("hidden.7.weight", np.zeros((4, 4), np.float32), "'hidden.2.weight' is missing"),
+    "twice": ("hidden.00.weight", np.zeros((4, 4), np.float32), "a hidden layer is there twice"),
+    "no numbers": ("more", np.zeros((0, 10**12), np.float32), "more has no numbers"),
     "no index": ("hidden.x.weight", np.zeros((4, 4), np.float32), "invalid literal"),
 }
 
@@ -290,13 +299,13 @@ def test_gaussian_without_its_deviation_is_refused(make_network: Make, tmp_path:
 
 @pytest.mark.parametrize(
     ("kind", "entry", "value"),
-    [(Deterministic, "noise", -0.1), (Deterministic, "noise", float("nan")), (Greedy, "epsilon", 1.1)],
+    [(Deterministic, "noise", -0.1), (Deterministic, "noise", 1e300), (Greedy, "epsilon", 1.1)],
 )
 def test_impossible_noise_is_refused(make_network: Make, tmp_path: Path, kind: Any, entry: str, value: float):
     """A deviation is at least 0, a share at most 1."""
     make_network(kind).save(tmp_path / "policy")
     _change(tmp_path / "policy", **{entry: value})
-    with pytest.raises(SchemaError, match=f"{entry} is {value}"):
+    with pytest.raises(SchemaError, match=re.escape(f"{entry} is {value}")):
         load_policy(tmp_path / "policy")
 
 
@@ -314,3 +323,46 @@ def test_missing_files_are_refused(tmp_path: Path):
     for folder in (tmp_path, tmp_path / "nowhere"):
         with pytest.raises(SchemaError, match="holds no readable policy"):
             load_policy(folder)
+
+
+@pytest.mark.parametrize("file", [CARD, WEIGHTS])
+def test_large_files_are_not_opened(saved: Path, file: str):
+    """A sparse file of 10 GB is refused at once."""
+    with (saved / file).open("wb") as opened:
+        opened.truncate(10**10)
+    with pytest.raises(SchemaError, match=r"it has 10,000,000,000 bytes, [\d,]+ are allowed") as refused:
+        load_policy(saved)
+    assert str(saved) in str(refused.value)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
+@pytest.mark.parametrize("file", [CARD, WEIGHTS])
+def test_pipes_are_refused(saved: Path, file: str):
+    """To read one would take forever."""
+    (saved / file).unlink()
+    os.mkfifo(saved / file)
+    with pytest.raises(SchemaError, match="it is no regular file"):
+        load_policy(saved)
+
+
+def test_many_names_are_refused(saved: Path):
+    """The header is looked at before it is read."""
+    (saved / WEIGHTS).write_bytes((2**40).to_bytes(8, "little") + b"{}")
+    with pytest.raises(SchemaError, match=r"the header of .* has 1,099,511,627,776 bytes, 1,048,576 are allowed"):
+        load_policy(saved)
+
+
+@pytest.mark.parametrize("card", ["[" * 100_000, '{"format": -1e999}', "7", '{"format": 2}', "\ufeff{}"])
+def test_cards_of_strangers_are_refused(saved: Path, card: str):
+    """Deep, endless, of another type, with less than it takes."""
+    (saved / CARD).write_text(card, encoding="utf-8")
+    with pytest.raises(SchemaError, match="holds no readable policy"):
+        load_policy(saved)
+
+
+@pytest.mark.parametrize("algorithm", [7, None, ["sac"]])
+def test_what_trained_is_a_text(saved: Path, algorithm: object):
+    """For the reader of the card."""
+    _change(saved, algorithm=algorithm)
+    with pytest.raises(SchemaError, match="no text"):
+        load_policy(saved)

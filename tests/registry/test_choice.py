@@ -284,3 +284,19 @@ def test_default_of_an_unknown_name_is_refused(toys: Registry):
     """As any other name."""
     with pytest.raises(UsageError, match="Did you mean 'success_rate'"):
         build_defaults(toys, "metrics", ["sucess_rate"])
+
+
+@pytest.mark.parametrize("text", ["a:b=1" + ",b=1" * 100_000, "(" * 20_000 + ")" * 20_000])
+def test_a_long_text_is_refused_at_once(text: str):
+    """To take it apart would take minutes."""
+    with pytest.raises(UsageError, match="10,000 are allowed"):
+        split_list(text)
+    with pytest.raises(UsageError, match="10,000 are allowed"):
+        parse(text)
+
+
+@pytest.mark.parametrize("label", ["arp\nThe robot: HELPS", "arp\r", 7, None])
+def test_a_label_of_several_lines_is_none(label: object):
+    """In a file that says so it would be taken for lines of ours."""
+    with pytest.raises(ValueError, match="is no name"):
+        Choice.from_json({"name": "arp", "label": label, "params": {}})

@@ -152,3 +152,81 @@ def test_missing_mesh_is_refused(tmp_path: Path, name: str, message: str):
     """The line names the mesh and where it was looked for first."""
     with pytest.raises(UsageError, match=re.escape(message.format(tmp_path))):
         locate_mesh(name, tmp_path)
+
+
+def refuse(path: Path) -> str:
+    """The line that a file is refused with."""
+    with pytest.raises(UsageError) as refused:
+        read_mesh(path)
+    assert str(path) in str(refused.value)
+    return str(refused.value)
+
+
+def test_a_large_mesh_is_not_opened(tmp_path: Path):
+    """A sparse file of 2 GB is refused at once, by who reads it and by who looks for it."""
+    path = tmp_path / "a.stl"
+    with path.open("wb") as file:
+        file.truncate(2 * 10**9)
+    assert "2,000,000,000 bytes, 67,108,864 are allowed" in refuse(path)
+    with pytest.raises(UsageError, match="2,000,000,000 bytes, 67,108,864 are allowed"):
+        locate_mesh("a.stl", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("a.stl", bytes(80) + struct.pack("<I", 1_200_000) + bytes(1_200_000 * 50)),
+        ("a.stl", b"\nvertex 0 0 0" * 3_000_003),
+        ("a.obj", b"\nv 0 0 0" * 3_000_003),
+        ("a.obj", b"v 0 0 0\n" + b"f 1 1" + b" 1" * 1_000_001),
+    ],
+    ids=["binary", "text", "points", "polygon"],
+)
+def test_too_many_triangles_are_refused(tmp_path: Path, name: str, data: bytes):
+    """With how many there are, and how many may be."""
+    (tmp_path / name).write_bytes(data)
+    assert re.search(r"it has 1,\d\d\d,\d\d\d triangles or more, 1,000,000 are allowed", refuse(tmp_path / name))
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("a.stl", bytes(80) + b"\xff\xff\xff\xff"),
+        ("a.stl", bytes(80) + struct.pack("<I", 1) + b"\x01\x00\xa0\x7f" * 12 + b"\0\0"),
+        ("a.stl", bytes(80) + struct.pack("<I", 1) + struct.pack("<12fH", *[1e38] * 12, 0)),
+        ("a.obj", b"v 1 2 3\nf 1 99999999999999999999999 1\n"),
+        ("a.obj", b"v 1 2 3\nf 1 -9 1\n"),
+        ("a.obj", b"v 1 2 3\nf 1 " + b"9" * 5_000 + b" 1\n"),
+        ("a.obj", b"v 1e400 0 0\n"),
+        ("a.obj", b"v 1\n"),
+        ("a.obj", b"v 1 2 3\nf  \n"),
+    ],
+)
+def test_bytes_that_make_no_mesh_are_refused(tmp_path: Path, name: str, data: bytes):
+    """A count that lies, numbers that no type holds, corners that are not there."""
+    (tmp_path / name).write_bytes(data)
+    assert "cannot be read as a mesh" in refuse(tmp_path / name)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
+def test_a_pipe_is_no_mesh(tmp_path: Path):
+    """To read it would take forever."""
+    os.mkfifo(tmp_path / "a.stl")
+    assert "it is no regular file" in refuse(tmp_path / "a.stl")
+    with pytest.raises(UsageError, match="there is no file"):
+        locate_mesh("a.stl", tmp_path)
+
+
+@pytest.mark.parametrize("name", ["x" * 5_000 + ".stl", "package://" + "a/" * 3_000, "/dev/zero", "a\0b.stl", ""])
+def test_a_name_that_leads_to_no_file_is_refused(tmp_path: Path, name: str):
+    """Whatever it is."""
+    with pytest.raises(UsageError, match="there is no file"):
+        locate_mesh(name, tmp_path)
+
+
+def test_a_mesh_may_lie_beside_the_folder(tmp_path: Path):
+    """A package's URDF and meshes lie in folders beside each other: a name may lead out of the URDF's."""
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "urdf").mkdir()
+    (tmp_path / "meshes" / "a.stl").write_bytes(binary_stl(CORNERS))
+    assert locate_mesh("../meshes/a.stl", tmp_path / "urdf").is_file()

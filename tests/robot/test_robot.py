@@ -262,3 +262,38 @@ def test_file_in_another_encoding_is_refused(tmp_path: Path):
     (_write(tmp_path) / "robot.toml").write_bytes(b'name = "\xff"')
     with pytest.raises(UsageError, match=r"robot\.toml' cannot be read: 'utf-8' codec .* Give a TOML file in UTF-8"):
         read_robot(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[0, 90]", "[0, 1" + "0" * 400 + "]", "Give a list of 2 finite numbers"),
+        ("[0, 90]", "[0, 1e300]", "Give a list of 2 finite numbers"),
+        ("[90, 180.0]", "[90, 1e308]", "Give a list of 2 finite numbers"),
+        ('"arm.urdf"', '"a\\u0000b"', "is no readable robot: ValueError: embedded null byte"),
+        ('"arm.urdf"', '"' + "x" * 5_000 + '"', "cannot be read"),
+        ('"arm.urdf"', '"/dev/zero"', "it is no regular file"),
+    ],
+    ids=["whole", "large", "speed", "null", "long", "device"],
+)
+def test_settings_that_no_arm_has_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str):
+    """Numbers beyond all arms, and names of files that no file can have."""
+    with pytest.raises(UsageError, match=message):
+        read_robot(_write(tmp_path, TOML.replace(old, new)))
+
+
+def test_a_large_urdf_is_not_opened(tmp_path: Path):
+    """A sparse file of 10 GB is refused at once."""
+    folder = _write(tmp_path)
+    with (folder / "arm.urdf").open("wb") as file:
+        file.truncate(10**10)
+    with pytest.raises(UsageError, match="it has 10,000,000,000 bytes, 4,194,304 are allowed"):
+        read_robot(folder)
+
+
+def test_too_many_shapes_are_refused(tmp_path: Path):
+    """Visible and colliding ones of all links together."""
+    shapes = '<visual><geometry><sphere radius="1"/></geometry></visual>' * 1_001
+    urdf = URDF.replace('<link name="tip"/>', f'<link name="tip">{shapes}</link>')
+    with pytest.raises(UsageError, match="The URDF has 1,001 shapes, 1,000 are allowed"):
+        read_robot(_write(tmp_path, urdf=urdf))

@@ -166,3 +166,48 @@ def test_chain_without_motion_is_refused(tip: str):
     joint = '<joint name="j" type="fixed"><parent link="base"/><child link="tool"/></joint>'
     with pytest.raises(UsageError, match=f"No joint moves between the root link and '{tip}'."):
         chain_of(f'<robot name="stand"><link name="base"/><link name="tool"/>{joint}</robot>', tip)
+
+
+def chain(count: int, content: str = "") -> str:
+    """A URDF of so many links, one on the other."""
+    links = "".join(f'<link name="l{number}">{content}</link>' for number in range(count))
+    joints = "".join(
+        f'<joint name="j{number}" type="fixed"><parent link="l{number}"/><child link="l{number + 1}"/></joint>'
+        for number in range(count - 1)
+    )
+    return f"<robot>{links}{joints}</robot>"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (chain(201), "The URDF has 201 links, 200 are allowed."),
+        (chain(3_000), "The URDF has 3,000 links, 200 are allowed."),
+        (chain(2, "<a/>" * 20_000), "more than 20,000 elements"),
+        ("<robot>" + "<a>" * 100_000, "or 30 within one another"),
+        ('<!DOCTYPE a [<!ENTITY a "aa"><!ENTITY b "&a;&a;">]><robot name="&b;"/>', "has a <!DOCTYPE a>"),
+        ('<!DOCTYPE a SYSTEM "file:///etc/passwd"><robot/>', "has a <!DOCTYPE a>"),
+        ("<robot>&a;</robot>", "not well-formed XML"),
+        ("<robot>\ud800</robot>", "not well-formed XML"),
+    ],
+    ids=["links", "many links", "elements", "depth", "entities", "external", "unknown entity", "half a character"],
+)
+def test_a_text_that_is_too_much_is_refused_at_once(text: str, message: str):
+    """Large, deep, or with words that it defines itself."""
+    with pytest.raises(UsageError, match=message):
+        parse_urdf(text)
+
+
+def test_as_many_links_as_are_allowed_are_read():
+    """In a long chain, too."""
+    assert len(parse_urdf(chain(200)).links) == 200
+
+
+def test_a_loop_beside_the_chain_is_found():
+    """Each link of it hangs on another one of it."""
+    loop = '<link name="a"/><link name="b"/>' + "".join(
+        f'<joint name="{one}{two}" type="fixed"><parent link="{one}"/><child link="{two}"/></joint>'
+        for one, two in ("ab", "ba")
+    )
+    with pytest.raises(UsageError, match="form a loop"):
+        parse_urdf(chain(2).replace("</robot>", loop + "</robot>"))

@@ -1,5 +1,6 @@
 """Recorded files of anybody: what each row says, and what is said about a file that cannot be read."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -326,3 +327,91 @@ def test_a_pattern_without_a_file_is_told(write: Write, tmp_path: Path):
         match_recordings([f"{tmp_path}/*.csv", f"{tmp_path}/*.tsv"])
     with pytest.raises(UsageError, match="it matches folders only"):
         match_recordings(str(tmp_path))
+
+
+def refuse(path: Path) -> str:
+    """The line that a file is refused with."""
+    with pytest.raises((UsageError, SchemaError)) as refused:
+        for _ in open_recording(path).chunks():
+            pass
+    assert str(path) in str(refused.value)
+    assert len(str(refused.value)) < 300 + len(str(path))
+    return str(refused.value)
+
+
+def test_a_large_file_is_not_opened(tmp_path: Path):
+    """A sparse file of 10 TB is refused at once."""
+    path = tmp_path / "run.csv"
+    with path.open("wb") as file:
+        file.truncate(10**13)
+    assert "it has 10,000,000,000,000 bytes, 8,589,934,592 are allowed" in refuse(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
+def test_a_pipe_is_refused(tmp_path: Path):
+    """To read it would take forever."""
+    os.mkfifo(tmp_path / "run.csv")
+    assert "it is no regular file" in refuse(tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        (["reward" + ",a" * 1_000, "1" * 1_001], "line 1: 1,001 columns, 1,000 are allowed"),
+        (["reward", "1" * 300_000], "a line has more than 262,144 characters"),
+        (["reward," + "a" * 300_000, "1,2"], "a line has more than 262,144 characters"),
+        (['reward,"' + "a" * 200_000 + '"', "1,2"], "field larger than field limit"),
+        (["reward", "1" * 100_000 + "x"], "is no finite number"),
+        (["reward", "1e400"], "'1e400' is no finite number"),
+        (["reward", "1e300"], "'1e300' is no finite number"),
+        (["reward", "1\0"], "is no finite number"),
+        (["t,beginDistance,prevBest,distance,reward", "1e20,1,1,1,1"], "too large"),
+    ],
+    ids=["columns", "cell", "name", "field", "digits", "endless", "large", "null", "step"],
+)
+def test_what_no_recording_has_is_refused_at_once(write: Write, lines: list[str], told: str):
+    """In a short line."""
+    assert told in refuse(write(*lines))
+
+
+def write_parquet(path: Path, columns: dict[str, object], version: bytes = b"1") -> Path:
+    """A file that says that it is a trace."""
+    pq.write_table(pa.table(columns).replace_schema_metadata({b"harness.trace": version}), path)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("columns", "version"),
+    [
+        ({"reward": ["a"]}, b"1"),
+        ({"reward": [[1.0]]}, b"1"),
+        ({"reward": [None]}, b"1"),
+        ({"reward": [1e300]}, b"1"),
+        ({"reward": [1.0]}, b"x"),
+        ({"reward": [1.0]}, b"\xff"),
+        ({"reward": [1.0]}, b"9" * 5_000),
+    ],
+)
+def test_a_trace_of_other_types_is_refused(tmp_path: Path, columns: dict[str, object], version: bytes):
+    """Whatever pyarrow or Python says of it."""
+    refuse(write_parquet(tmp_path / "a.parquet", columns, version))
+
+
+def test_a_trace_of_too_many_rows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Before one is read."""
+    monkeypatch.setattr("harness.score.trace_recording.MOST_ROWS", 2)
+    path = write_parquet(tmp_path / "a.parquet", {"reward": [1.0] * 3})
+    assert "has 3 rows, 2 are allowed" in refuse(path)
+
+
+def test_a_recording_of_too_many_rows_is_refused(write: Write, monkeypatch: pytest.MonkeyPatch):
+    """A CSV file does not say how many there are."""
+    monkeypatch.setattr("harness.score.recording.MOST_ROWS", 2)
+    assert "has more than the 2 rows that are allowed" in refuse(write("reward", "1", "2", "3"))
+
+
+@pytest.mark.parametrize("pattern", ["~nobody-of-this-name/*.csv", "x" * 5_000, "a\0b", "["])
+def test_a_pattern_that_no_name_can_be_matches_nothing(pattern: str):
+    """Whatever the system says of it."""
+    with pytest.raises(UsageError, match="No file matches"):
+        match_recordings(pattern)

@@ -1,8 +1,10 @@
 """Drawing trials, and keeping them."""
 
+from pathlib import Path
+
 import pytest
 
-from harness.errors import UsageError
+from harness.errors import SchemaError, UsageError
 from harness.tune.outcome import Outcome
 from harness.tune.space import Options, Range
 from harness.tune.study import JOURNAL, Study, open_storage, require_optuna
@@ -110,3 +112,21 @@ def test_missing_optuna_names_the_extra(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "optuna", None)
     with pytest.raises(UsageError, match=r"needs optuna: pip install 'fd100-harness\[tune\]'"):
         require_optuna()
+
+
+@pytest.mark.parametrize(
+    "content", [b"7\n", b"{}\n", b"[\n{}\n", b"\xff\n", b'{"op_code": 99}\n', b"[" * 100_000 + b"\n"]
+)
+def test_a_damaged_journal_is_refused(tmp_path: Path, content: bytes):
+    """Whatever Optuna says of it."""
+    (tmp_path / JOURNAL).write_bytes(content)
+    with pytest.raises(SchemaError, match="is no readable study"):
+        open_storage(tmp_path)
+
+
+def test_a_large_journal_is_not_opened(tmp_path: Path):
+    """A sparse file of 10 GB is refused at once."""
+    with (tmp_path / JOURNAL).open("wb") as file:
+        file.truncate(10**10)
+    with pytest.raises(SchemaError, match="it has 10,000,000,000 bytes, 268,435,456 are allowed"):
+        open_storage(tmp_path)

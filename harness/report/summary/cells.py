@@ -11,9 +11,12 @@ from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
 from harness.record.trace import read_trace
 from harness.results import Results
+from harness.text import visible
 
 OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")
 """Of the run alone, under the reward that it was paid; the indices are not rounded."""
+FORMULAS = ("=", "+", "-", "@")
+"""What a spreadsheet takes for the beginning of one."""
 
 
 def write_cells(results: Results) -> str:
@@ -64,4 +67,12 @@ def _plain(value: Any) -> str:
     """Python's own text of a float is the shortest that gives the same float back."""
     if value is None:
         return ""
+    if isinstance(value, str):
+        return _text(value)
     return repr(float(value) + 0.0) if isinstance(value, float | np.floating) else str(value)
+
+
+def _text(value: str) -> str:
+    """A text that a spreadsheet shows, and does not compute: behind an apostrophe where it begins like a formula."""
+    text = visible(value)
+    return f"'{text}" if text.lstrip().startswith(FORMULAS) else text

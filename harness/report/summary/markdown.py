@@ -28,6 +28,7 @@ from harness.report.summary.effort import duration_text, effort_of
 from harness.report.summary.missing import missing_text
 from harness.results import Results
 from harness.results.combination import Combination
+from harness.text import visible
 
 Pictures: TypeAlias = Mapping[str, str]
 """Paths of a combination's figures, by what they show."""
@@ -148,5 +149,5 @@ def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _escape(text: str) -> str:
-    """Text as itself, whatever Markdown would make of it."""
-    return re.sub(r"([\\`*<>|])", r"\\\1", text)
+    """Text as itself, whatever Markdown would make of it: no link, no picture, no HTML, no line of its own."""
+    return re.sub(r"[\\`*<>|&]|\](?=[\[(:])", r"\\\g<0>", visible(text))

@@ -63,3 +63,21 @@ def test_lines_end_alike_everywhere(build):
     text = write_cells(build())
     assert "\r" not in text
     assert text.endswith("\n")
+
+
+@pytest.mark.parametrize("reason", ["=1+1", "+1", "-1", "@SUM(A1)", "=HYPERLINK()"])
+def test_a_text_is_no_formula(build, reason):
+    """A spreadsheet shows it, behind an apostrophe, and computes nothing."""
+    row = rows(build(ended={("arp", 0): ("failed", reason)}))[1]
+    assert row["reason"] == f"'{reason}"
+
+
+def test_negative_numbers_stay_numbers(build):
+    """What begins with a sign is a formula only if it is a text."""
+    assert float(rows(build())[0]["I_N"]) < 0.0
+
+
+def test_hidden_characters_are_written_out(build):
+    """No reader obeys them."""
+    row = rows(build(ended={("arp", 0): ("failed", "\x1b[2J\u202e")}))[1]
+    assert row["reason"] == "\\x1b[2J\\u202e"

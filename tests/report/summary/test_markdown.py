@@ -109,3 +109,10 @@ def test_every_picture_is_there(summarise):
     folder = summarise(simulators=("mujoco", "pybullet"), learned={10: 1})
     shown = set(re.findall(r"!\[[^\]]+\]\((.+)\)", (folder / "summary.md").read_text()))
     assert shown == {f"figures/{path.name}" for path in (folder / "figures").iterdir()}
+
+
+def test_a_stranger_s_text_is_no_link(summarise):
+    """No picture that is fetched, no hidden character, no entity; units in brackets stay."""
+    evil = "![a](http://b/c.png) [d][e] [f]: g &lt; \u202e \x1b[2J [m]"
+    text = page(summarise, ended={("arp", 0): ("failed", evil)})
+    assert "![a\\](http://b/c.png) [d\\][e] [f\\]: g \\&lt; \\\\u202e \\\\x1b[2J [m]" in text

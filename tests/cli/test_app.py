@@ -1,0 +1,52 @@
+"""What becomes of errors."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.cli import app
+
+
+@pytest.fixture
+def logs(tmp_path, monkeypatch) -> Path:
+    """The folder for temporary files."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    return folder
+
+
+def broken(args: list[str]) -> int:
+    """A program that fails."""
+    raise KeyError("\x1b[2Jgone")
+
+
+def test_what_nobody_foresaw_is_one_line_and_a_log(harness, logs, monkeypatch):
+    """The line names the exception and the log, which holds the traceback; the status is that of sysexits.h."""
+    monkeypatch.setattr(app, "_run", broken)
+    answer = harness("doctor")
+    (log,) = logs.glob("harness-*.log")
+    assert answer.status == 70
+    assert answer.out == ""
+    assert len(answer.err.splitlines()) == 1
+    assert "KeyError" in answer.err
+    assert "\x1b" not in answer.err
+    assert str(log) in answer.err
+    assert "in broken" in log.read_text(encoding="utf-8")
+
+
+def test_where_no_log_can_be_written_the_traceback_is_shown(harness, logs, monkeypatch):
+    """Rather that than nothing."""
+    monkeypatch.setattr(app, "_run", broken)
+    logs.rmdir()
+    answer = harness("doctor")
+    assert answer.status == 70
+    assert "in broken" in answer.err
+    assert "KeyError" in answer.err.splitlines()[-1]
+
+
+def test_a_long_message_is_cut(harness):
+    """To what fits on a screen, its end included."""
+    answer = harness("run", "--seeds", "x" * 13_000)
+    assert answer.status == 2
+    assert len(answer.err) < 320

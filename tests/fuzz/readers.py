@@ -1,0 +1,297 @@
+"""Every way from a file, or a text, of anybody into the program, with valid content to begin with."""
+
+import json
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from random import Random
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import safetensors.numpy
+
+from harness.experiment.plan import check_experiment, expand, read_experiment
+from harness.files.sealed import unseal
+from harness.motion.limits import JointLimits
+from harness.policy import CARD, WEIGHTS, Greedy, Policy, SquashedGaussian, UniformChoice, load_policy
+from harness.policy.inverse_kinematics import InverseKinematics
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.store import Store
+from harness.record.trace import SCALARS, TraceWriter, read_trace
+from harness.registry.choice import choose
+from harness.registry.registry import Registry
+from harness.registry.toml_file import read_toml
+from harness.robot.load import load_robot
+from harness.robot.meshes import read_mesh
+from harness.robot.robot import read_robot
+from harness.score.open_recording import open_recording
+from harness.tune.tuning import read_tuning, resolve
+from tests.fuzz.mutate import (
+    mutate_bytes,
+    mutate_csv,
+    mutate_json,
+    mutate_text,
+    mutate_toml,
+    mutate_xml,
+)
+
+Mutate = Callable[[bytes, Random], bytes]
+
+
+class Reader(NamedTuple):
+    """One of them.
+
+    Attributes:
+        files: Valid content by the file's name.
+        mutate: How each file is made wrong, by its name; other files stay valid.
+        read: Gets the folder.
+    """
+
+    files: dict[str, bytes]
+    mutate: dict[str, Mutate]
+    read: Callable[[Path], Any]
+
+
+URDF = b"""<robot name="arm">
+  <link name="base"/>
+  <link name="upper"><inertial><origin xyz="0 0 1" rpy="0 0 0"/><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 1" rpy="0 1 0"/><geometry><box size="0.1 0.2 0.3"/></geometry></collision></link>
+  <link name="lower"><collision><geometry><mesh filename="part.stl" scale="1 1 2"/></geometry></collision></link>
+  <link name="slider"><collision><geometry><cylinder radius="0.1" length="1"/></geometry></collision></link>
+  <link name="tip"/> <link name="finger"/>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 5" rpy="0 0 1"/>
+    <axis xyz="0 0 1"/><limit lower="-1" upper="2" velocity="1.5" effort="1"/></joint>
+  <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/><origin xyz="0.5 0 0"/>
+    <axis xyz="0 1 0"/><limit velocity="2" effort="1"/></joint>
+  <joint name="slide" type="prismatic"><parent link="lower"/><child link="slider"/><axis xyz="0 0 1"/>
+    <limit lower="-0.2" upper="0.1" velocity="0.5" effort="1"/></joint>
+  <joint name="mount" type="fixed"><parent link="slider"/><child link="tip"/><origin xyz="0.25 0 0"/></joint>
+  <joint name="grip" type="prismatic"><parent link="tip"/><child link="finger"/>
+    <limit lower="0.1" upper="0.2" velocity="1"/></joint>
+</robot>"""
+ROBOT_TOML = b"""name = "arm"
+urdf = "arm.urdf"
+end_effector = "tip"
+home_deg = [0, 90]
+home_m = [0.05]
+max_speed_deg_s = [80, 100.0]
+max_speed_m_s = [0.25]
+max_acceleration_deg_s2 = [360, 720]
+max_acceleration_m_s2 = [2]
+"""
+TRIANGLES = [[0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0]]
+STL = bytes(80) + struct.pack("<I", 2) + b"".join(struct.pack("<12fH", *corners, 0) for corners in TRIANGLES)
+TEXT_STL = b"solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\n"
+OBJ = b"# points\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1/1/1 2/2/2 -1 3\n"
+CSV = b"""t,beginDistance,prevBest,distance,delta_distance,reward,target x
+0,1.11,1.11,1.11,0,0,1
+1,1.11,0.5,0.5,-0.61,0.915,1
+,1.11,0.5,0.75,,-0.25,1
+0,1.11,1.11,1.11,0,0,1
+"""
+EXPERIMENT = b"""sim = ["ideal"]
+algo = ["wander", {name = "wander"}]
+reward = ["arp:k1=2,k2=1.5", {name = "arp", k1 = 1.0}]
+baseline = "baseline"
+task = {name = "fd100-reach", horizon = 5, epsilon = 0.02}
+seeds = [0, 1]
+steps = 12
+evaluation_episodes = 2
+evaluate_every = 6
+deterministic = true
+"""
+TUNING = b"""sim = "ideal"
+algo = "wander"
+reward = ["arp"]
+trials = 3
+seeds = 2
+steps = 12
+per_reward = false
+pruner = "median"
+batch = 1
+seed = 0
+
+[search]
+width = "1..5"
+"""
+TEXTS = {
+    "rewards": b"arp:k1=1,k2=1.5",
+    "tasks": b"fd100-reach:horizon=5,epsilon=0.02",
+    "algorithms": b"sac:learning_rate=1e-3,net_arch=64x64",
+    "executors": b"processes",
+}
+
+
+def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
+    """All of them, by name.
+
+    Args:
+        registry: The plugins, toys included.
+        cell: Any.
+        folder: To write examples into.
+    """
+    return {
+        "csv": Reader({"a.csv": CSV}, {"a.csv": mutate_csv}, lambda at: _exhaust(at / "a.csv")),
+        "toml": Reader({"a.toml": EXPERIMENT}, {"a.toml": mutate_toml}, lambda at: read_toml(at / "a.toml", "file")),
+        "experiment": Reader(
+            {"a.toml": EXPERIMENT},
+            {"a.toml": mutate_toml},
+            lambda at: expand(read_experiment(at / "a.toml", {}), registry),
+        ),
+        "tuning": Reader(
+            {"a.toml": TUNING}, {"a.toml": mutate_toml}, lambda at: resolve(read_tuning(at / "a.toml", {}), registry)
+        ),
+        "urdf": Reader(
+            {"arm.urdf": URDF, "part.stl": STL}, {"arm.urdf": mutate_xml}, lambda at: read_robot(at / "arm.urdf")
+        ),
+        "robot": Reader(
+            {"r/arm.urdf": URDF, "r/part.stl": STL, "r/robot.toml": ROBOT_TOML},
+            {"r/robot.toml": mutate_toml, "r/part.stl": mutate_bytes},
+            lambda at: load_robot(at / "r"),
+        ),
+        "binary stl": Reader({"a.stl": STL}, {"a.stl": mutate_bytes}, lambda at: read_mesh(at / "a.stl")),
+        "text stl": Reader({"b.stl": TEXT_STL}, {"b.stl": mutate_bytes}, lambda at: read_mesh(at / "b.stl")),
+        "obj": Reader({"a.obj": OBJ}, {"a.obj": mutate_bytes}, lambda at: read_mesh(at / "a.obj")),
+        **{f"policy {policy.kind}": _policy(policy, folder) for policy in _policies()},
+        **{f"text of {kind}": _text(registry, kind, text) for kind, text in TEXTS.items()},
+        "recorded trace": Reader(
+            {"a.parquet": _trace(folder)}, {"a.parquet": _mutate_parquet}, lambda at: _exhaust(at / "a.parquet")
+        ),
+        "trace": Reader(
+            {"a.parquet": _trace(folder)}, {"a.parquet": _mutate_parquet}, lambda at: read_trace(at / "a.parquet")
+        ),
+        **_sealed("manifest", "m/manifest.json", _manifest(cell, folder), lambda at: read_manifest(at / "m")),
+        **_sealed("plan", "p/plan.json", _plan(registry, folder), lambda at: Store.open(at / "p").read_plan()),
+    }
+
+
+def _sealed(name: str, path: str, content: bytes, read: Callable[[Path], Any]) -> dict[str, Reader]:
+    """A file that carries its own digest, and the same as version 0.1 wrote it: what is changed there is read."""
+    plain = json.dumps({**unseal(content), "format": 1}).encode()
+    return {
+        name: Reader({path: plain}, {path: mutate_json}, read),
+        f"sealed {name}": Reader({path: content}, {path: mutate_json}, read),
+    }
+
+
+def _exhaust(path: Path) -> None:
+    for _ in open_recording(path).chunks():
+        pass
+
+
+def _text(registry: Registry, kind: str, text: bytes) -> Reader:
+    def read(folder: Path) -> None:
+        choose(registry, kind, (folder / "text").read_text(encoding="utf-8", errors="surrogateescape"))
+
+    return Reader({"text": text}, {"text": mutate_text}, read)
+
+
+def _policies() -> list[Policy]:
+    rng = np.random.default_rng(0)
+
+    def layers(*sizes: tuple[str, int, int]) -> dict[str, Any]:
+        weights = {f"{name}.weight": rng.normal(size=(out, into)) for name, into, out in sizes}
+        weights |= {f"{name}.bias": rng.normal(size=out) for name, _, out in sizes}
+        return {name: array.astype(np.float32) for name, array in weights.items()}
+
+    hidden = (("hidden.0", 5, 4), ("hidden.1", 4, 4))
+    scaling = {f"observation.{name}": np.ones(5, np.float32) for name in ("mean", "std")}
+    gaussian = layers(*hidden, ("mean", 4, 2), ("log_std", 4, 2)) | scaling
+    robot = load_robot("fd100")
+    limits = JointLimits(robot.lower, robot.upper, robot.max_speed, robot.max_acceleration * 0.02, 0.02)
+    return [
+        SquashedGaussian(gaussian, "tanh", (-1.0, -1.0), (1.0, 1.0), "sac"),
+        Greedy(layers(*hidden, ("value", 4, 3)), "relu", 3, "dqn", epsilon=0.1),
+        UniformChoice(7, "floor"),
+        InverseKinematics.of(robot, limits, "movej", "ik"),
+    ]
+
+
+def _policy(policy: Policy, folder: Path) -> Reader:
+    place = folder / "policy" / policy.kind
+    policy.save(place)
+    files = {f"{policy.kind}/{name}": (place / name).read_bytes() for name in (CARD, WEIGHTS)}
+    mutate = {f"{policy.kind}/{CARD}": mutate_json, f"{policy.kind}/{WEIGHTS}": _mutate_weights}
+    return Reader(files, mutate, lambda at: load_policy(at / policy.kind))
+
+
+def _mutate_weights(content: bytes, rng: Random) -> bytes:
+    """Other bytes; or arrays of other types, shapes and numbers."""
+    if rng.random() < 0.5:
+        return mutate_bytes(content, rng)
+    arrays = {name: np.array(array) for name, array in safetensors.numpy.load(content).items()}
+    name = rng.choice(list(arrays) or ["mean.weight"])
+    shape = rng.choice(((), (0,), (4,), (4, 4), (5, 4), (0, 10**9), (2, 2, 2), (3_000,)))
+    other = np.full(shape, rng.choice((0.0, 1.0, -1.0, np.nan, np.inf, 3e38)))
+    match rng.randrange(4):
+        case 0:
+            arrays.pop(name, None)
+        case 1:
+            arrays[rng.choice(("x", "hidden.00.weight", "hidden.9.bias", "hidden..weight", "\u202e"))] = other
+        case _:
+            arrays[name] = other
+    kind = rng.choice((np.float32, np.float32, np.float32, np.float64, np.int8, np.bool_, np.float16))
+    with np.errstate(all="ignore"):
+        return safetensors.numpy.save({name: array.astype(kind) for name, array in arrays.items()})
+
+
+def _trace(folder: Path) -> bytes:
+    path = folder / "trace.parquet"
+    with TraceWriter(path, 3, 2) as writer:
+        writer.append(np.tile(np.arange(len(SCALARS) + 5.0), (6, 1)))
+    return path.read_bytes()
+
+
+def _mutate_parquet(content: bytes, rng: Random) -> bytes:
+    """Other bytes; or columns of other types and numbers, missing or there twice, and another format."""
+    if rng.random() < 0.6:
+        return mutate_bytes(content, rng)
+    table = pq.read_table(pa.BufferReader(content))
+    for _ in range(rng.choice((1, 1, 3))):
+        column = rng.randrange(table.num_columns)
+        name = rng.choice((table.column_names[column], table.column_names[column], rng.choice(table.column_names), "x"))
+        match rng.randrange(4):
+            case 0 if table.num_columns > 1:
+                table = table.remove_column(column)
+            case 1:
+                table = table.append_column(name, table.column(column))
+            case _:
+                table = table.set_column(column, name, _odd_column(len(table), rng))
+    if rng.random() < 0.3:
+        keys = {
+            b"harness.trace": rng.choice((b"", b"1", b"-1", b"x", b"\xff", b"9" * 5_000)),
+            b"harness.facts": rng.choice((b"", b"{}", b"[" * 9_999)),
+        }
+        table = table.replace_schema_metadata(keys)
+    sink = pa.BufferOutputStream()
+    pq.write_table(table.slice(0, rng.choice((0, 1, len(table), len(table)))), sink)
+    return bytes(sink.getvalue())
+
+
+def _odd_column(rows: int, rng: Random) -> pa.Array:
+    value = rng.choice(
+        (None, True, 7, -(2**62), 1e308, float("nan"), float("inf"), "x", b"x", [1.0], [], [[1]], {"a": 1})
+    )
+    if rng.random() < 0.3:
+        return pa.array([0.5] * (rows - 1) + [None])
+    return pa.array([value] * rows)
+
+
+def _manifest(cell: Any, folder: Path) -> bytes:
+    place = folder / "manifest"
+    place.mkdir()
+    environment = {"versions": {"numpy": "2"}, "machine": {"cpu": "x", "cores": 2}, "commit": "abc", "command": "a"}
+    record = Manifest(
+        cell=cell, status="done", started="2026-01-01T00:00:00+00:00", seconds=1.0, environment=environment
+    )
+    record.write(place)
+    return (place / "manifest.json").read_bytes()
+
+
+def _plan(registry: Registry, folder: Path) -> bytes:
+    experiment = check_experiment({"sim": "ideal", "algo": "wander", "steps": 12, "seeds": 2})
+    Store.create(folder / "plan", expand(experiment, registry))
+    return (folder / "plan" / "plan.json").read_bytes()

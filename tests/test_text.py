@@ -1,0 +1,62 @@
+"""Text of strangers, fit to be shown."""
+
+import unicodedata
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.text import LONGEST_MESSAGE, one_line_of, shortened, visible
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("\x1b[31mred", "\\x1b[31mred"),
+        ("\x9b2J", "\\x9b2J"),
+        ("a\u202eb", "a\\u202eb"),
+        ("a\u200bb", "a\\u200bb"),
+        ("a\u2028b", "a\\u2028b"),
+        ("a\nb\tc", "a\\nb\\tc"),
+        ("name\udc80", "name\\udc80"),
+        ("\U000e0041", "\\U000e0041"),
+    ],
+)
+def test_what_is_not_seen_is_written_out(text: str, shown: str):
+    """Control characters of both sets, turns of the direction, marks without width, separators of lines."""
+    assert visible(text) == shown
+
+
+@pytest.mark.parametrize("text", ["eta η_N · 3 × 10⁻³", "Grüße, 世界, مرحبا", "a\u00a0b", "🤖", "[/b] \\n"])
+def test_ordinary_text_stays(text: str):
+    """Letters of all languages, signs, blanks."""
+    assert visible(text) == text
+
+
+def test_a_line_break_can_be_kept():
+    """A text of several lines stays one."""
+    assert visible("a\n\x1bb", keep="\n") == "a\n\\x1bb"
+
+
+@given(st.text(st.characters(exclude_categories=())))
+def test_nothing_hidden_is_left(text: str):
+    """Of any text; and to show what was shown changes nothing."""
+    shown = visible(text)
+    assert all(unicodedata.category(char)[0] != "C" and char not in "\u2028\u2029" for char in shown)
+    assert visible(shown) == shown
+
+
+def test_a_long_message_keeps_its_beginning_and_its_end():
+    """The file that it names, and what to do."""
+    message = shortened("run.csv: " + "x" * 13_000 + ". Export it again.")
+    assert len(message) == LONGEST_MESSAGE
+    assert message.startswith("run.csv: ")
+    assert message.endswith("x. Export it again.")
+
+
+@given(st.text())
+def test_a_message_is_one_short_line(text: str):
+    """Whatever it says."""
+    message = one_line_of(text)
+    assert len(message) <= LONGEST_MESSAGE
+    assert len(message.splitlines()) <= 1
