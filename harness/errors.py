@@ -5,7 +5,8 @@ HarnessError
 ├── PluginError           a plugin is broken: names the plugin, its distribution and the target
 ├── SimulationDiverged    a simulation or a reward left the finite numbers: the cell fails, the plan goes on
 ├── ContractViolation     a plugin breaks its interface's contract: names the check
-└── SchemaError           a results file is not what this version reads
+├── SchemaError           a results file is not what this version reads
+└── Unscored              a reward cannot pay recorded runs again: the rest of a report stands
 """
 
 
@@ -39,6 +40,10 @@ class ContractViolation(HarnessError):
 
 class SchemaError(HarnessError):
     """A results file is damaged, or written by a newer version than this one."""
+
+
+class Unscored(HarnessError):
+    """A reward is not installed any more, has changed, or cannot pay these runs."""
 
 
 def one_line(error: BaseException) -> str:

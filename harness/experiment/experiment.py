@@ -8,6 +8,7 @@ from typing import Any
 from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, OnEvent
+from harness.experiment.ended_cells import EndedCells
 from harness.experiment.event_log import require_tensorboard
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.workers import worker_count
@@ -146,20 +147,23 @@ class ExperimentRun:
             waiting = [cell for cell in self.plan.cells if not store.is_done(cell)]
             # What else was begun stays too: run_cell says what becomes of it.
             store.discard_partial(keep={store.reopen(cell) for cell in waiting})
+            ended = EndedCells(store, self.registry, self.plan)
             jobs = [Job(cell, store.cell_folder(cell), self.options.of_cells) for cell in waiting]
             try:
-                self.executor.run(jobs, self.options.at_once, lambda event: on_event(self._recorded(event)))
+                self.executor.run(jobs, self.options.at_once, lambda event: on_event(self._recorded(event, ended)))
             finally:
                 store.discard_partial()
         return Results(store.folder, self.registry, self.options.curve)
 
-    def _recorded(self, event: Event) -> Event:
+    def _recorded(self, event: Event, ended: EndedCells) -> Event:
         """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
         if event.kind != "ended":
             return event
         if event.reason:
             self.store.record(event.cell, "failed", event.reason)
         manifest = read_manifest(self.store.cell_folder(event.cell))
+        if manifest.status == "done":
+            ended.keep(event.cell)
         return event._replace(reason=manifest.reason, note=manifest.note)
 
 
