@@ -6,6 +6,7 @@ HarnessError
 ├── SimulationDiverged    a simulation or a reward left the finite numbers: the cell fails, the plan goes on
 ├── ContractViolation     a plugin breaks its interface's contract: names the check
 ├── StorageError          a results folder cannot be written: the disk is full, or fails; what was done stays
+├── Unscored              a reward cannot pay recorded runs again: the rest of a report stands
 └── SchemaError           a results file is not what this version reads
     └── NewerFormat       because a newer version wrote it
 """
@@ -51,6 +52,10 @@ class NewerFormat(SchemaError):
 
 class StorageError(HarnessError):
     """A results folder cannot be written: the disk is full or fails, or too many files are open."""
+
+
+class Unscored(HarnessError):
+    """A reward is not installed any more, has changed, or cannot pay these runs."""
 
 
 def one_line(error: BaseException) -> str:

@@ -1,7 +1,7 @@
 """The curve of a group of runs, from which its index is read; takes runs of any length a piece at a time."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -45,12 +45,9 @@ class GroupCurve:
         if rewards.shape[1] == 0:
             return
         runs = self._curves(np.asarray(rewards, np.float64))
-        mean = _mean_of(runs)
         start = self._steps
-        self._find_crossover(mean, start)
-        self._add_sums(mean, start)
+        self._add_mean(_mean_of(runs))
         self._keep(runs, start)
-        self._steps += rewards.shape[1]
 
     @property
     def index(self) -> Index:
@@ -89,7 +86,8 @@ class GroupCurve:
 
     def each(self) -> tuple[Float, Float]:
         """I_N and I_P of each run alone, (runs,) both, from the kept points."""
-        return self.resample(np.eye(self.count))
+        negative, positive = _split(self.runs, self.kind) * self._stride
+        return negative, positive
 
     def _curves(self, rewards: Float) -> Float:
         if self.kind == "per-step":
@@ -98,6 +96,12 @@ class GroupCurve:
         runs = np.cumsum(np.concatenate([first, rewards[:, 1:]], axis=1), axis=1)
         self._last = runs[:, -1].copy()
         return runs
+
+    def _add_mean(self, mean: Float) -> None:
+        """Go on with the mean over the runs, (n,)."""
+        self._find_crossover(mean, self._steps)
+        self._add_sums(mean, self._steps)
+        self._steps += len(mean)
 
     def _find_crossover(self, mean: Float, start: int) -> None:
         negative = mean < 0.0
@@ -132,10 +136,35 @@ _CHUNK = 64
 
 def curve_of(rewards: Sequence[Float], kind: Kind = "accumulated") -> GroupCurve:
     """The curve of runs that are in memory, each (steps,), cut to the shortest."""
-    curve = GroupCurve(len(rewards), kind)
-    steps = min((len(reward) for reward in rewards), default=0)
-    if steps:
-        curve.add(np.stack([reward[:steps] for reward in rewards]))
+    return stream_curve(rewards, len(rewards), min((len(reward) for reward in rewards), default=0), kind)
+
+
+def stream_curve(rewards: Iterable[Float], runs: int, steps: int, kind: Kind = "accumulated") -> GroupCurve:
+    """The same of runs that come one after the other, of which one at a time is in memory.
+
+    Args:
+        rewards: Of each run, (steps,) or longer.
+        runs: How many there are.
+        steps: What they are cut to.
+        kind: See `GroupCurve`.
+    """
+    curve = GroupCurve(runs, kind)
+    if not runs or not steps:
+        return curve
+    stride = 1
+    while math.ceil(steps / stride) > 2 * POINTS:
+        stride *= 2
+    kept, total = np.empty((runs, math.ceil(steps / stride))), np.zeros(steps)
+    sums = np.empty(steps)  # one for all runs: new pages cost as much as the sums
+    for row, run in zip(kept, rewards, strict=True):
+        values = np.asarray(run[:steps], np.float64)
+        if kind == "accumulated":
+            values = np.cumsum(values, out=sums)
+        row[:] = values[::stride]
+        total += values
+    kept += 0.0  # no -0.0, as where a run goes on from the sum before
+    curve._add_mean(total / runs)
+    curve._kept, curve._kept_points, curve._stride = [kept], kept.shape[1], stride
     return curve
 
 

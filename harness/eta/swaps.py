@@ -8,6 +8,7 @@ one seen (Fisher 1935). It assumes no distribution: seeds may be as skewed as th
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -35,8 +36,16 @@ class Swaps:
 
     def of(self, seeds: Sequence[int]) -> Float:
         """The columns of some seeds, (ways, len(seeds))."""
-        columns: Float = self.signs[:, [self.seeds.index(seed) for seed in seeds]]
-        return columns
+        return _columns(self, tuple(seeds))
+
+
+@lru_cache(maxsize=2)
+def _columns(swaps: Swaps, seeds: tuple[int, ...]) -> Float:
+    """Nearly all measures of a comparison have the same seeds; of many seeds they take megabytes."""
+    place = {seed: column for column, seed in enumerate(swaps.seeds)}
+    columns: Float = swaps.signs[:, [place[seed] for seed in seeds]]
+    columns.setflags(write=False)
+    return columns
 
 
 def swaps_of(seeds: Sequence[int]) -> Swaps:

@@ -9,6 +9,7 @@ from typing import Any
 from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, OnEvent
+from harness.experiment.ended_cells import EndedCells
 from harness.experiment.event_log import require_tensorboard
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.workers import worker_count
@@ -176,14 +177,15 @@ class BegunRun:
         waiting = [cell for cell in self.asked.plan.cells if cell not in done]
         # What else was begun stays too: run_cell says what becomes of it.
         store.discard_partial(keep={store.reopen(cell) for cell in waiting})
+        ended = EndedCells(store, self.asked.registry, self.asked.plan)
         jobs = [Job(cell, store.cell_folder(cell), options.of_cells) for cell in waiting]
         try:
-            self.asked.executor.run(jobs, options.at_once, lambda event: on_event(self._recorded(event)))
+            self.asked.executor.run(jobs, options.at_once, lambda event: on_event(self._recorded(event, ended)))
         finally:
             store.discard_partial()
         return Results(store.folder, self.asked.registry, options.curve)
 
-    def _recorded(self, event: Event) -> Event:
+    def _recorded(self, event: Event, ended: EndedCells) -> Event:
         """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
         store = self.asked.store
         if event.kind != "ended":
@@ -191,6 +193,8 @@ class BegunRun:
         if event.reason:
             store.record(event.cell, "failed", event.reason)
         manifest = read_manifest(store.cell_folder(event.cell))
+        if manifest.status == "done":
+            ended.keep(manifest)
         return event._replace(reason=manifest.reason, note=manifest.note)
 
 

@@ -18,6 +18,8 @@ SCORES = "scores.parquet"
 CHECKPOINT = "checkpoint.safetensors"
 """In a partial folder: where a training that was killed goes on."""
 TENSORBOARD = "tensorboard"
+DERIVED = "derived"
+"""Folder of an experiment: what follows from its cells; see `harness.results.kept`."""
 TRANSFER = "transfer"
 """Folder of an experiment: what policies did elsewhere; see `harness.transfer.record`."""
 

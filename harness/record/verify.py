@@ -6,14 +6,17 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from harness.errors import NewerFormat, SchemaError
+from harness.files.keyed_file import is_whole
 from harness.files.sums import SUMS, changed_since_made
+from harness.files.whole_file import is_partial
 from harness.record import forms
 from harness.record.cell_folder import REMEDY, examine, require_files
-from harness.record.folder import TRANSFER
+from harness.record.folder import DERIVED, TRANSFER
 from harness.record.manifest import Ending, Manifest, read_manifest, read_record
 from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
 from harness.record.store import CELLS, Store
 
+DERIVED_BYTES = 2**32
 DAMAGED = "damaged"
 """Where `repair` puts what is damaged: nothing is thrown away."""
 PLAN_REMEDY = "harness repair puts it together from the cells; the same harness run asks for the rest"
@@ -132,6 +135,9 @@ def _of_made(folder: Path) -> Iterator[Problem]:
     for parent in (folder, *_folders(folder / CELLS, "[!.]*")):
         for name in changed_since_made(parent):
             yield Problem((parent / name).relative_to(folder), f"it is not what {SUMS} beside it says", MADE_REMEDY)
+    for path in sorted((folder / DERIVED).glob("*/*")):
+        if not is_partial(path) and not is_whole(path, DERIVED_BYTES):
+            yield Problem(path.relative_to(folder), "it is not what was made", MADE_REMEDY)
 
 
 def _folders(folder: Path, pattern: str) -> list[Path]:

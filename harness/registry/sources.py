@@ -1,9 +1,12 @@
 """The files that a plugin is made of."""
 
+import ast
 import hashlib
 import importlib.util
 import inspect
 import sys
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -42,3 +45,83 @@ def _module_files(name: str) -> list[Path]:
     if folders:
         return sorted(file for folder in folders for file in folder.rglob("*.py"))
     return [Path(spec.origin)] if spec.origin else []
+
+
+def digest_of_modules(names: Iterable[str]) -> str:
+    """SHA-256 of the source files of modules and packages, which are not imported for it."""
+    return _digest(file for name in names for file in _module_files(name))
+
+
+def fingerprint(built: Any) -> str:
+    """A digest of all that decides what a built plugin computes: its class, its parameters, its source files.
+
+    Modules of its own top-level package that its module imports count too, and so do the parts that it is built of.
+    """
+    types = dict.fromkeys(type(part) for part in _parts_of(built))
+    files = [file for part in types for file in (*source_files(part), *_files_behind(part.__module__))]
+    return hashlib.sha256(f"{_describe(built)} {_digest(dict.fromkeys(files))}".encode()).hexdigest()
+
+
+def _parts_of(built: Any) -> Iterator[Any]:
+    """The object, and those that it holds which are no plain values."""
+    if _is_pythons_own(type(built)) or type(built).__module__.partition(".")[0] == "numpy":
+        return
+    yield built
+    for value in getattr(built, "__dict__", {}).values():
+        yield from _parts_of(value)
+
+
+def _describe(built: Any) -> str:
+    """The class and its attributes, whatever the order in which they were set."""
+    if not list(_parts_of(built)):
+        return repr(built)
+    values = sorted(getattr(built, "__dict__", {}).items())
+    told = ", ".join(f"{name}={_describe(value)}" for name, value in values)
+    return f"{type(built).__module__}.{type(built).__qualname__}({told})"
+
+
+def _files_behind(module: str) -> list[Path]:
+    """Of a module and of those that it imports from its own distribution, and so on."""
+    root, found, waiting = module.partition(".")[0], dict[str, Path | None](), [module]
+    while waiting:
+        name = waiting.pop()
+        if name in found or name.partition(".")[0] != root:
+            continue
+        found[name] = file = _source_of(name)
+        if file is not None:
+            waiting += _imports_of(file, name if file.name == "__init__.py" else name.rpartition(".")[0])
+    return [file for _, file in sorted(found.items()) if file is not None]
+
+
+def _source_of(module: str) -> Path | None:
+    try:
+        spec = importlib.util.find_spec(module)
+    except (ImportError, ValueError):  # a class in a module looks like a module in a package; a test has no spec
+        return None
+    return Path(spec.origin) if spec and spec.origin and spec.origin.endswith(".py") else None
+
+
+def _imports_of(file: Path, package: str) -> list[str]:
+    """Whatever the source of a module in `package` imports, also inside functions; names in a module among them."""
+    found: list[str] = []
+    for node in ast.walk(ast.parse(_content(str(file)))):
+        if isinstance(node, ast.Import):
+            found += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            parent = package.rsplit(".", node.level - 1)[0] if node.level else ""
+            base = ".".join(part for part in (parent, node.module) if part)
+            found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
+    return found
+
+
+def _digest(files: Iterable[Path]) -> str:
+    found = hashlib.sha256()
+    for file in files:
+        found.update(hashlib.sha256(_content(str(file))).digest())
+    return found.hexdigest()
+
+
+@lru_cache(maxsize=512)
+def _content(file: str) -> bytes:
+    """Of a source file, as it was when it was first asked for: what runs was loaded before."""
+    return Path(file).read_bytes()

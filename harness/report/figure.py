@@ -8,29 +8,33 @@ from typing import Any, TypeAlias
 from harness.arrays import Float
 from harness.report.palette import FONT, GRID, INK, faint
 from harness.report.panel import Panel, panels_of, reward_range, step_range
-from harness.report.points import select_points
+from harness.report.points import POINTS, select_points
 from harness.report.regions import Region, regions_of
 from harness.results.combination import Combination
 
 Figure: TypeAlias = dict[str, Any]
 
 
-def draw_panels(combination: Combination) -> tuple[Figure, Figure] | None:
+def draw_panels(combination: Combination, points: int = POINTS) -> tuple[Figure, Figure] | None:
     """A panel for the baseline and one for the proposed reward, on equal axes; None without a finished pair.
 
     Two figures, not one: a narrow screen stacks them.
+
+    Args:
+        combination: What to draw.
+        points: Of a single run, at most.
     """
     panels = panels_of(combination)
     if panels is None:
         return None
     ranges = {"x": list(step_range(panels)), "y": list(reward_range(panels))}
-    return _draw_panel(panels[0], ranges), _draw_panel(panels[1], ranges)
+    return _draw_panel(panels[0], ranges, points), _draw_panel(panels[1], ranges, points)
 
 
-def _draw_panel(panel: Panel, ranges: dict[str, list[float]]) -> Figure:
+def _draw_panel(panel: Panel, ranges: dict[str, list[float]], points: int) -> Figure:
     stride, colour = panel.stride, panel.colour
     thin = [
-        draw_curve(run, stride, f"seed {seed}", {"color": colour, "width": 1}, opacity=0.45)
+        draw_curve(run, stride, f"seed {seed}", {"color": colour, "width": 1}, 0.45, points)
         for run, seed in zip(panel.runs, panel.seeds, strict=True)
     ]
     regions = regions_of(panel)
@@ -43,9 +47,11 @@ def _draw_panel(panel: Panel, ranges: dict[str, list[float]]) -> Figure:
     return {"data": [*shades, *thin, thick, _markers(panel)], "layout": layout}
 
 
-def draw_curve(values: Float, stride: int, name: str, line: dict[str, Any], opacity: float = 1.0) -> Figure:
-    """A line through every `stride`-th step's value."""
-    points = select_points(values)
+def draw_curve(
+    values: Float, stride: int, name: str, line: dict[str, Any], opacity: float = 1.0, most: int = POINTS
+) -> Figure:
+    """A line through every `stride`-th step's value, of which `most` are drawn."""
+    points = select_points(values, most)
     return {
         "type": "scatter",
         "mode": "lines",

@@ -9,6 +9,7 @@ from harness.report.facts import shared_facts
 from harness.report.figure import draw_panels
 from harness.report.learning_figure import describe_learning, draw_learning
 from harness.report.page import render_page, write_page
+from harness.report.points import points_of_a_run
 from harness.report.profile_figure import describe_profile, draw_profile
 from harness.report.question import question
 from harness.report.return_rows import EXPLANATION as RETURNS
@@ -76,12 +77,13 @@ def describe_comparison(combination: Combination) -> str:
 
 
 def _render(results: Results) -> str:
+    points = points_of_a_run(sum(2 * len(combination.seeds) for combination in results.combinations))
     return render_page(
         TEMPLATE,
         "The HTML report",
         question=question(results),
         nothing=NOTHING,
-        sections=[_section(results, combination) for combination in results.combinations],
+        sections=[_section(results, combination, points) for combination in results.combinations],
         split=SPLIT,
         paths=f"{PATHS} {TOTAL}",
         tests=TESTS,
@@ -94,8 +96,8 @@ def _render(results: Results) -> str:
     )
 
 
-def _section(results: Results, combination: Combination) -> dict[str, Any]:
-    """What the template shows of a combination."""
+def _section(results: Results, combination: Combination, points: int) -> dict[str, Any]:
+    """What the template shows of a combination, `points` of each run."""
     headline = combination.headline
     return {
         "title": combination.group.title,
@@ -121,7 +123,7 @@ def _section(results: Results, combination: Combination) -> dict[str, Any]:
                 _sum_grid(combination),
             ]
         ),
-        "panels": _label_panels(combination),
+        "panels": _label_panels(combination, points),
         "learning": _learning_panels(results, combination),
         "profiles": _profile_panels(combination),
         "trajectories": _trajectory_panels(results, combination),
@@ -202,9 +204,9 @@ def _split_panels(combination: Combination) -> list[dict[str, Any]]:
     ]
 
 
-def _label_panels(combination: Combination) -> list[dict[str, Any]]:
+def _label_panels(combination: Combination, points: int) -> list[dict[str, Any]]:
     """Each panel with its heading and, for those who cannot see it, what it shows."""
-    panels = draw_panels(combination)
+    panels = draw_panels(combination, points)
     if panels is None:
         return []
     first, crossover = index_grid(combination.decomposition).rows[:2]

@@ -8,6 +8,16 @@ from harness.arrays import Float
 POINTS = 1_000
 """Points drawn per curve, at most: more than a panel has pixels; every step of every run would make 100 MB pages."""
 
+ON_A_PAGE = 400_000
+"""Points of all single runs on a page together: about 7 MB."""
+FEWEST = 40
+"""Of one run: its shape can still be seen."""
+
+
+def points_of_a_run(runs: int) -> int:
+    """How many points a run is drawn with on a page that has so many runs."""
+    return max(FEWEST, min(POINTS, ON_A_PAGE // max(1, runs)))
+
 
 def select_points(values: Float, points: int = POINTS) -> NDArray[np.int64]:
     """Which steps to draw: the first, the last, and the extremes of each stretch between, in order, (<= points,).

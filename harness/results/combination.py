@@ -88,7 +88,7 @@ class Combination:
         seeds: Those that are done under both rewards, and compared.
         decomposition: Both etas and how they split; None without a seed.
         changes: Measures of behaviour: of the trained policies by how they acted, of the trainings, of learning.
-        curves: S_r(tau_q) by (r, q), as far as the rewards could be scored.
+        curves: S_r(tau_q) by (r, q), as far as the rewards could be scored; read anew each time that one is asked for.
         along: What decides about the robot, at each evaluation before the end of the trainings.
         episodes: Finished episodes that the measures of each manner rest on, of each seed at least.
         claims: How many are made together, in all combinations of the experiment but the null control.

@@ -1,23 +1,22 @@
 """From an experiment's records to its comparisons."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from harness.errors import Unscored
 from harness.eta.behaviour_change import Change, Measure, change_of
-from harness.eta.curve import GroupCurve, curve_of
+from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
 from harness.eta.headline import DECIDING
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.swaps import Swaps, corrected_p, swaps_of
 from harness.metric import is_share
 from harness.record.cell import Cell
-from harness.record.trace import Trace
 from harness.registry.choice import Choice
 from harness.results.combination import Combination, Group, StepChange
 from harness.results.measured import AREA, LEARNING, STEPS_TO_GOAL, Measured, Values, learning_values, moments_by_due
 from harness.results.records import Records
-from harness.score.scored_runs import score_runs
 
 
 def combine(records: Records) -> tuple[Combination, ...]:
@@ -50,7 +49,7 @@ class _Match(NamedTuple):
 
 
 def _match(records: Records, group: Group, proposed: Choice) -> _Match:
-    members = [manifest.cell for manifest in records.done if Group.of(manifest.cell) == group]
+    members = records.groups.get(group, [])
     baseline = {cell.seed: cell for cell in members if cell.reward.label == records.baseline}
     control = {seed: baseline[other] for seed, other in records.plan.control.items() if other in baseline}
     other = control if proposed.label == records.baseline else {it.seed: it for it in members if it.reward == proposed}
@@ -70,7 +69,7 @@ def _compare(records: Records, match: _Match, swaps: Swaps) -> Combination:
     if not match.seeds:
         return Combination(match.group, records.baseline, match.proposed.label, (), None, (), {})
     curves, missing = _score(records, match)
-    control = _recorded_curve(records, records.traces(match.control)) if match.control else None
+    control = records.curve(match.control) if match.control else None
     decomposition = decompose(curves, missing=missing, signs=swaps.of(match.seeds), control=control)
     comparison = _Measures(records, match, swaps)
     return Combination(
@@ -80,7 +79,7 @@ def _compare(records: Records, match: _Match, swaps: Swaps) -> Combination:
         match.seeds,
         decomposition,
         comparison.changes(),
-        curves,
+        _CurvesOnDemand(records, match, tuple(curves)),
         along=comparison.along(),
         episodes=comparison.episodes,
     )
@@ -88,17 +87,43 @@ def _compare(records: Records, match: _Match, swaps: Swaps) -> Combination:
 
 def _score(records: Records, match: _Match) -> tuple[dict[Pair, GroupCurve], str | None]:
     """The curves of both trainings under both rewards; under their own alone, with the reason, if need be."""
-    traces_b, traces_k = records.traces(match.of_baseline), records.traces(match.of_proposed)
-    curves = {BB: _recorded_curve(records, traces_b), KK: _recorded_curve(records, traces_k)}
-    by_b = score_runs(match.of_baseline[0].reward, records.registry, traces_b[0], traces_k)
-    by_k = score_runs(match.of_proposed[0].reward, records.registry, traces_k[0], traces_b)
-    if by_b.values is None or by_k.values is None:
-        return curves, by_b.reason or by_k.reason
-    return {**curves, BK: curve_of(by_b.values, records.kind), KB: curve_of(by_k.values, records.kind)}, None
+    curves = {pair: _curve(records, match, pair) for pair in (BB, KK)}
+    try:
+        curves |= {pair: _curve(records, match, pair) for pair in (BK, KB)}
+    except Unscored as unscored:
+        return curves, str(unscored)
+    return curves, None
 
 
-def _recorded_curve(records: Records, traces: Sequence[Trace]) -> GroupCurve:
-    return curve_of([trace["reward"] for trace in traces], records.kind)
+def _curve(records: Records, match: _Match, pair: Pair) -> GroupCurve:
+    """S_r(tau_q) of one pair (r, q)."""
+    (own, *_), cells = (match.of_baseline if who == "baseline" else match.of_proposed for who in pair)
+    return records.curve(cells) if pair[0] == pair[1] else _scored_curve(records, own, cells)
+
+
+def _scored_curve(records: Records, own: Cell, cells: Sequence[Cell]) -> GroupCurve:
+    """The trainings of `cells` paid by the reward that taught `own`."""
+    payer = records.payer(own.reward)
+    payer.require_unchanged(records.of(own).pays_recorded(payer))
+    return records.curve_paid_by(payer, cells)
+
+
+class _CurvesOnDemand(Mapping[Pair, GroupCurve]):
+    """The curves of a comparison, read again by whoever draws them: those of all comparisons would fill the memory."""
+
+    def __init__(self, records: Records, match: _Match, pairs: tuple[Pair, ...]) -> None:
+        self._records, self._match, self._pairs = records, match, pairs
+
+    def __getitem__(self, pair: Pair) -> GroupCurve:
+        if pair not in self._pairs:
+            raise KeyError(pair)
+        return _curve(self._records, self._match, pair)
+
+    def __iter__(self) -> Iterator[Pair]:
+        return iter(self._pairs)
+
+    def __len__(self) -> int:
+        return len(self._pairs)
 
 
 class _Measures:

@@ -1,16 +1,13 @@
 """What every metric says of one cell: of its policy in both manners, of random actions, and of its training."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from harness.eta.headline import SUCCESS
 from harness.metric import Metric
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, RANDOM, TRACE, evaluation_files, other_manner
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import Trace
 
 Values: TypeAlias = dict[str, float | None]
 """By metric; None where it is not defined."""
@@ -48,33 +45,6 @@ class Measured(NamedTuple):
 def measure(metrics: Mapping[str, Metric], trace: Trace) -> Values:
     """Every metric of a trace."""
     return {name: metric(trace) for name, metric in metrics.items()}
-
-
-def measure_cell(metrics: Mapping[str, Metric], cell: Cell, folder: Path) -> Measured:
-    """Every metric of what a done cell left in `folder`.
-
-    Raises:
-        SchemaError: A file is damaged or written by a newer version.
-    """
-    own, other = (DETERMINISTIC, STOCHASTIC) if cell.deterministic else (STOCHASTIC, DETERMINISTIC)
-    files = {own: EVALUATION, other: other_manner(cell.deterministic), TRAINING: TRACE}
-    there = {manner: folder / name for manner, name in files.items() if manner != other or (folder / name).is_file()}
-    traces = {manner: read_trace(path) for manner, path in there.items()}
-    return Measured(
-        {manner: measure(metrics, trace) for manner, trace in traces.items()},
-        {manner: len(trace.episodes) for manner, trace in traces.items()},
-        measure(metrics, read_trace(folder / RANDOM)),
-    )
-
-
-def moments_of(metrics: Mapping[str, Metric], cell: Cell, folder: Path) -> tuple[Moment, ...]:
-    """Every evaluation of a done cell in its own manner, in order, the last one after its training.
-
-    Raises:
-        SchemaError: A file is damaged or written by a newer version.
-    """
-    files = {**evaluation_files(folder), cell.steps: folder / EVALUATION}
-    return tuple(Moment(steps, measure(metrics, read_trace(path))) for steps, path in files.items())
 
 
 def moments_by_due(moments: Sequence[Moment], every: int, budget: int) -> list[tuple[int, Moment]]:

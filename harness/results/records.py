@@ -1,22 +1,25 @@
 """What the cells in an experiment's folder left, read once."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 
-from harness.eta.curve import Kind
+from harness.arrays import Float
+from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.files.bounded import read_text
 from harness.metric import Metric
 from harness.record.cell import Cell
-from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
-from harness.record.trace import Trace, read_trace
-from harness.registry.choice import build_defaults
+from harness.record.trace import Trace
+from harness.registry.choice import Choice
 from harness.registry.registry import Registry
-from harness.results.measured import Measured, Moment, Values, measure, measure_cell, moments_of
-from harness.score.scorer import SCORED
+from harness.results.cell_results import CellResults
+from harness.results.combination import Group
+from harness.results.done_cells import DoneCells
+from harness.results.measured import Measured, Moment, Values, measure
+from harness.score.scored_runs import Payer
 
 
 class Records:
@@ -43,11 +46,15 @@ class Records:
         self.manifests = [self.store.examine(cell) for cell in self.plan.cells]
         self._measured: dict[str, Measured] = {}
         self._moments: dict[str, tuple[Moment, ...]] = {}
+        self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
+        self._found: dict[str, CellResults] = {}
+        self._curves: dict[tuple[str, ...], GroupCurve] = {}
+        self._cells = DoneCells(self.store, registry)
 
-    @cached_property
+    @property
     def metrics(self) -> dict[str, Metric]:
         """Every registered metric, by name."""
-        return build_defaults(self.registry, "metrics")
+        return self._cells.metrics
 
     @property
     def failed(self) -> list[Manifest]:
@@ -72,6 +79,14 @@ class Records:
         """Cells that left a trace."""
         return [manifest for manifest in self.manifests if manifest.status == "done"]
 
+    @cached_property
+    def groups(self) -> dict[Group, list[Cell]]:
+        """Cells that left a trace, by what they share that are compared."""
+        groups: dict[Group, list[Cell]] = {}
+        for manifest in self.done:
+            groups.setdefault(Group.of(manifest.cell), []).append(manifest.cell)
+        return groups
+
     @property
     def done_cells(self) -> list[Cell]:
         """The same, those left out that only the null control is for."""
@@ -89,15 +104,48 @@ class Records:
     def measured(self, cell: Cell) -> Measured:
         """Every metric of a done cell."""
         if cell.id not in self._measured:
-            self._measured[cell.id] = measure_cell(self.metrics, cell, self.store.cell_folder(cell))
+            self._measured[cell.id] = self.of(cell).measured()
+            self.of(cell).finish()
         return self._measured[cell.id]
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
         """Every evaluation of a done cell while it learned, and the one after."""
         if cell.id not in self._moments:
-            self._moments[cell.id] = moments_of(self.metrics, cell, self.store.cell_folder(cell))
+            self._moments[cell.id] = self.of(cell).moments()
+            self.of(cell).finish()
         return self._moments[cell.id]
 
-    def traces(self, cells: Iterable[Cell]) -> list[Trace]:
-        """Training traces of done cells, with the columns that a reward is computed from."""
-        return [read_trace(self.store.cell_folder(cell) / TRACE, [*SCORED, "reward"]) for cell in cells]
+    def of(self, cell: Cell) -> CellResults:
+        """What follows from the files of a done cell."""
+        if cell.id not in self._found:
+            self._found[cell.id] = self._cells.of(self._ended[cell.id])
+        return self._found[cell.id]
+
+    def payer(self, choice: Choice) -> Payer:
+        """Pays recorded runs again by a reward."""
+        return self._cells.payer(choice)
+
+    def curve(self, cells: Sequence[Cell]) -> GroupCurve:
+        """Of the trainings of done cells, as they were paid; many rewards are compared with one baseline."""
+        key = tuple(cell.id for cell in cells)
+        found = self._curves.pop(key, None) or self._curve(cells, lambda of: of.recorded())
+        self._curves = {**dict(list(self._curves.items())[-1:]), key: found}  # the last two
+        return found
+
+    def curve_paid_by(self, payer: Payer, cells: Sequence[Cell]) -> GroupCurve:
+        """Of the trainings of done cells, as another reward would have paid them.
+
+        Raises:
+            Unscored: It cannot.
+        """
+        return self._curve(cells, lambda of: of.paid_by(payer))
+
+    def _curve(self, cells: Sequence[Cell], rewards: Callable[[CellResults], Float]) -> GroupCurve:
+        """One run at a time is in memory."""
+        rows = min(self.of(cell).rows() for cell in cells)
+        return stream_curve(self._runs(cells, rewards), len(cells), rows, self.kind)
+
+    def _runs(self, cells: Sequence[Cell], rewards: Callable[[CellResults], Float]) -> Iterator[Float]:
+        for cell in cells:
+            yield rewards(self.of(cell))
+            self.of(cell).finish()

@@ -4,21 +4,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from harness.errors import Unscored
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.record.folder import EVALUATION
-from harness.record.returns import EVENTS, mean_over_episodes, mean_return
-from harness.record.trace import Trace, read_trace
 from harness.registry.choice import Choice
+from harness.results.cell_results import CellResults
 from harness.results.combination import Group
 from harness.results.results import Results
-from harness.score.scored_runs import score_runs
-from harness.score.scorer import SCORED
+from harness.score.scored_runs import Payer
 
-COLUMNS = [*SCORED, "episode", "reward", *EVENTS]
 UNFINISHED = "no finished episode in some seeds"
 
-Trainings = Mapping[Choice, list[Trace]]
-"""The final evaluation of each seed, by the reward that it was trained with."""
+Trainings = Mapping[Choice, list[CellResults]]
+"""The cells of each seed, by the reward that they were trained with."""
 
 
 @dataclass(frozen=True)
@@ -54,35 +52,68 @@ def return_matrices(results: Results) -> list[ReturnMatrix]:
         SchemaError: A file is damaged or written by a newer version.
     """
     scoring = dict.fromkeys(manifest.cell.reward for manifest in results.manifests if manifest.status != "skipped")
-    groups: dict[Group, dict[Choice, list[Trace]]] = {}
+    groups: dict[Group, dict[Choice, list[CellResults]]] = {}
     for cell in sorted(results.done_cells, key=lambda cell: cell.seed):
-        trace = read_trace(results.store.cell_folder(cell) / EVALUATION, COLUMNS)
-        groups.setdefault(Group.of(cell), {}).setdefault(cell.reward, []).append(trace)
+        groups.setdefault(Group.of(cell), {}).setdefault(cell.reward, []).append(results.of(cell))
     return [_matrix(results, group, list(scoring), trainings) for group, trainings in groups.items()]
 
 
 def _matrix(results: Results, group: Group, scoring: list[Choice], found: Trainings) -> ReturnMatrix:
     trainings = {choice: found[choice] for choice in scoring if choice in found}
-    return ReturnMatrix(
-        group,
-        tuple(choice.label for choice in trainings),
-        {choice.label: _row(results, choice, trainings) for choice in scoring},
-        {choice.label: _mean([mean_return(trace, EVENTS) for trace in traces]) for choice, traces in trainings.items()},
-    )
+    payers = _unchanged_payers(results, scoring, trainings)
+    rows: dict[str, dict[str, SeedMean]] = {choice.label: {} for choice in scoring}
+    events = {}
+    for training, cells in trainings.items():
+        column = _Column(payers)
+        for cell in cells:
+            column.add(cell)
+            cell.finish()
+        for choice in scoring:
+            rows[choice.label][training.label] = column.mean(choice)
+        events[training.label] = _mean(column.events)
+    return ReturnMatrix(group, tuple(choice.label for choice in trainings), rows, events)
 
 
-def _row(results: Results, scoring: Choice, trainings: Trainings) -> dict[str, SeedMean]:
-    """Every training under one reward."""
-    own = trainings[scoring][0] if scoring in trainings else None
-    row = {}
-    for training, traces in trainings.items():
-        scored = score_runs(scoring, results.registry, own, traces)
-        if scored.values is None:
-            row[training.label] = SeedMean(None, notes=(scored.reason,))
-        else:
-            pairs = zip(scored.values, traces, strict=True)
-            row[training.label] = _mean([mean_over_episodes(values, trace) for values, trace in pairs])
-    return row
+Payers = Mapping[Choice, Payer | str]
+"""By reward; the reason where it pays nothing any more."""
+
+
+def _unchanged_payers(results: Results, scoring: list[Choice], trainings: Trainings) -> Payers:
+    """Those that pay today what they paid in the experiment; nothing is known of one that taught no done cell."""
+    payers: dict[Choice, Payer | str] = {}
+    for choice in scoring:
+        payers[choice] = payer = results.payer(choice)
+        try:
+            if choice in trainings:
+                payer.require_unchanged(trainings[choice][0].pays_recorded(payer, EVALUATION))
+        except Unscored as unscored:
+            payers[choice] = str(unscored)
+    return payers
+
+
+class _Column:
+    """One training under every reward."""
+
+    def __init__(self, payers: Payers) -> None:
+        self._payers = dict(payers)
+        self._returns: dict[Choice, list[float | None]] = {choice: [] for choice in payers}
+        self.events: list[float | None] = []
+
+    def add(self, cell: CellResults) -> None:
+        """Under all rewards at once: its evaluation is read once."""
+        self.events.append(cell.evaluation_events())
+        for choice, payer in self._payers.items():
+            if isinstance(payer, str):
+                continue
+            try:
+                self._returns[choice].append(cell.evaluation_return(payer))
+            except Unscored as unscored:
+                self._payers[choice] = str(unscored)
+
+    def mean(self, choice: Choice) -> SeedMean:
+        """Over the cells, or the reason why there is none."""
+        payer = self._payers[choice]
+        return SeedMean(None, notes=(payer,)) if isinstance(payer, str) else _mean(self._returns[choice])
 
 
 def _mean(values: list[float | None]) -> SeedMean:

@@ -1,56 +1,88 @@
-"""Recorded runs scored by a reward, or why they cannot be: a reward may be gone, changed or broken since."""
+"""Pays recorded runs again by a reward that was chosen then; says why that cannot be done any more."""
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cached_property
 
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import HarnessError, one_line
+from harness.errors import HarnessError, Unscored, one_line
 from harness.record.trace import Trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
+from harness.registry.sources import fingerprint
 from harness.reward import Reward
 from harness.score.scorer import score_trace
 
 
-class ScoredRuns(NamedTuple):
-    """What a reward pays for runs."""
+class Payer:
+    """A chosen reward, as it is installed now.
 
-    values: list[Float] | None
-    """Of every run, one value per row, (rows,); None where the runs could not be scored."""
-    reason: str = ""
-    """Why they could not; empty if they were."""
-
-
-def score_runs(choice: Choice, registry: Registry, own: Trace | None, runs: Sequence[Trace]) -> ScoredRuns:
-    """The shaped reward of every row of `runs` under a reward.
-
-    Args:
+    Attributes:
         choice: The reward.
-        registry: The plugins.
-        own: What the reward itself paid, with the column ``reward``: one that pays it otherwise now is another reward.
-            None where nothing is recorded.
-        runs: To score.
     """
+
+    def __init__(self, choice: Choice, registry: Registry) -> None:
+        self.choice, self._registry = choice, registry
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Of its parameters and sources; see `harness.registry.sources.fingerprint`.
+
+        Raises:
+            Unscored: There is no such reward any more.
+        """
+        with _told():
+            return f"{self.choice.to_json()} {fingerprint(self._reward)}"
+
+    def pay(self, run: Trace) -> Float:
+        """The shaped reward of every row of a run, (rows,).
+
+        Raises:
+            Unscored: It cannot, or what it pays is not finite.
+        """
+        with _told():
+            paid = score_trace(self._reward, run)
+            if not np.isfinite(paid).all():
+                raise HarnessError(f"reward {self.choice.label} is not finite on the runs of another reward")
+            return paid
+
+    def pays_recorded(self, own: Trace) -> bool:
+        """Whether it pays what is recorded, up to last bits, in which another machine may differ.
+
+        Args:
+            own: What it paid itself, with the column ``reward``.
+
+        Raises:
+            Unscored: It cannot pay at all.
+        """
+        with _told():
+            return np.allclose(score_trace(self._reward, own), own["reward"], rtol=1e-9, atol=1e-12)
+
+    def require_unchanged(self, pays_recorded: bool) -> None:
+        """See `pays_recorded`: one that pays its own steps otherwise now is another reward.
+
+        Raises:
+            Unscored: It has changed.
+        """
+        if not pays_recorded:
+            raise Unscored(
+                f"reward {self.choice.label} pays its own recorded steps otherwise than then: it has changed"
+            )
+
+    @cached_property
+    def _reward(self) -> Reward:
+        reward: Reward = self.choice.build(self._registry, "rewards")
+        return reward
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Whatever a reward raises is a reason: the rest can still be said."""
     try:
-        return ScoredRuns(_score(choice, registry, own, runs))
-    except HarnessError as error:  # a reward that is not installed any more: the rest can still be said
-        return ScoredRuns(None, str(error))
+        yield
+    except HarnessError as error:  # one that is not installed any more
+        raise Unscored(str(error)) from error
     except Exception as error:  # one that is, and cannot any more: a plugin may raise anything
-        return ScoredRuns(None, f"a reward could not score the runs: {one_line(error)}")
-
-
-def _score(choice: Choice, registry: Registry, own: Trace | None, runs: Sequence[Trace]) -> list[Float]:
-    reward: Reward = choice.build(registry, "rewards")
-    if own is not None and not _pays(reward, own):
-        raise HarnessError(f"reward {choice.label} pays its own recorded steps otherwise than then: it has changed")
-    scored = [score_trace(reward, run) for run in runs]
-    if not all(np.isfinite(values).all() for values in scored):
-        raise HarnessError(f"reward {choice.label} is not finite on the runs of another reward")
-    return scored
-
-
-def _pays(reward: Reward, trace: Trace) -> bool:
-    """Whether the reward pays what is recorded; up to last bits, in which another machine may differ."""
-    return np.allclose(score_trace(reward, trace), trace["reward"], rtol=1e-9, atol=1e-12)
+        raise Unscored(f"a reward could not score the runs: {one_line(error)}") from error

@@ -54,3 +54,9 @@ def test_profile_falls_from_all_to_none(values: list[float]):
     assert profile[0] == 1.0
     assert profile[-1] == 0.0
     assert (np.diff(profile) <= 0.0).all()
+
+
+@given(st.lists(st.floats(-1e6, 1e6), min_size=4, max_size=60))
+def test_middle_half_is_scipys(values: list[float]):
+    """To the last bit: published numbers rest on it."""
+    assert interquartile_mean(values) == float(scipy.stats.trim_mean(values, 0.25))

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import harness.eta.curve as module
-from harness.eta.curve import EXCHANGED, POINTS, GroupCurve, Kind, curve_of, mixtures
+from harness.eta.curve import EXCHANGED, POINTS, GroupCurve, Kind, curve_of, mixtures, stream_curve
 from harness.eta.index import Index
 
 PUBLISHED = tomllib.loads(
@@ -354,3 +354,28 @@ def test_mixture_of_long_runs_is_close(long_runs: np.ndarray):
     expected = curve_of([long_runs[2, : 3 * POINTS], short[0]]).index
     assert negative[0] + positive[0] == pytest.approx(expected.negative_sum + expected.positive_sum, rel=0.01)
     assert max(group.runs.shape[1] for group in groups) > EXCHANGED
+
+
+@given(SQUARES, ANY_KIND)
+@example(np.tile(np.linspace(-1.0, 2.0, 2 * POINTS + 3), (3, 1)), "accumulated")
+def test_runs_one_by_one_give_the_same_bits(rewards: Any, kind: Kind):
+    """As all of them at once, also where the curve is thinned."""
+    whole = GroupCurve(len(rewards), kind)
+    whole.add(rewards)
+    streamed = stream_curve(iter(rewards), len(rewards), rewards.shape[1], kind)
+    assert streamed.index == whole.index
+    assert streamed.stride == whole.stride
+    np.testing.assert_array_equal(streamed.runs, whole.runs)
+
+
+def test_streamed_runs_are_cut():
+    """To as many steps as the caller says."""
+    curve = stream_curve(iter([np.ones(5), np.ones(3)]), 2, 3)
+    np.testing.assert_array_equal(curve.runs, [[1.0, 2.0, 3.0]] * 2)
+
+
+@given(SQUARES, ANY_KIND)
+def test_sums_of_single_runs_are_those_of_a_draw(rewards: Any, kind: Kind):
+    """Bit for bit: a draw of one run is that run."""
+    curve = curve_of(list(rewards), kind)
+    np.testing.assert_array_equal(np.abs(curve.each()), np.abs(curve.resample(np.eye(len(rewards)))))

@@ -1,11 +1,16 @@
 """The files that a plugin is made of."""
 
+import sys
+from collections.abc import Callable
 from hashlib import sha256
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from harness.registry.sources import source_files, source_hash
+from harness.registry import sources
+from harness.registry.sources import digest_of_modules, fingerprint, source_files, source_hash
 from harness_plugins import fast_sac, soft_actor_critic
 from harness_plugins.algorithms import sac_fast
 from harness_plugins.algorithms.sac_fast import SacFast
@@ -54,3 +59,72 @@ def test_a_module_that_is_not_there_is_not_hashed():
         sources = ("no_such_module_anywhere",)
 
     assert Path(arp.__file__) in source_files(Plugin)
+
+
+METRIC = """
+from dataclasses import dataclass
+from {package}.helper import HALF
+
+@dataclass(frozen=True)
+class Metric:
+    factor: float = 1.0
+
+@dataclass(frozen=True)
+class Wrapped:
+    metric: Metric = Metric()
+"""
+
+
+@pytest.fixture(name="package")
+def _package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Any]:
+    """Makes a package with a metric, whose helper has this source; each is another package with the same text."""
+    monkeypatch.syspath_prepend(tmp_path)
+    made: list[str] = []
+
+    def make(helper: str) -> Any:
+        name = f"measures{len(made)}"
+        made.append(name)
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("")
+        (tmp_path / name / "helper.py").write_text(helper)
+        (tmp_path / name / "metric.py").write_text(METRIC.format(package=name))
+        return import_module(f"{name}.metric")
+
+    yield make
+    for name in [name for name in sys.modules if name.partition(".")[0] in made]:
+        del sys.modules[name]
+
+
+def test_fingerprint_has_the_parameters():
+    """The same class with another gain is another reward."""
+    assert fingerprint(Arp(k2=1.5)) == fingerprint(Arp())
+    assert fingerprint(Arp(k2=2.0)) != fingerprint(Arp())
+
+
+def test_fingerprint_has_the_modules_that_are_imported(package: Callable[[str], Any], monkeypatch: pytest.MonkeyPatch):
+    """A helper beside the metric may have been edited, and the metric not."""
+    module = package("HALF = 0.5\n")
+    before = fingerprint(module.Metric())
+    helper = Path(sys.modules[module.__name__.replace("metric", "helper")].__file__)
+    monkeypatch.setattr(sources, "_content", lambda file: b"edited" if file == str(helper) else Path(file).read_bytes())
+    assert fingerprint(module.Metric()) != before
+
+
+def test_fingerprint_has_the_parts(package: Callable[[str], Any]):
+    """What another is wrapped around decides what it computes."""
+    module = package("HALF = 0.5\n")
+    assert fingerprint(module.Wrapped()) == fingerprint(module.Wrapped(module.Metric()))
+    assert fingerprint(module.Wrapped()) != fingerprint(module.Wrapped(module.Metric(2.0)))
+
+
+def test_digest_of_modules_follows_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A package counts with all of its modules."""
+    monkeypatch.syspath_prepend(tmp_path)
+    digests = []
+    for number in range(2):
+        folder = tmp_path / f"code{number}"
+        folder.mkdir()
+        (folder / "__init__.py").write_text("")
+        (folder / "part.py").write_text(f"NUMBER = {number}\n")
+        digests.append(digest_of_modules([f"code{number}"]))
+    assert len(set(digests)) == 2

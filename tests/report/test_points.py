@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.report.points import POINTS, select_points
+from harness.report.points import FEWEST, ON_A_PAGE, POINTS, points_of_a_run, select_points
 
 
 @pytest.mark.parametrize("count", [1_001, 54_920])
@@ -26,3 +26,10 @@ def test_single_spike_survives():
 def test_short_run_is_drawn_whole():
     """Nothing is left out of a run that has no more steps than are drawn."""
     assert select_points(np.ones(POINTS)).tolist() == list(range(POINTS))
+
+
+@pytest.mark.parametrize(("runs", "points"), [(0, POINTS), (20, POINTS), (1_000, 400), (10**6, FEWEST)])
+def test_page_of_many_runs_has_fewer_points_of_each(runs, points):
+    """All together they are no more than a page can hold, while a run's shape can be seen."""
+    assert points_of_a_run(runs) == points
+    assert points == FEWEST or runs * points <= ON_A_PAGE

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from harness.errors import Unscored
 from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
-from harness.score.scored_runs import score_runs
+from harness.score.scored_runs import Payer
 from harness.score.scorer import score_trace
 
 
@@ -36,28 +37,42 @@ def _paid(run: Trace, reward: Choice, registry: Registry) -> Trace:
     return Trace({**run.columns, "reward": score_trace(reward.build(registry, "rewards"), run)})
 
 
-def test_runs_are_scored(run: Trace, registry: Registry):
-    """As the reward pays them, in their order, without a reason."""
-    reward = choose(registry, "rewards", "arp")
-    scored = score_runs(reward, registry, _paid(run, reward, registry), [run, run])
-    assert scored.reason == ""
-    np.testing.assert_array_equal(scored.values, [_paid(run, reward, registry)["reward"]] * 2)
+@pytest.fixture(name="arp")
+def _arp(registry: Registry) -> Payer:
+    return Payer(choose(registry, "rewards", "arp"), registry)
 
 
-def test_reward_that_has_changed_says_so(run: Trace, registry: Registry):
+def test_runs_are_paid(run: Trace, arp: Payer, registry: Registry):
+    """As the reward pays them."""
+    np.testing.assert_array_equal(arp.pay(run), _paid(run, arp.choice, registry)["reward"])
+
+
+def test_reward_pays_what_it_paid(run: Trace, arp: Payer, registry: Registry):
+    """It has not changed since."""
+    assert arp.pays_recorded(_paid(run, arp.choice, registry))
+
+
+def test_reward_that_has_changed_says_so(run: Trace, arp: Payer):
     """It does not pay what is recorded."""
-    scored = score_runs(choose(registry, "rewards", "arp"), registry, run, [run])
-    assert scored.values is None
-    assert scored.reason == "reward arp pays its own recorded steps otherwise than then: it has changed"
-
-
-def test_reward_without_a_record_is_taken_as_it_is(run: Trace, registry: Registry):
-    """There is nothing that it could have changed from."""
-    assert score_runs(choose(registry, "rewards", "arp"), registry, None, [run]).reason == ""
+    pays = arp.pays_recorded(run)
+    assert not pays
+    with pytest.raises(Unscored, match="reward arp pays its own recorded steps otherwise than then: it has changed"):
+        arp.require_unchanged(pays)
 
 
 def test_reward_that_is_gone_says_so(run: Trace, registry: Registry):
     """With the message of the registry."""
-    scored = score_runs(Choice("gone", (), "gone"), registry, None, [run])
-    assert scored.values is None
-    assert scored.reason.startswith("No reward 'gone'")
+    with pytest.raises(Unscored, match=r"^No reward 'gone'"):
+        Payer(Choice("gone", (), "gone"), registry).pay(run)
+
+
+def test_reward_that_is_gone_has_no_fingerprint(registry: Registry):
+    """Nothing that was kept can be looked for."""
+    with pytest.raises(Unscored, match=r"^No reward 'gone'"):
+        _ = Payer(Choice("gone", (), "gone"), registry).fingerprint
+
+
+def test_parameters_are_in_the_fingerprint(registry: Registry):
+    """`arp:k2=2` pays otherwise than `arp`."""
+    prints = {Payer(choose(registry, "rewards", text), registry).fingerprint for text in ("arp", "arp:k2=2")}
+    assert len(prints) == 2

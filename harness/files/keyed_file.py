@@ -1,0 +1,54 @@
+"""Files that say themselves whether they are whole, and what they follow from: for what can be made again."""
+
+import hashlib
+from pathlib import Path
+
+from harness.files.bounded import read_bytes
+from harness.files.whole_file import write_whole
+
+
+def write_keyed(path: Path, key: str, content: bytes) -> None:
+    """Write a file that `read_keyed` gives back under the same key alone, a line of text.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    write_whole(path, with_key(key, content))
+
+
+def read_keyed(path: Path, key: str, most: int) -> bytes | None:
+    """What was written under `key`.
+
+    None where nothing can be read there, nothing of at most `most` bytes, or something that was not written whole under
+    this key: the caller makes it again.
+    """
+    try:
+        told, rest = _parts(read_bytes(path, most))
+    except OSError:
+        return None
+    own = f"{key}\n".encode()
+    return rest[len(own) :] if told == _digest(rest) and rest.startswith(own) else None
+
+
+def is_whole(path: Path, most: int) -> bool:
+    """Whether a file is what was written, under whatever key."""
+    try:
+        told, rest = _parts(read_bytes(path, most))
+    except OSError:
+        return False
+    return told == _digest(rest)
+
+
+def with_key(key: str, content: bytes) -> bytes:
+    """The file: a line with the SHA-256 of all behind it, a line with the key, the content."""
+    rest = f"{key}\n".encode() + content
+    return _digest(rest) + b"\n" + rest
+
+
+def _parts(text: bytes) -> tuple[bytes, bytes]:
+    told, _, rest = text.partition(b"\n")
+    return told, rest
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).hexdigest().encode()

@@ -1,0 +1,129 @@
+"""What follows from the files of one done cell, each thing computed once; see `harness.results.kept`."""
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+
+from harness.arrays import Float
+from harness.metric import Metric
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
+from harness.record.returns import EVENTS, mean_over_episodes, mean_return
+from harness.record.trace import Trace, read_trace
+from harness.results.kept import Kept
+from harness.results.measured import DETERMINISTIC, STOCHASTIC, TRAINING, Measured, Moment, Values
+from harness.score.scored_runs import Payer
+from harness.score.scorer import SCORED
+
+TO_PAY = [*SCORED, "episode", "reward", *EVENTS]
+"""Columns that a reward is computed from, or a return."""
+
+
+class CellResults:
+    """Of one done cell.
+
+    Every method raises SchemaError where a file that it has to read is damaged, or written by a newer version. A trace
+    that one has read is there for the next ones, until `finish`.
+    """
+
+    def __init__(self, cell: Cell, files: Path, metrics: Mapping[str, tuple[Metric, str]], kept: Kept) -> None:
+        """Read nothing yet.
+
+        Args:
+            cell: The cell.
+            files: Its folder.
+            metrics: By name, each with its fingerprint.
+            kept: What is known already.
+        """
+        self.cell, self._files, self._metrics, self._kept = cell, files, metrics, kept
+        self._read: dict[tuple[str, bool], Trace] = {}
+
+    def measured(self) -> Measured:
+        """Every metric of the policy in both manners, of the training, and of random actions."""
+        own, other = (DETERMINISTIC, STOCHASTIC) if self.cell.deterministic else (STOCHASTIC, DETERMINISTIC)
+        files = {own: EVALUATION, other: other_manner(self.cell.deterministic), TRAINING: TRACE}
+        there = {name: file for name, file in files.items() if name != other or (self._files / file).is_file()}
+        return Measured(
+            {manner: self._measure(file) for manner, file in there.items()},
+            {manner: self._episodes(file) for manner, file in there.items()},
+            self._measure(RANDOM),
+        )
+
+    def moments(self) -> tuple[Moment, ...]:
+        """Every evaluation in the cell's own manner, in order, the last one after its training."""
+        before = {steps: f"{EVALUATIONS}/{path.name}" for steps, path in evaluation_files(self._files).items()}
+        files = {**before, self.cell.steps: EVALUATION}
+        return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
+
+    def rows(self) -> int:
+        """Of the training trace."""
+        rows = self._kept.number(f"{TRACE} rows", [self._kept.digest(TRACE)], lambda: len(self.recorded()))
+        return int(rows or 0)
+
+    def recorded(self) -> Float:
+        """What the cell's own reward paid, every row of the training, (rows,)."""
+        rewards: Float = read_trace(self._files / TRACE, ["reward"])["reward"]
+        return rewards
+
+    def paid_by(self, payer: Payer) -> Float:
+        """What another reward pays for every row of the training, (rows,).
+
+        Raises:
+            Unscored: It cannot.
+        """
+        made_of = [self._kept.digest(TRACE), payer.fingerprint]
+        return self._kept.rewards(payer.choice.label, made_of, lambda: payer.pay(self._trace(TRACE, whole=False)))
+
+    def pays_recorded(self, payer: Payer, file: str = TRACE) -> bool:
+        """Whether the reward that taught the cell pays today what is recorded; see `Payer.pays_recorded`."""
+        made_of = [self._kept.digest(file), payer.fingerprint]
+        what = f"{file} is paid by {payer.choice.label}"
+        return bool(self._kept.number(what, made_of, lambda: payer.pays_recorded(self._trace(file, whole=False))))
+
+    def evaluation_return(self, payer: Payer) -> float | None:
+        """What a reward pays for an episode of the final evaluation, mean; None without a finished one.
+
+        Raises:
+            Unscored: It cannot.
+        """
+
+        def make() -> float | None:
+            trace = self._trace(EVALUATION, whole=False)
+            return mean_over_episodes(payer.pay(trace), trace)
+
+        made_of = [self._kept.digest(EVALUATION), payer.fingerprint]
+        return self._kept.number(f"{EVALUATION} return {payer.choice.label}", made_of, make)
+
+    def evaluation_events(self) -> float | None:
+        """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
+        what, made_of = f"{EVALUATION} events", [self._kept.digest(EVALUATION)]
+        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False), EVENTS))
+
+    def _measure(self, file: str) -> Values:
+        """Every metric of a trace."""
+        digest = self._kept.digest(file)
+        return {
+            name: self._kept.number(f"{file} {name}", [digest, fingerprint], partial(self._apply, metric, file))
+            for name, (metric, fingerprint) in self._metrics.items()
+        }
+
+    def _apply(self, metric: Metric, file: str) -> float | None:
+        return metric(self._trace(file))
+
+    def _episodes(self, file: str) -> int:
+        """Finished ones of a trace."""
+        digest = self._kept.digest(file)
+        return int(self._kept.number(f"{file} episodes", [digest], lambda: len(self._trace(file).episodes)) or 0)
+
+    def _trace(self, file: str, whole: bool = True) -> Trace:
+        """A trace, all of it or what is paid for; read once for all that follows from it."""
+        keys = [(file, True), (file, whole)]
+        known = next((self._read[key] for key in keys if key in self._read), None)
+        if known is None:
+            known = self._read[file, whole] = read_trace(self._files / file, None if whole else TO_PAY)
+        return known
+
+    def finish(self) -> None:
+        """Keep the numbers, and no trace: a report asks for one cell after the other."""
+        self._read.clear()
+        self._kept.save()

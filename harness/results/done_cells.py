@@ -1,0 +1,78 @@
+"""The done cells of an experiment, and what rewards and metrics say of each."""
+
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import cached_property, partial
+
+from harness.errors import Unscored
+from harness.metric import Metric
+from harness.record.folder import EVALUATION, TRACE
+from harness.record.manifest import Manifest
+from harness.record.store import Store
+from harness.registry.choice import Choice, build_defaults
+from harness.registry.registry import Registry
+from harness.registry.sources import fingerprint
+from harness.results.cell_results import CellResults
+from harness.results.kept import Kept
+from harness.score.scored_runs import Payer
+
+
+class DoneCells:
+    """Looks at cells, each as often as it is asked to."""
+
+    def __init__(self, store: Store, registry: Registry) -> None:
+        """Read nothing yet.
+
+        Args:
+            store: The experiment's folder.
+            registry: The plugins, for metrics and rewards.
+        """
+        self._store, self._registry = store, registry
+        self._payers: dict[Choice, Payer] = {}
+
+    @cached_property
+    def metrics(self) -> dict[str, Metric]:
+        """Every registered metric, by name."""
+        return build_defaults(self._registry, "metrics")
+
+    def of(self, done: Manifest) -> CellResults:
+        """What follows from the files of a done cell."""
+        files = self._store.cell_folder(done.cell)
+        return CellResults(done.cell, files, self._fingerprinted, Kept(self._store.folder, files, done.files))
+
+    def payer(self, choice: Choice) -> Payer:
+        """Pays recorded runs again by a reward."""
+        if choice not in self._payers:
+            self._payers[choice] = Payer(choice, self._registry)
+        return self._payers[choice]
+
+    def keep(self, done: Manifest, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:
+        """Compute what a report will ask of a cell, and keep it.
+
+        Args:
+            done: What a done cell says of itself.
+            compared: The rewards that its training is paid by.
+            scoring: The rewards that its evaluation is paid by.
+
+        Raises:
+            SchemaError: A file of the cell is damaged.
+        """
+        found, cell = self.of(done), done.cell
+        found.measured()
+        if cell.evaluate_every:
+            found.moments()
+        found.rows()
+        found.evaluation_events()
+        jobs: list[Callable[[], object]] = [
+            *(partial(found.pays_recorded, self.payer(cell.reward), file) for file in (TRACE, EVALUATION)),
+            *(partial(found.paid_by, self.payer(choice)) for choice in compared),
+            *(partial(found.evaluation_return, self.payer(choice)) for choice in scoring),
+        ]
+        for job in jobs:
+            with suppress(Unscored):  # the report says so
+                job()
+        found.finish()
+
+    @cached_property
+    def _fingerprinted(self) -> dict[str, tuple[Metric, str]]:
+        return {name: (metric, fingerprint(metric)) for name, metric in self.metrics.items()}

@@ -1,0 +1,180 @@
+"""What follows from a cell's files: read once, and again when what it follows from is another."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import harness.results.cell_results as module
+from harness.experiment.plan import Plan, check_experiment, expand
+from harness.record.folder import DERIVED, EVALUATION, TRACE
+from harness.record.manifest import read_manifest
+from harness.record.trace import read_trace
+from harness.registry.registry import Registry
+from harness.report.document import report_text
+from harness.results import Results
+from harness.score.scored_runs import Payer
+
+GIVEN = {
+    "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
+    "evaluation_episodes": 3, "evaluate_every": 5, "reward": "arp,dense",
+}  # fmt: skip
+
+
+class Reads:
+    """Reads traces, and remembers which."""
+
+    def __init__(self) -> None:
+        self.files: list[str] = []
+
+    def __call__(self, path: Path, columns: list[str] | None = None) -> Any:
+        """Of a paid training only its own rewards are asked for by their name."""
+        self.files.append("recorded" if columns == ["reward"] else path.name)
+        return read_trace(path, columns)
+
+    @property
+    def derived(self) -> list[str]:
+        """Files that were read for what could have been kept."""
+        return [file for file in self.files if file != "recorded"]
+
+
+@pytest.fixture(name="reads")
+def _reads(monkeypatch: pytest.MonkeyPatch) -> Reads:
+    reads = Reads()
+    monkeypatch.setattr(module, "read_trace", reads)
+    return reads
+
+
+@pytest.fixture(name="ended")
+def _ended(toys: Registry, run_here: Callable[..., Results], tmp_path: Path) -> Results:
+    """Two seeds of three rewards, run and not yet reported."""
+    plan: Plan = expand(check_experiment(GIVEN), toys)
+    return run_here(plan, tmp_path / "out")
+
+
+def fresh(results: Results) -> Results:
+    """As another process reads the folder."""
+    return Results(results.folder, results.registry, results.kind)
+
+
+def remove_kept(results: Results) -> None:
+    """As if nothing had ever been kept."""
+    for path in (results.folder / DERIVED).rglob("*"):
+        if path.is_file():
+            path.unlink()
+
+
+def test_first_report_after_a_run_reads_no_trace_but_what_was_paid(ended: Results, reads: Reads):
+    """All that follows from traces was made as the cells ended."""
+    report_text(ended)
+    assert reads.derived == []
+    assert "recorded" in reads.files
+
+
+@pytest.mark.parametrize("kind", ["accumulated", "per-step"])
+def test_report_is_the_same_with_and_without_what_is_kept(ended: Results, kind: Any):
+    """Byte for byte, of both kinds of curves."""
+    kept = report_text(Results(ended.folder, ended.registry, kind))
+    remove_kept(ended)
+    made = report_text(Results(ended.folder, ended.registry, kind))
+    assert kept == made
+    assert report_text(Results(ended.folder, ended.registry, kind)) == made
+
+
+def test_report_makes_what_is_missing(ended: Results, reads: Reads):
+    """The next one finds it."""
+    remove_kept(ended)
+    report_text(fresh(ended))
+    assert {TRACE, EVALUATION} <= set(reads.derived)
+    reads.files.clear()
+    report_text(fresh(ended))
+    assert reads.derived == []
+
+
+def test_folder_that_allows_no_writing_is_reported(ended: Results, reads: Reads):
+    """Every time from the traces, with the same words."""
+    before = report_text(ended)
+    remove_kept(ended)
+    for path in (ended.folder / DERIVED).iterdir():
+        path.rmdir()
+        path.write_text("")  # a file where a folder would be: not even root can write in it
+    assert report_text(fresh(ended)) == before
+    reads.files.clear()
+    assert report_text(fresh(ended)) == before
+    assert TRACE in reads.derived
+
+
+def test_changed_trace_is_read_again(ended: Results, reads: Reads):
+    """The cell's own, and no other."""
+    report_text(ended)
+    first, other = (ended.store.cell_folder(cell) / EVALUATION for cell in ended.done_cells[:2])
+    first.write_bytes(other.read_bytes())
+    read_manifest(first.parent).write(first.parent)  # as a cell leaves it that was trained again
+    report_text(fresh(ended))
+    assert set(reads.derived) == {EVALUATION}
+
+
+@pytest.mark.parametrize("damage", [lambda path: path.write_bytes(b"PAR1"), Path.unlink], ids=["changed", "missing"])
+def test_what_was_kept_of_a_damaged_cell_is_not_taken_for_it(ended: Results, damage: Callable[[Path], object]):
+    """The cell is left out, and said to be damaged."""
+    report_text(ended)
+    cell = ended.done_cells[0]
+    damage(ended.store.cell_folder(cell) / EVALUATION)
+    told = json.loads(report_text(fresh(ended)))
+    assert [it["id"] for it in told["cells"] if it["status"] == "damaged"] == [cell.id]
+    assert cell not in fresh(ended).done_cells
+
+
+def test_changed_metric_is_computed_again(ended: Results, reads: Reads, monkeypatch: pytest.MonkeyPatch):
+    """Of every trace: its fingerprint is another."""
+    before = report_text(ended)
+    monkeypatch.setattr("harness.results.done_cells.fingerprint", lambda metric: f"edited {metric}")
+    assert report_text(fresh(ended)) == before
+    assert {TRACE, EVALUATION} <= set(reads.derived)
+
+
+def test_new_metric_is_computed(ended: Results, reads: Reads):
+    """The others are there."""
+    report_text(ended)
+    results = fresh(ended)
+    results.metrics["half"] = _Half()
+    assert '"half"' in report_text(results)
+    assert {TRACE, EVALUATION} <= set(reads.derived)
+
+
+def test_changed_reward_pays_again(ended: Results, reads: Reads, monkeypatch: pytest.MonkeyPatch):
+    """Its sources are others: training and evaluation are paid anew."""
+    before = report_text(ended)
+    monkeypatch.setattr("harness.score.scored_runs.fingerprint", lambda reward: f"edited {reward}")
+    assert report_text(fresh(ended)) == before
+    assert set(reads.derived) == {TRACE, EVALUATION}
+
+
+def test_null_control_finds_what_it_needs(
+    toys: Registry, run_here: Callable[..., Results], tmp_path: Path, reads: Reads
+):
+    """The baseline's cells with other seeds are measured as they end too."""
+    given = {**GIVEN, "reward": "baseline,arp"}
+    results = run_here(expand(check_experiment(given), toys), tmp_path / "out")
+    reads.files.clear()
+    report_text(results)
+    assert reads.derived == []
+
+
+def test_payer_of_a_reward_keeps_its_own(ended: Results):
+    """Two rewards pay one training: neither takes the other's for its own."""
+    cell = ended.done_cells[0]
+    of = ended.of(cell)
+    paid = [of.paid_by(Payer(choice, ended.registry)) for choice in {it.reward: 0 for it in ended.done_cells}]
+    assert len({tuple(rewards) for rewards in paid}) == 3
+
+
+class _Half:
+    """A metric that was installed after the run."""
+
+    unit, better = "", "higher"
+
+    def __call__(self, trace: Any) -> float:
+        return 0.5
