@@ -6,12 +6,12 @@ import pytest
 from rich.console import Console
 
 from harness.policy import SquashedGaussian
-from harness.record.folder import EVALUATION, POLICY
+from harness.record.folder import EVALUATION, POLICY, TRANSFER
 from harness.registry.choice import Choice
 from harness.report.html import write_html
 from harness.report.transfer_table import transfer_table
 from harness.transfer.matrix import load_transfers
-from harness.transfer.record import FOLDER, TransferRecord, policy_digest, simulator_id
+from harness.transfer.record import TransferRecord, policy_digest, simulator_id
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def transferred(build):
         weights["mean.weight"] = np.ones((1, 1), np.float32)
         SquashedGaussian(weights, "relu", (-1.0,), (1.0,)).save(home / POLICY)
         away = Choice("pybullet", (), "pybullet")
-        folder = results.folder / FOLDER / cell.id / simulator_id(away)
+        folder = results.folder / TRANSFER / cell.id / simulator_id(away)
         folder.mkdir(parents=True)
         record = TransferRecord(cell.id, away, policy_digest(home), status="done")
         if (cell.reward.label, cell.seed) == ("arp", 1):

@@ -89,7 +89,8 @@ def test_named_reward_is_built_once():
         ("scaled:reward=arp:k2=2,factor=inf", "Reward 'scaled': factor=inf: Input should be a finite number"),
         ("scaled:reward=scaled", "Reward 'scaled' is given 'scaled': it cannot stand inside itself"),
         ("scaled:reward=shifted:reward=scaled:factor=2", "'scaled' .* cannot stand inside itself"),
-        ("scaled:" + "reward=scaled:" * 5000 + "factor=2", "'scaled' .* cannot stand inside itself"),
+        ("scaled:" + "reward=scaled:" * 500 + "factor=2", "'scaled' .* cannot stand inside itself"),
+        ("scaled:" + "reward=scaled:" * 5000 + "factor=2", "has 70,015 characters, 10,000 are allowed"),
     ],
 )
 def test_what_cannot_be_named_is_refused_at_once(text: str, message: str):
