@@ -19,7 +19,8 @@ from harness.registry.toml_file import read_toml
 EXPERIMENT, PLAN = "experiment.toml", "plan.json"
 FORMAT = SEALED_SINCE = 2
 """Format 1, of version 0.1, has no digest, and names no experiment."""
-PLAN_BYTES = 2**30
+PLAN_BYTES = 2**28
+"""Most that is read of a plan: some 150,000 cells."""
 
 
 @dataclass(frozen=True, eq=False)
