@@ -19,9 +19,9 @@ from harness.text import one_line_of
 HEADER = 84
 """Bytes of a binary STL before its first triangle; the last four say how many there are."""
 MOST_BYTES = 64 * 2**20
-"""Of a file: a binary STL of `MOST_TRIANGLES` has 48 MiB, one in text of a quarter of them has as much."""
-MOST_TRIANGLES = 1_000_000
-"""Of a surface: a link drawn in detail has a tenth of it, and what collides is the hull."""
+"""Of a file: a binary STL of `MOST_TRIANGLES` has 10 MiB, one in text some five times as much."""
+MOST_TRIANGLES = 200_000
+"""Of a surface: MuJoCo takes no more of an STL either."""
 LONGEST_LINE = 1_000
 """Bytes that are read of the line of a point."""
 LARGEST = 1e9

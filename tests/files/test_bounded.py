@@ -61,6 +61,12 @@ def test_whatever_a_reader_raises_is_one_line(tmp_path: Path, error: Exception):
             raise error
 
 
+def test_reader_of_what_a_user_named_raises_a_usage_error(tmp_path: Path):
+    """The caller says so."""
+    with pytest.raises(UsageError, match="no readable robot"), reading(tmp_path, "robot", UsageError):
+        raise KeyError
+
+
 def test_our_own_errors_pass(tmp_path: Path):
     """They say more."""
     with pytest.raises(UsageError, match="mine"), reading(tmp_path, "mesh"):
