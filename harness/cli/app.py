@@ -1,5 +1,6 @@
 """All commands together, and what becomes of their errors."""
 
+import os
 import sys
 
 import typer
@@ -85,8 +86,12 @@ def _answer(args: list[str]) -> int:
     except UsageError as error:
         complain(str(error))
         return USAGE
-    except HarnessError as error:
-        complain(str(error))
+    except BrokenPipeError:  # who read what is printed, as head, has enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except (HarnessError, OSError) as error:
+        is_ours = isinstance(error, HarnessError)
+        complain(str(error) if is_ours else f"the system refuses: {error}. Mend that, and call the same command again")
         return FAILED
     except Exception as error:  # nobody's traceback on the screen
         complain(describe_unexpected(error))

@@ -9,6 +9,7 @@ from typing import Any
 
 from harness.errors import SchemaError
 from harness.experiment.checkpoint import Checkpoint, read_checkpoint
+from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, LOG
 
@@ -70,6 +71,8 @@ def begin_attempt(cell: Cell, folder: Path, environment: Mapping[str, Any], ever
             log.write(f"harness: an earlier process was killed; this one {note}\n")
     if not checkpoint:
         _empty(folder)
+    for path in filter(is_partial, folder.iterdir()):
+        path.unlink()  # half of a checkpoint that was being written
     return Attempt(folder, origin, every, checkpoint, note)
 
 

@@ -8,7 +8,6 @@ envs are about to start new episodes.
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ import safetensors.numpy
 
 from harness.errors import SchemaError
 from harness.experiment.trace_parts import require_parts
+from harness.files.whole_file import write_whole
 from harness.progress import TrainingState
 from harness.record.folder import CHECKPOINT, TRACE
 
@@ -59,12 +59,7 @@ class Checkpoint:
             "seconds": self.seconds,
             "digest": _digest(arrays),
         }
-        fresh = folder / f"{CHECKPOINT}.new"
-        with fresh.open("wb") as file:
-            file.write(safetensors.numpy.save(arrays, {ABOUT: json.dumps(about)}))
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(folder / CHECKPOINT)
+        write_whole(folder / CHECKPOINT, safetensors.numpy.save(arrays, {ABOUT: json.dumps(about)}))
 
     def _arrays(self) -> dict[str, Any]:
         groups = ((ALGORITHM, self.algorithm), (ENV, self.env))

@@ -7,6 +7,7 @@ from typing import Annotated, Any, NamedTuple
 import typer
 
 from harness.errors import UsageError
+from harness.files.whole_file import write_whole
 from harness.policy import CARD, Network, load_policy
 from harness.policy.folder import read_folder
 from harness.record.folder import POLICY
@@ -42,7 +43,7 @@ def export(
     policy, card = _network_in(cell)
     models = {file: _model(form, policy, card) for file, form in files.items()}  # all of them before one is written
     for file, model in models.items():
-        file.write_bytes(model)
+        write_whole(file, model)
         typer.echo(f"Model: {file} ({policy.kind})", err=True)
 
 

@@ -1,5 +1,7 @@
 """What becomes of errors."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -50,3 +52,26 @@ def test_a_long_message_is_cut(harness):
     answer = harness("run", "--seeds", "x" * 13_000)
     assert answer.status == 2
     assert len(answer.err) < 320
+
+
+def test_what_the_system_refuses_is_one_line(harness, monkeypatch):
+    """With the file and what to do."""
+
+    def full(args: list[str]) -> int:
+        raise OSError(28, "No space left on device", "page.html")
+
+    monkeypatch.setattr(app, "_run", full)
+    answer = harness("doctor")
+    assert answer.status == 1
+    assert "No space left on device: 'page.html'. Mend that, and call the same command again" in answer.err
+
+
+def test_reader_that_has_enough_is_no_error():
+    """As `head` does, after one line."""
+    program = "from harness.cli import main; main(['list'])"
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        assert process.stderr.read() == b""
+        assert process.wait() == 1
