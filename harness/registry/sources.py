@@ -62,22 +62,28 @@ def fingerprint(built: Any) -> str:
     return hashlib.sha256(f"{_describe(built)} {_digest(dict.fromkeys(files))}".encode()).hexdigest()
 
 
-def _parts_of(built: Any) -> Iterator[Any]:
-    """The object, and those that it holds which are no plain values."""
-    if _is_pythons_own(type(built)) or type(built).__module__.partition(".")[0] == "numpy":
+def _parts_of(built: Any, around: tuple[int, ...] = ()) -> Iterator[Any]:
+    """The object, and those that it holds which are no plain values; one that holds itself, once."""
+    if _is_plain(built) or id(built) in around:
         return
     yield built
     for value in getattr(built, "__dict__", {}).values():
-        yield from _parts_of(value)
+        yield from _parts_of(value, (*around, id(built)))
 
 
-def _describe(built: Any) -> str:
+def _describe(built: Any, around: tuple[int, ...] = ()) -> str:
     """The class and its attributes, whatever the order in which they were set."""
-    if not list(_parts_of(built)):
+    if _is_plain(built):
         return repr(built)
+    if id(built) in around:
+        return "itself"
     values = sorted(getattr(built, "__dict__", {}).items())
-    told = ", ".join(f"{name}={_describe(value)}" for name, value in values)
+    told = ", ".join(f"{name}={_describe(value, (*around, id(built)))}" for name, value in values)
     return f"{type(built).__module__}.{type(built).__qualname__}({told})"
+
+
+def _is_plain(value: Any) -> bool:
+    return _is_pythons_own(type(value)) or type(value).__module__.partition(".")[0] == "numpy"
 
 
 def _files_behind(module: str) -> list[Path]:

@@ -117,6 +117,13 @@ def test_fingerprint_has_the_parts(package: Callable[[str], Any]):
     assert fingerprint(module.Wrapped()) != fingerprint(module.Wrapped(module.Metric(2.0)))
 
 
+def test_fingerprint_of_what_holds_itself_ends(package: Callable[[str], Any]):
+    """A plugin may keep a way back to itself."""
+    metric = package("HALF = 0.5\n").Metric()
+    object.__setattr__(metric, "itself", metric)
+    assert fingerprint(metric) == fingerprint(metric)
+
+
 def test_digest_of_modules_follows_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """A package counts with all of its modules."""
     monkeypatch.syspath_prepend(tmp_path)
