@@ -27,14 +27,18 @@ def unseal(text: bytes) -> dict[str, Any]:
     Raises:
         ValueError: It is not what was written.
     """
+    _require_whole(text)
+    content: dict[str, Any] = parse_json(text)
+    del content[KEY]
+    return content
+
+
+def _require_whole(text: bytes) -> None:
     found = _LAST.search(text)
     if found is None:
         raise ValueError("its digest is missing")
     if hashlib.sha256(text[: found.start()] + _EMPTY).hexdigest().encode() != found[1]:
         raise ValueError("it is not what was written: its digest differs")
-    content: dict[str, Any] = parse_json(text)
-    del content[KEY]
-    return content
 
 
 def read_sealed(path: Path, noun: str, newest: int, since: int, most: int = TEXT_BYTES) -> dict[str, Any]:
@@ -61,4 +65,7 @@ def read_sealed(path: Path, noun: str, newest: int, since: int, most: int = TEXT
             raise ValueError(f"its format is {number!r}")
         if number > newest:
             raise NewerFormat(f"{path} has format {number}, this version reads up to {newest}")
-        return unseal(text) if number >= since or KEY in content else content
+        if number >= since or KEY in content:
+            _require_whole(text)
+            del content[KEY]
+        return content
