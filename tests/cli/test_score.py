@@ -71,3 +71,12 @@ def test_bad_input_is_told_in_one_line(harness, experiment, arguments, told):
     answer = harness("score", *arguments)
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert told in answer.err
+
+
+def test_nothing_is_scored_into_a_folder_with_a_link(harness, experiment, tmp_path):
+    """It could lead anywhere."""
+    (tmp_path / experiment / "cells" / "other").symlink_to(tmp_path)
+    answer = harness("score", experiment, "--reward", "dense")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "mine/cells/other' is a link; nothing is written" in answer.err
+    assert not list((tmp_path / experiment).rglob("scores.parquet"))
