@@ -23,9 +23,12 @@ def report(
 
     results = load_results(folder, curve)
     if html is not None:
+        from harness.files.sums import note_made
         from harness.report.html import write_html
 
         write_html(results, html)
+        if html.absolute().parent == folder.absolute():
+            note_made(html)  # in place of the page that the run made, as the folder's SHA256SUMS tells
         say(f"Report: {html}", err=True)
     if summary is not None:
         from harness.report.summary.summary import write_summary

@@ -20,12 +20,12 @@ class EndedCells:
         self._rewards: dict[Group, dict[Choice, None]] = {}
         for cell in plan.cells:
             self._rewards.setdefault(Group.of(cell), {})[cell.reward] = None
+        self._scoring = dict.fromkeys(cell.reward for cell in plan.cells)
 
     def keep(self, done: Manifest) -> None:
         """Whatever a plugin raises here, the report will meet and tell: the run goes on."""
-        scoring = dict.fromkeys(reward for rewards in self._rewards.values() for reward in rewards)
         with suppress(Exception):
-            self._cells.keep(done, self._compared_with(done.cell), scoring)
+            self._cells.keep(done, self._compared_with(done.cell), self._scoring)
 
     def _compared_with(self, cell: Cell) -> list[Choice]:
         """The baseline with every other reward, and those with it; in the null control with itself."""

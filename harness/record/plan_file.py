@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -45,9 +45,7 @@ class StoredPlan:
 
     def with_cells_of(self, earlier: Sequence[Cell]) -> Self:
         """The same, behind the cells that were asked for before: a folder grows, nothing is lost."""
-        return type(self)(
-            self.baseline, self.a_a, self.control, tuple(dict.fromkeys([*earlier, *self.cells])), self.experiment
-        )
+        return replace(self, cells=tuple(dict.fromkeys([*earlier, *self.cells])))
 
     def write(self, folder: Path) -> None:
         """Write both files; ``plan.json``, which says all, comes first.
@@ -115,11 +113,11 @@ def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredP
     """
     known = tuple(sorted(cells, key=lambda cell: (cell.seed, cell.id)))
     experiment = _experiment_in(folder)
-    labels = {cell.reward.name: cell.reward.label for cell in known}
+    labels = {cell.reward.label for cell in known}
     baseline = _label(experiment.get("baseline", "baseline"), known)
-    if baseline not in {cell.reward.label for cell in known}:
+    if baseline not in labels:
         raise SchemaError(
-            f"{damage}. The cells tell of the rewards {', '.join(sorted(labels.values())) or '(none)'}, and "
+            f"{damage}. The cells tell of the rewards {', '.join(sorted(labels)) or '(none)'}, and "
             f"{EXPERIMENT} does not say which of them is the baseline: run the same command as before"
         )
     rewards = [_label(reward, known) for reward in experiment.get("reward", [])]

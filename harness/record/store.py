@@ -14,7 +14,7 @@
 
 import shutil
 from collections.abc import Callable, Container, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -156,11 +156,19 @@ class Store:
         return partial
 
     def manifests(self) -> list[Manifest]:
-        """Of all cells that have ended, by start; those that cannot be read are left out."""
+        """Of all cells that have ended, by start; those that cannot be read are left out.
+
+        Raises:
+            NewerFormat: A newer version wrote one.
+        """
         found = []
         for path in self._left_manifests():
-            with suppress(SchemaError):  # `examine` says what is wrong with it
+            try:
                 found.append(read_manifest(path.parent))
+            except NewerFormat:
+                raise
+            except SchemaError:
+                continue  # `examine` says what is wrong with it
         return sorted(found, key=lambda manifest: (manifest.started, manifest.cell.id))
 
     def _left_manifests(self) -> list[Path]:

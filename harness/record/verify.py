@@ -64,13 +64,13 @@ def repair(folder: Path) -> list[Action]:
         SchemaError: The plan is damaged, and the cells do not tell what it was.
     """
     store, done = Store.open(folder), []
-    for problem in _links(folder):
+    for problem in _links(folder):  # before the lock, which may be a link itself
         (folder / problem.path).unlink()
         done.append(Action(problem.path, "removed: it was a link"))
     with store.locked():
         done += _mend_plan(folder, store)
         for problem in [*_of_cells(folder), *_of_transfers(folder)]:
-            done.append(_set_aside(folder, problem.path))
+            done.append(_set_aside(folder, problem))
         for problem in _of_made(folder):
             (folder / problem.path).unlink(missing_ok=True)
             done.append(Action(problem.path, f"removed: {MADE_REMEDY}"))
@@ -154,11 +154,11 @@ def _mend_plan(folder: Path, store: Store) -> list[Action]:
     return [Action(problem.path, told) for problem in problems]
 
 
-def _set_aside(folder: Path, path: Path) -> Action:
+def _set_aside(folder: Path, problem: Problem) -> Action:
     """Move a folder to where damaged ones are kept, under a name that is free."""
     number = 0
-    while (target := folder / DAMAGED / f"{path.name}-{number}").exists():
+    while (target := folder / DAMAGED / f"{problem.path.name}-{number}").exists():
         number += 1
     target.parent.mkdir(exist_ok=True)
-    shutil.move(folder / path, target)
-    return Action(path, f"moved to {target.relative_to(folder)}: run again, and it is done again")
+    shutil.move(folder / problem.path, target)
+    return Action(problem.path, f"moved to {target.relative_to(folder)}; {problem.remedy}")

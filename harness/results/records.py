@@ -6,7 +6,7 @@ from pathlib import Path
 
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve, Kind, stream_curve
-from harness.files.bounded import read_text
+from harness.files.bounded import read_text, reading
 from harness.metric import Metric
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
@@ -68,11 +68,16 @@ class Records:
 
     @property
     def experiment_text(self) -> str:
-        """The newest experiment as an experiment file; the file's own text in a folder of version 0.1."""
+        """The newest experiment as an experiment file; the file's own text in a folder of version 0.1.
+
+        Raises:
+            SchemaError: That file cannot be read.
+        """
         path = self.folder / EXPERIMENT
         if self.plan.experiment or not path.is_file():
             return self.plan.experiment_text
-        return read_text(path)
+        with reading(path, "experiment file"):
+            return read_text(path)
 
     @property
     def done(self) -> list[Manifest]:

@@ -34,6 +34,15 @@ def test_damage_is_named_set_aside_and_done_again(harness, experiment, quick, tm
     assert harness("verify", experiment).status == 0
 
 
+def test_page_that_is_made_again_is_what_was_made(harness, experiment, tmp_path):
+    """By another version it may have other bytes."""
+    page = tmp_path / experiment / "report.html"
+    page.write_text("<html>of an earlier version</html>")
+    assert harness("verify", experiment).status == 1
+    harness("report", experiment, "--html", page)
+    assert harness("verify", experiment).status == 0
+
+
 def test_problems_as_json(harness, experiment, tmp_path):
     """Other programs read them."""
     (tmp_path / experiment / "plan.json").write_text("{")

@@ -98,3 +98,5 @@ def test_folder_may_be_a_link_itself(tmp_path: Path):
     (tmp_path / "disk").mkdir()
     (tmp_path / "out").symlink_to(tmp_path / "disk")
     refuse_links(tmp_path / "out")
+    make_folder(tmp_path / "out", "cells")
+    assert (tmp_path / "disk" / "cells").is_dir()

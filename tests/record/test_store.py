@@ -14,7 +14,7 @@ import pytest
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
-from harness.record.folder import LOG, TRACE, partial_folder
+from harness.record.folder import LOG, MANIFEST, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.plan_file import EXPERIMENT, PLAN, read_plan
 from harness.record.store import CELLS, LOCK, Store
@@ -163,6 +163,19 @@ def test_plan_of_a_newer_version_is_not_written_over(make_cell: MakeCell, make_p
     with pytest.raises(NewerFormat, match=r"plan\.json has format 3, this version reads up to 2"):
         Store.create(tmp_path, make_plan(make_cell(seed=1)))
     assert (tmp_path / PLAN).read_text() == '{"format": 3}'
+
+
+def test_cells_of_a_newer_version_are_not_left_out_of_a_new_plan(
+    make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path
+):
+    """Where the plan is damaged, a plan without them would lose them."""
+    store = Store.create(tmp_path, make_plan(make_cell()))
+    _finish(store, make_cell())
+    (store.cell_folder(make_cell()) / MANIFEST).write_text('{"format": 3}')
+    (tmp_path / PLAN).write_text("{")
+    with pytest.raises(NewerFormat, match="has format 3"):
+        Store.create(tmp_path, make_plan(make_cell(seed=1)))
+    assert (tmp_path / PLAN).read_text() == "{"
 
 
 def test_second_plan_is_added(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):
