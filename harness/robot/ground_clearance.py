@@ -147,7 +147,7 @@ def _cloud(joint: int, shapes: Sequence[Shape]) -> list[Cloud]:
     """The meshes of one joint, if it has any."""
     poses = [(shape.T_link_shape, shape.points) for shape in shapes if shape.kind == "mesh"]
     clouds = [points @ pose[:3, :3].T + pose[:3, 3] for pose, points in poses]
-    return [Cloud(joint, np.unique(np.concatenate(clouds), axis=0))] if clouds else []
+    return [Cloud(joint, np.concatenate(clouds))] if clouds else []
 
 
 def _parts(shape: Shape) -> tuple[float, ...]:

@@ -124,10 +124,28 @@ def _read_stl(data: bytes) -> Mesh:
     corners = _corners_of_binary(data) if _is_binary_stl(data) else _points(data, b"vertex")
     if len(corners) % 3:
         raise ValueError("its last triangle is not complete")
-    vertices, numbers = np.unique(corners, axis=0, return_inverse=True)
+    vertices, numbers = distinct(corners)
     faces = numbers.reshape(-1, 3).astype(np.int32)
     first, second, third = faces.T
     return Mesh(vertices, faces[(first != second) & (second != third) & (third != first)])
+
+
+def distinct(points: Float) -> tuple[Float, NDArray[np.intp]]:
+    """The points without those that come again, in order of x, then y, then z; `np.unique` takes four times as long.
+
+    Args:
+        points: Shape (count, 3), finite.
+
+    Returns:
+        The distinct points, (distinct, 3), and for each of `points` the number of its equal among them, (count,).
+    """
+    order = np.lexsort(points.T[::-1])
+    ordered = points[order]
+    is_new = np.ones(len(points), bool)
+    is_new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    numbers = np.empty(len(points), np.intp)
+    numbers[order] = np.cumsum(is_new) - 1
+    return ordered[is_new], numbers
 
 
 def _is_binary_stl(data: bytes) -> bool:

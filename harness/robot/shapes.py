@@ -14,7 +14,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot.kinematics import read_only, transform
-from harness.robot.meshes import read_mesh
+from harness.robot.meshes import distinct, read_mesh
 from harness.robot.urdf import LARGEST, Urdf, Vector, linked
 from harness.text import shortened
 
@@ -122,7 +122,7 @@ def _read_shape(collision: Element, owner: str) -> Shape:
 
 def _read_points(mesh: Element, owner: str) -> Float:
     try:
-        points = np.unique(read_mesh(Path(mesh.get("filename", ""))).vertices, axis=0)
+        points, _ = distinct(read_mesh(Path(mesh.get("filename", ""))).vertices)
     except UsageError as error:
         raise UsageError(f"{owner} has a collision mesh: {error}") from error
     return read_only(points * read_scale(mesh, owner))

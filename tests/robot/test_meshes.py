@@ -7,9 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis.extra.numpy import arrays
+from hypothesis.strategies import integers, sampled_from
 
 from harness.errors import UsageError
-from harness.robot.meshes import is_readable, locate_mesh, read_mesh
+from harness.robot.meshes import distinct, is_readable, locate_mesh, read_mesh
 
 CORNERS = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1], [1, 0, 0]]], dtype=np.float32)
 """Of two triangles with an edge in common."""
@@ -107,6 +110,15 @@ def test_mesh_that_changed_is_read_again(tmp_path: Path):
     path.write_text("v 4 5 6\n")
     os.utime(path, ns=(1, 1))
     np.testing.assert_array_equal(read_mesh(path).vertices, [[4, 5, 6]])
+
+
+@given(integers(0, 30).flatmap(lambda count: arrays(float, (count, 3), elements=sampled_from([-1.0, 0.0, 0.5, 2.0]))))
+def test_distinct_points_are_those_of_numpy(points: np.ndarray):
+    """In the same order, with the same numbers; numpy's function only takes longer."""
+    expected, numbers = np.unique(points, axis=0, return_inverse=True)
+    found, found_numbers = distinct(points)
+    np.testing.assert_array_equal(found, expected)
+    np.testing.assert_array_equal(found_numbers, numbers.ravel())
 
 
 def test_readable_formats():
