@@ -1,11 +1,26 @@
 """The interface that an executor fills: it gets cells done, wherever it likes."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol, TypeAlias
+from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
 
 from harness.record.cell import Cell
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a cell may take before its process is ended and the cell counts as failed; 0 for no limit.
+
+    Attributes:
+        stall_after: Seconds without a word of progress, in the training and in the evaluation after it.
+        cell_time: Seconds in all.
+        cell_memory: GiB in memory, of the cell's process and of those that it started.
+    """
+
+    stall_after: float = 0.0
+    cell_time: float = 0.0
+    cell_memory: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -16,10 +31,23 @@ class CellOptions:
         checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none. A
             cell whose process is killed goes on from its last checkpoint.
         tensorboard: Whether the cell leaves event files of scalars too.
+        limits: What the cell may take.
+        fresh: Whether the cell gets a process of its own, which did no other cell before.
     """
 
     checkpoint_every: int = 0
     tensorboard: bool = False
+    limits: Limits = Limits()
+    fresh: bool = False
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same options back."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """The options that `to_json` told."""
+        return cls(**{**data, "limits": Limits(**data["limits"])})
 
 
 class Job(NamedTuple):
@@ -29,6 +57,15 @@ class Job(NamedTuple):
     folder: Path
     """It has to leave."""
     options: CellOptions = CellOptions()
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same job back."""
+        return {"cell": self.cell.to_json(), "folder": str(self.folder), "options": self.options.to_json()}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> "Job":
+        """The job that `to_json` told."""
+        return cls(Cell.from_json(data["cell"]), Path(data["folder"]), CellOptions.from_json(data["options"]))
 
 
 class Event(NamedTuple):
@@ -54,5 +91,6 @@ class Executor(Protocol):
 
         `on_event` is called in the caller's thread: ``started``, any number of ``progress``, then ``ended``, once for
         every job. Whatever a cell does, crash and kill included, the others go on. When an exception passes
-        (KeyboardInterrupt above all), no cell is left running.
+        (KeyboardInterrupt above all), no cell is left running. `harness.experiment.jobs` has what to build with, and
+        `harness.testing.check_executor` tries all of this.
         """

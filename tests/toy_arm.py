@@ -3,6 +3,7 @@
 It is never imported from here: the fixture `toys` installs it like any package, with a distribution of its own.
 """
 
+import faulthandler
 import os
 import signal
 import subprocess
@@ -286,7 +287,21 @@ def _wait(note):
         signal.pause()
 
 
+def _hang(note):
+    while True:
+        time.sleep(1.0)
+
+
+def _hoard(note):
+    kept = np.ones(600 * 2**20, np.uint8)
+    time.sleep(60.0)
+    return kept
+
+
 WAYS = {
+    "crash": lambda note: faulthandler._sigsegv(),
+    "hang": _hang,
+    "hoard": _hoard,
     "raise": _fail,
     "sys.exit": lambda note: sys.exit(0),
     "_exit": lambda note: os._exit(3),

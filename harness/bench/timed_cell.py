@@ -60,9 +60,10 @@ class TimeCell:
         """See `harness.experiment.order.Work`."""
         return cls(Cell.from_json(data["cell"]), data["begun"])
 
-    def do(self, folder: Path, report: Report) -> None:
+    def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.order.Work`."""
         run_timed(self.cell, folder, report, self.begun)
+        return False  # the end of the process is timed too
 
 
 class Failed(NamedTuple):
@@ -88,7 +89,7 @@ def time_cell(cell: Cell, folder: Path, on_event: OnEvent) -> CellTimes | Failed
             ended.append((now, reason))
         on_event(Event(news.kind, cell, news.steps, reason))
 
-    run_orders([Order(folder, TimeCell(cell, CLOCK()))], 1, tell)
+    run_orders([Order(folder, TimeCell(cell, CLOCK()), fresh=True)], 1, tell)
     [(end, reason)] = ended
     if reason:
         return Failed(reason)

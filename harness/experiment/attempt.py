@@ -12,6 +12,7 @@ from harness.experiment.checkpoint import Checkpoint, read_checkpoint
 from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, LOG
+from harness.record.log import write_log
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +68,7 @@ def begin_attempt(cell: Cell, folder: Path, environment: Mapping[str, Any], ever
         except SchemaError as error:
             reason = f"{CHECKPOINT} is of no use: {error}"
         note = f"went on after {checkpoint.steps} steps" if checkpoint else f"started over: {reason}"
-        with (folder / LOG).open("a") as log:
-            log.write(f"harness: an earlier process was killed; this one {note}\n")
+        write_log(folder / LOG, f"an earlier process was killed; this one {note}")
     if not checkpoint:
         _empty(folder)
     for path in filter(is_partial, folder.iterdir()):

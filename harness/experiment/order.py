@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Protocol, Self, TypeAlias
 
+from harness.executor import Limits
+
 Report: TypeAlias = Callable[[int], None]
 """Told the number of environment steps done so far."""
 
@@ -24,16 +26,20 @@ class Work(Protocol):
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """The work that `to_json` told."""
 
-    def do(self, folder: Path, report: Report) -> None:
-        """Do it, and leave `folder`."""
+    def do(self, folder: Path, report: Report) -> bool:
+        """Do it, and leave `folder`; returns whether the process may do other work after it."""
 
 
 class Order(NamedTuple):
-    """What one process is to do."""
+    """One thing that a process is to do."""
 
     folder: Path
     """It has to leave; no two orders share one."""
     work: Work
+    limits: Limits = Limits()
+    """What it may take; kept by who gives the order."""
+    fresh: bool = False
+    """Whether it needs a process that did nothing before."""
 
     def line(self) -> str:
         """What the worker reads: JSON that names the class of the work, with its content, and what the user typed."""

@@ -1,7 +1,7 @@
 """Train and evaluate one cell: the only place that does. It needs the cell and a folder, nothing else."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -66,16 +66,16 @@ class TrainCell:
 
     def to_json(self) -> dict[str, Any]:
         """See `harness.experiment.order.Work`."""
-        return {"cell": self.cell.to_json(), "options": asdict(self.options)}
+        return {"cell": self.cell.to_json(), "options": self.options.to_json()}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """See `harness.experiment.order.Work`."""
-        return cls(Cell.from_json(data["cell"]), CellOptions(**data["options"]))
+        return cls(Cell.from_json(data["cell"]), CellOptions.from_json(data["options"]))
 
-    def do(self, folder: Path, report: Report) -> None:
+    def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.order.Work`."""
-        run_cell(self.cell, folder, report, self.options)
+        return run_cell(self.cell, folder, report, self.options).status == "done"
 
 
 @dataclass(frozen=True)

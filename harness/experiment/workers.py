@@ -1,24 +1,28 @@
-"""Orders done in fresh Python processes of this machine, several at once, one thread each."""
+"""Orders done in Python processes of this machine, several at once, one thread each.
+
+A process does one order after the other, so that it imports the heavy libraries once. It is replaced after
+`ORDERS_PER_PROCESS`, after an order that failed, and where an order asks for a fresh one.
+"""
 
 import os
 import queue
 import signal
-import subprocess
-import sys
-import threading
 from collections import deque
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 from harness.errors import UsageError
+from harness.experiment.limits import LOOK_EVERY, Clock, Watchdog
 from harness.experiment.order import Order
-from harness.record.folder import partial_folder
+from harness.experiment.worker import DONE, STALE
+from harness.experiment.worker_process import Told, WorkerProcess, stop_processes
+from harness.record.folder import LOG, partial_folder
+from harness.record.log import write_log
 
-# Two one-thread processes train twice as fast as one with two threads.
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-GRACE_SECONDS = 5.0
+ORDERS_PER_PROCESS = 50
+"""What a library leaves behind in each order, as memory that leaks, has to stay small."""
 
 
 class News(NamedTuple):
@@ -54,110 +58,126 @@ def worker_count(jobs: int | None) -> int:
 
 
 def run_orders(orders: Sequence[Order], at_once: int, on_news: OnNews) -> None:
-    """Have every order done by a process of its own, at most `at_once` at a time.
+    """Have every order done by a process, at most `at_once` at a time.
 
-    Whatever a process does, crash and kill included, the others go on. When an exception passes, KeyboardInterrupt
-    above all, none is left running.
+    Whatever a process does, crash and kill included, the others go on. A process that takes more than its order's
+    limits is ended. When an exception passes, KeyboardInterrupt above all, none is left running.
 
     Args:
         orders: What to do, in this order.
         at_once: How many processes.
         on_news: Called in this thread: ``started``, any number of ``progress``, then ``ended``, once for every order.
     """
-    waiting, workers = deque(orders), _Workers()
+    waiting, pool = deque(orders), _Pool()
     try:
-        while waiting or workers.running:
-            while waiting and len(workers.running) < at_once:
+        while waiting or pool.busy:
+            while waiting and len(pool.busy) < at_once:
                 order = waiting.popleft()
-                workers.start(order)
                 on_news(News("started", order.folder))
-            on_news(workers.next_news())
+                pool.give(order)
+            for news in pool.look():
+                on_news(news)
     finally:
-        workers.stop()
+        pool.stop()
 
 
 @dataclass
-class _Workers:
-    """The running processes, and one queue of what they tell."""
+class _Task:
+    """An order that a process is doing."""
 
-    running: dict[Path, "subprocess.Popen[str]"] = field(default_factory=dict)
-    told: "queue.SimpleQueue[tuple[Order, int | None]]" = field(default_factory=queue.SimpleQueue)
+    order: Order
+    watchdog: Watchdog
+    ended_for: str = ""
+    """Why its process was told to end; empty if it was not."""
 
-    def start(self, order: Order) -> None:
+
+@dataclass
+class _Pool:
+    """The processes, and one queue of what they tell: some do an order, some wait for one, some have been told to end."""
+
+    busy: dict[WorkerProcess, _Task] = field(default_factory=dict)
+    idle: list[WorkerProcess] = field(default_factory=list)
+    leaving: list[WorkerProcess] = field(default_factory=list)
+    told: "queue.SimpleQueue[Told]" = field(default_factory=queue.SimpleQueue)
+    clock: Clock = field(default_factory=Clock)
+
+    def give(self, order: Order) -> None:
+        """Have an order done by a process that waits, or by a new one."""
         partial_folder(order.folder).mkdir(parents=True, exist_ok=True)  # gone again when the order is done
-        process = start_process("harness.experiment.worker", order.line(), stdout=subprocess.PIPE)
-        assert process.stdout is not None
-        self.running[order.folder] = process
-        threading.Thread(target=self._listen, args=(order, process.stdout), daemon=True).start()
+        process = self.idle.pop() if self.idle and not order.fresh else WorkerProcess(self.told)
+        self.busy[process] = _Task(order, Watchdog(order.limits, self.clock))
+        process.give(order)
 
-    def next_news(self) -> News:
-        order, steps = self.told.get()
-        if steps is not None:
-            return News("progress", order.folder, steps)
-        process = self.running.pop(order.folder)
-        status = process.wait()
-        _close(process)
-        complete = not partial_folder(order.folder).exists()
-        return News("ended", order.folder, reason="" if complete else _reason(status, order.work.noun))
+    def look(self) -> list[News]:
+        """Wait a little for what the processes tell, and end those that take too much."""
+        try:
+            told = self.told.get(timeout=LOOK_EVERY)
+        except queue.Empty:
+            told = None
+        self.clock.look()
+        news = [] if told is None else self._hear(told)
+        for process, task in self.busy.items():
+            if not task.ended_for:
+                self._watch(process, task)
+        return news
 
     def stop(self) -> None:
-        stop_processes(self.running.values())
-        self.running.clear()
+        """End all of them; those that wait for an order end by themselves."""
+        for process in self.idle:
+            process.close()
+        stop_processes([process.process for process in self.busy])
+        for process in (*self.idle, *self.leaving):
+            process.end()
+        self.busy.clear()
+        self.idle.clear()
+        self.leaving.clear()
 
-    def _listen(self, order: Order, lines: IO[str]) -> None:
-        """In a thread: each line is the number of steps done; the end of the stream is the end of the order."""
-        with lines:
-            for line in lines:
-                self.told.put((order, int(line)))
-        self.told.put((order, None))
+    def _hear(self, told: Told) -> list[News]:
+        process, line = told
+        if process not in self.busy:  # it has no order, and has ended
+            process.end()
+            self.idle, self.leaving = (
+                [one for one in some if one is not process] for some in (self.idle, self.leaving)
+            )
+            return []
+        task = self.busy[process]
+        if line is None or line == STALE:
+            return self._lost(process, task, is_stale=line == STALE)
+        if line != DONE:
+            task.watchdog.hear()
+            return [News("progress", task.order.folder, int(line))]
+        del self.busy[process]
+        self._keep(process, task.order)
+        return [News("ended", task.order.folder)]
+
+    def _keep(self, process: WorkerProcess, order: Order) -> None:
+        """A process that has done an order waits for the next one, if it may do another."""
+        if order.fresh or process.given >= ORDERS_PER_PROCESS:
+            process.close()
+            self.leaving.append(process)
+        else:
+            self.idle.append(process)
+
+    def _lost(self, process: WorkerProcess, task: _Task, is_stale: bool) -> list[News]:
+        """The process of an order ends: after the order, in the middle of it, or without having begun."""
+        del self.busy[process]
+        status = process.end()
+        if is_stale:
+            self.give(task.order)
+            return []
+        folder = task.order.folder
+        is_complete = not partial_folder(folder).exists()
+        return [News("ended", folder, reason="" if is_complete else task.ended_for or _reason(status, task.order))]
+
+    def _watch(self, process: WorkerProcess, task: _Task) -> None:
+        complaint = task.watchdog.complaint(process.memory)
+        if complaint:
+            task.ended_for = complaint
+            write_log(partial_folder(task.order.folder) / LOG, f"{complaint}: its process is ended, its stack follows")
+            process.abort()
 
 
-def start_process(
-    module: str, line: str, stdout: IO[str] | int, stderr: IO[str] | int | None = None
-) -> "subprocess.Popen[str]":
-    """Start a Python module in a process of its own, with one thread, and write `line` to its standard input.
-
-    The standard input stays open: the process ends when this one does (`harness.experiment.lifeline`).
-    """
-    process = subprocess.Popen(
-        [sys.executable, "-m", module],
-        stdin=subprocess.PIPE,
-        text=True,
-        env={**os.environ, **ONE_THREAD},
-        start_new_session=True,  # Ctrl-C reaches this process alone, which stops the others
-        stdout=stdout,
-        stderr=stderr,
-    )
-    assert process.stdin is not None
-    try:
-        process.stdin.write(line + "\n")
-        process.stdin.flush()
-    except BrokenPipeError:
-        process.wait()  # died at once: its status tells
-    return process
-
-
-def stop_processes(processes: Collection["subprocess.Popen[str]"]) -> None:
-    """Ask the processes that still run to end, and end those that do not."""
-    running = [process for process in processes if process.poll() is None]
-    for process in running:
-        process.terminate()
-    for process in running:
-        try:
-            process.wait(GRACE_SECONDS)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-    for process in processes:
-        _close(process)
-
-
-def _close(process: "subprocess.Popen[str]") -> None:
-    if process.stdin and not process.stdin.closed:
-        process.stdin.close()
-
-
-def _reason(status: int, noun: str) -> str:
+def _reason(status: int, order: Order) -> str:
     if status < 0:
         return f"its process was ended by {signal.Signals(-status).name}"
-    return f"its process ended with exit status {status} before the {noun} did"
+    return f"its process ended with exit status {status} before the {order.work.noun} did"

@@ -67,6 +67,6 @@ class EvaluateElsewhere:
         """See `harness.experiment.order.Work`."""
         return cls(Path(data["cell_folder"]), Choice.from_json(data["simulator"]))
 
-    def do(self, folder: Path, report: Report) -> None:
+    def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.order.Work`."""
-        evaluate_elsewhere(self.cell_folder, self.simulator, folder)
+        return evaluate_elsewhere(self.cell_folder, self.simulator, folder).status == "done"

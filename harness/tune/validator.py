@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
-from harness.experiment.workers import start_process, stop_processes
+from harness.experiment.worker_process import start_process, stop_processes, write_line
 from harness.tune.validation import Order
 
 LOG = "log.txt"
@@ -48,4 +48,6 @@ def _run(shares: list[list[Order]], log: IO[str]) -> list[int]:
 
 
 def _start(share: list[Order], log: IO[str]) -> "subprocess.Popen[str]":
-    return start_process("harness.tune.validation", json.dumps(share), stdout=log, stderr=log)
+    process = start_process("harness.tune.validation", stdout=log, stderr=log)
+    write_line(process, json.dumps(share))
+    return process

@@ -1,37 +1,58 @@
-"""The process of one cell: an order on standard input, steps on standard output, the rest in the log."""
+"""The process that does cells: orders on standard input, steps on standard output, the rest in the log."""
 
+import os
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from harness.experiment.order import Order
 from harness.experiment.run_cell import TrainCell
+from harness.experiment.worker import DONE, STALE
 from harness.record.cell import Cell
-from harness.record.folder import LOG
+from harness.record.folder import LOG, partial_folder
 from harness.record.manifest import read_manifest
 from harness.registry.choice import Choice
 
 pytestmark = pytest.mark.usefixtures("toys")
 
 
-def _work(cell: Cell, folder: Path) -> "subprocess.CompletedProcess[str]":
-    """A worker's whole life; its standard input stays open until it has ended."""
+@contextmanager
+def _worker() -> "Iterator[subprocess.Popen[str]]":
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
     with subprocess.Popen([sys.executable, "-m", "harness.experiment.worker"], text=True, **pipes) as worker:
-        worker.stdin.write(Order(folder, TrainCell(cell)).line() + "\n")
-        worker.stdin.flush()
-        out, err = worker.stdout.read(), worker.stderr.read()
-        return subprocess.CompletedProcess(worker.args, worker.wait(), out, err)
+        yield worker
+
+
+def _give(worker: "subprocess.Popen[str]", cell: Cell, folder: Path) -> list[str]:
+    """What it answers to an order, until it has done it, or has ended."""
+    worker.stdin.write(Order(folder, TrainCell(cell)).line() + "\n")
+    worker.stdin.flush()
+    answers = []
+    for line in worker.stdout:
+        answers.append(line.strip())
+        if answers[-1] in (DONE, STALE):
+            break
+    return answers
+
+
+def _work(cell: Cell, folder: Path) -> "subprocess.CompletedProcess[str]":
+    """The whole life of a worker that does one cell."""
+    with _worker() as worker:
+        answers = _give(worker, cell, folder)
+        worker.stdin.close()
+        return subprocess.CompletedProcess(worker.args, worker.wait(30), answers, worker.stderr.read())
 
 
 def test_worker_tells_nothing_but_steps(make_cell: Callable[..., Cell], tmp_path: Path):
-    """One line per number of steps on standard output, though the plugin prints; nothing on standard error."""
+    """A line per number of steps on standard output and one at the end, though the plugin prints; no errors."""
     chatting = make_cell(steps=3, algorithm=Choice("wander", (("then", "chat"),), "wander:then=chat"))
     ended = _work(chatting, tmp_path / "cell")
-    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "1\n2\n3\n", "")
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, ["1", "2", "3", DONE], "")
     assert "by print" in (tmp_path / "cell" / LOG).read_text()
 
 
@@ -45,8 +66,45 @@ def test_manifest_records_what_the_user_typed(
 
 
 def test_failed_cell_is_no_failed_worker(make_cell: Callable[..., Cell], tmp_path: Path):
-    """The worker did what it had to: it left a manifest with the reason, and the traceback in the log."""
+    """It left a manifest with the reason, and the traceback in the log; it does no other cell after that."""
     raising = make_cell(algorithm=Choice("wander", (("then", "raise"),), "wander:then=raise"))
-    assert _work(raising, tmp_path / "cell").returncode == 0
+    with _worker() as worker:
+        assert DONE not in _give(worker, raising, tmp_path / "cell")
+        assert worker.wait(30) == 0
     assert read_manifest(tmp_path / "cell").reason == "RuntimeError: the arm fell off"
     assert "Traceback" in (tmp_path / "cell" / LOG).read_text()
+
+
+def test_a_worker_does_one_cell_after_the_other(make_cell: Callable[..., Cell], tmp_path: Path):
+    """Each into its own folder, with what its plugins print in its own log."""
+    chatting = Choice("wander", (("then", "chat"),), "wander:then=chat")
+    with _worker() as worker:
+        for seed in range(2):
+            assert _give(worker, make_cell(seed=seed, algorithm=chatting), tmp_path / str(seed))[-1] == DONE
+        worker.stdin.close()
+        assert worker.wait(30) == 0
+    for seed in range(2):
+        assert read_manifest(tmp_path / str(seed)).cell.seed == seed
+        assert (tmp_path / str(seed) / LOG).read_text().count("by print") == 1
+
+
+def test_sources_that_changed_are_not_mixed(
+    make_cell: Callable[..., Cell], tmp_path: Path, toy_folder: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The manifest would name what is on the disk, and what had been loaded would run: a fresh process has to do it."""
+    folder = shutil.copytree(toy_folder, tmp_path / "installed")
+    monkeypatch.setenv("PYTHONPATH", f"{folder}{os.pathsep}{os.environ['PYTHONPATH']}")
+    with _worker() as worker:
+        assert _give(worker, make_cell(), tmp_path / "first")[-1] == DONE
+        (folder / "toy_arm.py").touch()
+        assert _give(worker, make_cell(seed=1), tmp_path / "second") == [STALE]
+        assert worker.wait(30) == 0
+    assert not (tmp_path / "second").exists()
+
+
+def test_a_crash_leaves_its_stack_in_the_log(make_cell: Callable[..., Cell], tmp_path: Path):
+    """A fault in a library's machine code would else end the process without a word."""
+    with _worker() as worker:
+        _give(worker, make_cell(algorithm=Choice("wander", (("then", "crash"),), "crash")), tmp_path / "cell")
+        assert worker.wait(30) < 0
+    assert "Fatal Python error: Segmentation fault" in (partial_folder(tmp_path / "cell") / LOG).read_text()

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import select
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.executor import Event, Job
+from harness.executor import CellOptions, Event, Job, Limits
 from harness.experiment.order import Order
 from harness.experiment.run_cell import TrainCell
 from harness.record.cell import Cell
@@ -28,10 +29,10 @@ def _that(make_cell: Callable[..., Cell], then: str, note: str = "") -> Cell:
     return make_cell(algorithm=Choice("wander", params, f"wander:then={then}"))
 
 
-def _run(cells: list[Cell], folder: Path, at_once: int = 1) -> dict[str, Event]:
+def _run(cells: list[Cell], folder: Path, at_once: int = 1, options: CellOptions = CellOptions()) -> dict[str, Event]:
     """The last event of each cell, by id."""
     events: list[Event] = []
-    Processes().run([Job(cell, folder / cell.id) for cell in cells], at_once, events.append)
+    Processes().run([Job(cell, folder / cell.id, options) for cell in cells], at_once, events.append)
     assert [event.cell for event in events if event.kind == "ended"].count(cells[0]) == 1
     return {event.cell.id: event for event in events}
 
@@ -96,7 +97,7 @@ def test_killed_cells_cost_themselves_alone(
     assert last[good.id].reason == ""
     assert read_manifest(tmp_path / good.id).status == "done"
     # What was printed before the death is in the log that the failed cell keeps.
-    assert (partial_folder(tmp_path / silent.id) / LOG).read_text() == "last words\n"
+    assert (partial_folder(tmp_path / silent.id) / LOG).read_text().endswith("last words\n")
 
 
 def test_output_of_plugins_lands_in_the_log(make_cell: Callable[..., Cell], tmp_path: Path):
@@ -104,7 +105,7 @@ def test_output_of_plugins_lands_in_the_log(make_cell: Callable[..., Cell], tmp_
     cell = _that(make_cell, "chat")
     assert _run([cell], tmp_path)[cell.id].reason == ""
     text = (tmp_path / cell.id / LOG).read_text()
-    assert text == "by print\nby standard error\nby the file descriptor\nby a child\n"
+    assert text.endswith("by print\nby standard error\nby the file descriptor\nby a child\n")
 
 
 def test_plugin_that_asks_gets_no_answer(make_cell: Callable[..., Cell], tmp_path: Path):
@@ -167,3 +168,54 @@ def test_worker_dies_with_a_killed_parent(make_cell: Callable[..., Cell], tmp_pa
         assert ended == [watch]
     finally:
         os.close(watch)
+
+
+def _pid_of(folder: Path) -> str:
+    """Of the process that did a cell, as its log says."""
+    return re.search(r"process (\d+)", (folder / LOG).read_text())[1]
+
+
+def test_a_process_does_several_cells(make_cell: Callable[..., Cell], tmp_path: Path):
+    """It imports the heavy libraries once."""
+    cells = [make_cell(seed=seed) for seed in range(3)]
+    _run(cells, tmp_path)
+    assert len({_pid_of(tmp_path / cell.id) for cell in cells}) == 1
+
+
+def test_a_fresh_process_for_every_cell(make_cell: Callable[..., Cell], tmp_path: Path):
+    """Where the options ask for it."""
+    cells = [make_cell(seed=seed) for seed in range(3)]
+    _run(cells, tmp_path, options=CellOptions(fresh=True))
+    assert len({_pid_of(tmp_path / cell.id) for cell in cells}) == 3
+
+
+def test_a_process_whose_cell_failed_does_no_other(make_cell: Callable[..., Cell], tmp_path: Path):
+    """What a failure leaves behind in it is not known."""
+    cells = [_that(make_cell, "raise"), make_cell()]
+    _run(cells, tmp_path)
+    assert len({_pid_of(tmp_path / cell.id) for cell in cells}) == 2
+
+
+def test_a_cell_that_hangs_is_ended(make_cell: Callable[..., Cell], tmp_path: Path):
+    """With the reason, and in the log where it stood; the next cell is done."""
+    hung, good = _that(make_cell, "hang"), make_cell()
+    last = _run([hung, good], tmp_path, options=CellOptions(limits=Limits(stall_after=4.0)))
+    assert last[hung.id].reason == "no progress for 4 s (--stall-after)"
+    log = (partial_folder(tmp_path / hung.id) / LOG).read_text()
+    assert "no progress for 4 s (--stall-after): its process is ended, its stack follows" in log
+    assert " in _hang" in log
+    assert read_manifest(tmp_path / good.id).status == "done"
+
+
+def test_a_cell_that_takes_too_long_is_ended(make_cell: Callable[..., Cell], tmp_path: Path):
+    """Whether it gets on or not."""
+    cell = _that(make_cell, "hang")
+    last = _run([cell], tmp_path, options=CellOptions(limits=Limits(cell_time=3.0)))
+    assert last[cell.id].reason == "it took longer than the 3 s that --cell-time allows"
+
+
+def test_a_cell_that_hoards_memory_is_ended(make_cell: Callable[..., Cell], tmp_path: Path):
+    """The machine has other cells to do."""
+    cell = _that(make_cell, "hoard")
+    last = _run([cell], tmp_path, options=CellOptions(limits=Limits(cell_memory=0.5)))
+    assert re.fullmatch(r"it used 0\.\d\d GiB of memory, --cell-memory allows 0\.5", last[cell.id].reason)

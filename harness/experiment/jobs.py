@@ -1,0 +1,45 @@
+"""What authors of executors build with: a job done in this process, or in processes of this machine.
+
+An executor for another machine sends `Job.to_json` there, calls `run_jobs` on it with that one job, and hands the
+events on. An executor that starts processes itself writes `order_of(job).line()` to the standard input of ``python -m
+harness.experiment.worker``, whose answers that module describes.
+"""
+
+from collections.abc import Sequence
+
+from harness.executor import Event, Job, OnEvent
+from harness.experiment.order import Order, Report
+from harness.experiment.run_cell import TrainCell, run_cell
+from harness.experiment.workers import News, run_orders
+from harness.record.manifest import Manifest
+
+
+def order_of(job: Job) -> Order:
+    """The job as a worker is told to do it."""
+    return Order(job.folder, TrainCell(job.cell, job.options), job.options.limits, job.options.fresh)
+
+
+def run_job(job: Job, report: Report = lambda steps: None) -> Manifest:
+    """Do a job in this process, and leave its folder.
+
+    What a plugin raises makes a failed cell. A plugin that crashes or hangs takes this process with it, and the job's
+    limits are not watched: `run_jobs` does both.
+
+    Args:
+        job: What to do.
+        report: Told the environment steps done so far.
+
+    Returns:
+        What the manifest in the folder says.
+    """
+    return run_cell(job.cell, job.folder, report, job.options)
+
+
+def run_jobs(jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
+    """Do jobs in processes of this machine, at most `at_once` at a time; see `harness.executor.Executor.run`."""
+    cells = {job.folder: job.cell for job in jobs}
+
+    def tell(news: News) -> None:
+        on_event(Event(news.kind, cells[news.folder], news.steps, news.reason))
+
+    run_orders([order_of(job) for job in jobs], at_once, tell)
