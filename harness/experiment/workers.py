@@ -93,7 +93,7 @@ class _Task:
 
 @dataclass
 class _Pool:
-    """The processes, and one queue of what they tell: some do an order, some wait for one, some have been told to end."""
+    """The processes, and one queue of what they tell: some do an order, some wait for one, some leave."""
 
     busy: dict[WorkerProcess, _Task] = field(default_factory=dict)
     idle: list[WorkerProcess] = field(default_factory=list)
@@ -136,9 +136,8 @@ class _Pool:
         process, line = told
         if process not in self.busy:  # it has no order, and has ended
             process.end()
-            self.idle, self.leaving = (
-                [one for one in some if one is not process] for some in (self.idle, self.leaving)
-            )
+            self.idle = [one for one in self.idle if one is not process]
+            self.leaving = [one for one in self.leaving if one is not process]
             return []
         task = self.busy[process]
         if line is None or line == STALE:

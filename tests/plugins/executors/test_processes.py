@@ -23,13 +23,15 @@ from harness_plugins.executors.processes import Processes
 
 pytestmark = pytest.mark.usefixtures("toys")
 
+DEFAULTS = CellOptions()
+
 
 def _that(make_cell: Callable[..., Cell], then: str, note: str = "") -> Cell:
     params = (("then", then), ("note", note))
     return make_cell(algorithm=Choice("wander", params, f"wander:then={then}"))
 
 
-def _run(cells: list[Cell], folder: Path, at_once: int = 1, options: CellOptions = CellOptions()) -> dict[str, Event]:
+def _run(cells: list[Cell], folder: Path, at_once: int = 1, options: CellOptions = DEFAULTS) -> dict[str, Event]:
     """The last event of each cell, by id."""
     events: list[Event] = []
     Processes().run([Job(cell, folder / cell.id, options) for cell in cells], at_once, events.append)
