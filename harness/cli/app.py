@@ -19,6 +19,7 @@ from harness.cli.plugins import plugins
 from harness.cli.report import report
 from harness.cli.run import run
 from harness.cli.score import score
+from harness.cli.status import status
 from harness.cli.transfer import transfer
 from harness.cli.tune import tune
 from harness.cli.unexpected import describe_unexpected
@@ -51,6 +52,7 @@ def build_app() -> typer.Typer:
     app.callback()(_root)
     app.command()(run)
     app.command()(report)
+    app.command()(status)
     app.command(context_settings={"allow_extra_args": True})(eta)  # to say what a pattern without quotes becomes
     app.command()(score)
     app.command()(transfer)

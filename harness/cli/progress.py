@@ -1,7 +1,8 @@
 """What one sees while cells run: a bar per running cell, with steps per second and the time left."""
 
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
 from types import TracebackType
 
 from rich.console import Console
@@ -16,7 +17,22 @@ from harness.record.cell import Cell
 class LiveProgress:
     """Call it with every event. Without a terminal it prints a line when a cell starts or ends."""
 
-    def __init__(self, cells: Sequence[Cell], done: Collection[Cell], console: Console | None = None) -> None:
+    def __init__(
+        self,
+        cells: Sequence[Cell],
+        done: Collection[Cell],
+        console: Console | None = None,
+        log_of: Callable[[Cell], Path] | None = None,
+    ) -> None:
+        """Show nothing yet.
+
+        Args:
+            cells: All cells of the experiment that are asked for.
+            done: Those of them that were done before.
+            console: Where to show it.
+            log_of: Where the log of a cell that failed is; None where there is none to look at.
+        """
+        self._log_of = log_of
         self._console = console or Terminal(stderr=True)
         self._progress = Progress(
             TextColumn("{task.description}", markup=False),
@@ -32,6 +48,7 @@ class LiveProgress:
         self._steps: dict[str, int] = {}
         self._started: dict[str, float] = {}
         self._total, self._ended = len(cells), len(done)
+        self._failed: set[str] = set()
         if done:
             self._console.print(f"{len(done)} of {len(cells)} cells were done before and are not run again")
 
@@ -53,6 +70,9 @@ class LiveProgress:
 
     def _start(self, event: Event) -> None:
         cell = event.cell
+        if cell.id in self._failed:  # it is tried again
+            self._failed.remove(cell.id)
+            self._ended -= 1
         self._started[cell.id], self._steps[cell.id] = time.perf_counter(), 0
         self._tasks[cell.id] = self._progress.add_task(cell.title, total=cell.steps)
         if not self._console.is_terminal:
@@ -70,9 +90,14 @@ class LiveProgress:
         self._progress.remove_task(self._tasks.pop(cell.id))
         self._progress.advance(self._overall, cell.steps - self._steps.pop(cell.id))  # a failed cell is over too
         seconds = time.perf_counter() - self._started.pop(cell.id)
-        outcome = f"FAILED: {event.reason}" if event.reason else f"{seconds:.0f} s, {cell.steps / seconds:.0f} steps/s"
+        outcome = self._failure(event) if event.reason else f"{seconds:.0f} s, {cell.steps / seconds:.0f} steps/s"
         note = f" ({event.note})" if event.note else ""
         self._print(f"[{self._ended}/{self._total}] {cell.title}: {outcome}{note}")
+
+    def _failure(self, event: Event) -> str:
+        self._failed.add(event.cell.id)
+        log = f" Log: {self._log_of(event.cell)}" if self._log_of else ""
+        return f"FAILED: {event.reason}.{log}"
 
     def _print(self, line: str) -> None:
         self._progress.console.print(line, soft_wrap=True, markup=False, highlight=False)

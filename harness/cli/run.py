@@ -70,6 +70,27 @@ def run(
     wait: Annotated[
         bool, typer.Option("--wait/--no-wait", help="Wait while another run is using the folder, or give up.")
     ] = True,
+    only: Annotated[
+        str | None,
+        typer.Option(help="Do only the cells with these names, as sac,seed=3.", show_default="all", metavar="NAME,..."),
+    ] = None,
+    limit: Annotated[
+        int | None, typer.Option(help="Do at most so many cells.", show_default="all", metavar="N")
+    ] = None,
+    retry_failed: Annotated[
+        int, typer.Option(help="Try each failed cell so often again.", show_default="never", metavar="N")
+    ] = 0,
+    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="End with the first cell that fails.")] = False,
+    stall_after: Annotated[
+        float, typer.Option(help="Seconds without progress after which a cell is ended; 0: never.", metavar="SECONDS")
+    ] = 1800.0,
+    cell_time: Annotated[
+        float, typer.Option(help="Seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
+    ] = 0.0,
+    cell_memory: Annotated[
+        float, typer.Option(help="Memory that a cell may use.", show_default="no limit", metavar="GIB")
+    ] = 0.0,
+    fresh: Annotated[bool, typer.Option("--fresh", help="A process of its own for every cell.")] = False,
 ) -> int:
     """Train every simulator x algorithm x reward x seed and compare the rewards.
 
@@ -78,7 +99,10 @@ def run(
     from harness.cli.progress import LiveProgress
     from harness.experiment.experiment import RunOptions, prepare
 
-    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve, wait)
+    options = RunOptions(
+        out, jobs, executor, checkpoint_every, tensorboard, curve, wait, only, limit, retry_failed, fail_fast,
+        stall_after, cell_time, cell_memory, fresh,
+    )  # fmt: skip
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
         "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
@@ -89,10 +113,12 @@ def run(
     with (
         kept_when_interrupted("finished cells are kept", folder),
         ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
-        LiveProgress(ready.plan.cells, begun.done) as progress,
+        LiveProgress((*begun.done, *begun.waiting), begun.done, log_of=ready.store.log_of) as progress,
     ):
         results = begun.run(progress)
     _show(results)
+    if results.failed:
+        complain(f"cells that failed: {len(results.failed)}. The same command tries them again, and no other")
     return 1 if results.failed else 0
 
 

@@ -1,20 +1,22 @@
 """Run an experiment: from what a user asks for to the results."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
-from harness.executor import CellOptions, Event, Executor, Job, OnEvent
+from harness.executor import CellOptions, Event, Executor, Job, Limits, OnEvent
 from harness.experiment.ended_cells import EndedCells
 from harness.experiment.event_log import require_tensorboard
+from harness.experiment.followed import Followed
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
+from harness.experiment.selection import select
 from harness.experiment.workers import worker_count
 from harness.record.cell import Cell
-from harness.record.manifest import read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.store import Store
 from harness.registry.choice import choose
@@ -22,6 +24,16 @@ from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 
 DEFAULT_FOLDER = Path("results") / "runs"
+STALL_AFTER = 1800.0
+"""Seconds: the built-in algorithms tell their progress every 100 steps, an evaluation after every step."""
+ZERO_FOR = {
+    "checkpoint_every": "none",
+    "retry_failed": "never",
+    "stall_after": "never",
+    "cell_time": "no limit",
+    "cell_memory": "no limit",
+}
+"""What 0 means, of the options that are numbers."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +49,14 @@ class RunOptions:
         tensorboard: Whether each cell leaves event files of scalars too, in its folder.
         curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
         wait: Whether to wait while another run is using the folder; else that is an error.
+        only: Do only the cells that this names; see `harness.experiment.selection.select`. The others stay pending.
+        limit: Do at most so many cells; the others stay pending.
+        retry_failed: How often a failed cell is tried again, after all others.
+        fail_fast: Whether to end with the first cell that fails.
+        stall_after: Seconds without progress after which a cell counts as hung, and fails; 0 for never.
+        cell_time: Seconds that a cell may take; 0 for any number.
+        cell_memory: GiB of memory that a cell may use; 0 for any number.
+        fresh: Whether each cell gets a process of its own, instead of one that does several cells.
 
     Raises:
         UsageError: A number is out of range, or there is no such curve.
@@ -49,11 +69,22 @@ class RunOptions:
     tensorboard: bool = False
     curve: Kind = "accumulated"
     wait: bool = True
+    only: str | None = None
+    limit: int | None = None
+    retry_failed: int = 0
+    fail_fast: bool = False
+    stall_after: float = STALL_AFTER
+    cell_time: float = 0.0
+    cell_memory: float = 0.0
+    fresh: bool = False
 
     def __post_init__(self) -> None:
         worker_count(self.jobs)
-        if self.checkpoint_every < 0:
-            raise UsageError(f"checkpoint_every={self.checkpoint_every}: must be at least 1, or 0 for none")
+        for name, none in ZERO_FOR.items():
+            if not 0 <= getattr(self, name) < math.inf:
+                raise UsageError(f"{name}={getattr(self, name)}: must be a number above 0, or 0 for {none}")
+        if self.limit is not None and self.limit < 1:
+            raise UsageError(f"limit={self.limit}: must be at least 1")
         if self.curve not in KINDS:
             raise UsageError(f"curve='{self.curve}': there is {' and '.join(KINDS)}")
 
@@ -65,7 +96,8 @@ class RunOptions:
     @property
     def of_cells(self) -> CellOptions:
         """What of it each cell is told."""
-        return CellOptions(self.checkpoint_every, self.tensorboard)
+        limits = Limits(self.stall_after, self.cell_time, self.cell_memory)
+        return CellOptions(self.checkpoint_every, self.tensorboard, limits, self.fresh)
 
     def build_executor(self, registry: Registry) -> Executor:
         """What runs the cells.
@@ -82,34 +114,20 @@ class RunOptions:
 DEFAULTS = RunOptions()
 
 
-def run(
-    *,
-    out: str | Path | None = None,
-    jobs: int | None = None,
-    executor: str | Mapping[str, Any] = "processes",
-    checkpoint_every: int = 0,
-    tensorboard: bool = False,
-    curve: Kind = "accumulated",
-    wait: bool = True,
-    **experiment: Any,
-) -> Results:
+def run(**given: Any) -> Results:
     """Run every combination of an experiment that is not done yet.
 
     Args:
-        out: See `RunOptions`, as the next six.
-        jobs: How many cells at once.
-        executor: What runs the cells.
-        checkpoint_every: Environment steps from one checkpoint of a training to the next.
-        tensorboard: Whether each cell leaves event files of scalars too.
-        curve: Which curves the indices are read from.
-        wait: Whether to wait while another run is using the folder.
-        **experiment: The fields of `harness.experiment.plan.Experiment`; the lists may be single names, or text with
-            commas.
+        **given: The fields of `RunOptions`, such as ``out`` and ``jobs``, and those of
+            `harness.experiment.plan.Experiment`, such as ``sim`` and ``algo``; its lists may be single names, or text
+            with commas.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve, wait)
+    names = {field.name for field in fields(RunOptions)}
+    options = RunOptions(**{name: value for name, value in given.items() if name in names})
+    experiment = {name: value for name, value in given.items() if name not in names}
     return prepare(check_experiment(experiment), options).run()
 
 
@@ -164,8 +182,15 @@ class BegunRun:
     asked: ExperimentRun
     done: tuple[Cell, ...]
 
+    @property
+    def waiting(self) -> tuple[Cell, ...]:
+        """What will be run: not done, and asked for by name and number."""
+        options, done = self.asked.options, set(self.done)
+        selected = select(self.asked.plan.cells, options.only) if options.only else self.asked.plan.cells
+        return tuple(cell for cell in selected if cell not in done)[: options.limit]
+
     def run(self, on_event: OnEvent = lambda event: None) -> Results:
-        """Do the cells that are not done yet.
+        """Do the cells that wait; those that fail as often again as the options say.
 
         Args:
             on_event: Told what happens to the cells.
@@ -173,29 +198,36 @@ class BegunRun:
         Returns:
             What the experiment's folder says afterwards, earlier cells included.
         """
-        store, options, done = self.asked.store, self.asked.options, set(self.done)
-        waiting = [cell for cell in self.asked.plan.cells if cell not in done]
+        store, options, waiting = self.asked.store, self.asked.options, self.waiting
         # What else was begun stays too: run_cell says what becomes of it.
         store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-        ended = EndedCells(store, self.asked.registry, self.asked.plan)
-        jobs = [Job(cell, store.cell_folder(cell), options.of_cells) for cell in waiting]
+        followed = Followed(self.asked.store, EndedCells(store, self.asked.registry, self.asked.plan), on_event)
         try:
-            self.asked.executor.run(jobs, options.at_once, lambda event: on_event(self._recorded(event, ended)))
+            for _ in range(1 + options.retry_failed):
+                followed.failed.clear()
+                self._do(waiting, followed)
+                waiting = tuple(followed.failed)
         finally:
+            followed.stop()
             store.discard_partial()
         return Results(store.folder, self.asked.registry, options.curve)
 
-    def _recorded(self, event: Event, ended: EndedCells) -> Event:
-        """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
-        store = self.asked.store
-        if event.kind != "ended":
-            return event
-        if event.reason:
-            store.record(event.cell, "failed", event.reason)
-        manifest = read_manifest(store.cell_folder(event.cell))
-        if manifest.status == "done":
-            ended.keep(manifest)
-        return event._replace(reason=manifest.reason, note=manifest.note)
+    def _do(self, cells: Sequence[Cell], followed: Followed) -> None:
+        """Have the executor do cells; with the option `fail_fast`, until one fails."""
+        store, options = self.asked.store, self.asked.options
+        jobs = [Job(cell, store.cell_folder(cell), options.of_cells) for cell in cells]
+
+        def follow(event: Event) -> None:
+            followed(event)
+            if options.fail_fast and followed.failed:
+                raise _FirstFailure
+
+        with suppress(_FirstFailure):
+            self.asked.executor.run(jobs, options.at_once, follow)
+
+
+class _FirstFailure(Exception):
+    """A cell has failed, and nothing more is to be done."""
 
 
 def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:

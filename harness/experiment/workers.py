@@ -104,9 +104,17 @@ class _Pool:
     def give(self, order: Order) -> None:
         """Have an order done by a process that waits, or by a new one."""
         partial_folder(order.folder).mkdir(parents=True, exist_ok=True)  # gone again when the order is done
-        process = self.idle.pop() if self.idle and not order.fresh else WorkerProcess(self.told)
+        process = self._process_for(order)
         self.busy[process] = _Task(order, Watchdog(order.limits, self.clock))
         process.give(order)
+
+    def _process_for(self, order: Order) -> WorkerProcess:
+        while self.idle and not order.fresh:
+            process = self.idle.pop()
+            if process.process.poll() is None:
+                return process
+            self.leaving.append(process)  # something ended it while it waited
+        return WorkerProcess(self.told)
 
     def look(self) -> list[News]:
         """Wait a little for what the processes tell, and end those that take too much."""

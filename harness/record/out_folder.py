@@ -34,6 +34,19 @@ def folder_lock(path: Path, problem: str, on_wait: Callable[[], None] | None = N
         yield
 
 
+def is_held(path: Path) -> bool:
+    """Whether another process holds the lock file at `path`, or a system that cannot be asked may let it."""
+    from filelock import FileLock, Timeout
+
+    if not path.exists():
+        return False
+    try:
+        with FileLock(path, timeout=0):
+            return False
+    except Timeout:
+        return True
+
+
 @contextmanager
 def storage_errors(folder: Path) -> Iterator[None]:
     """What the system refuses while a folder is written becomes one line.

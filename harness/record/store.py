@@ -22,10 +22,10 @@ from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
 from harness.record.cell_folder import examine
-from harness.record.folder import CHECKPOINT, MANIFEST, partial_folder, publish
+from harness.record.folder import CHECKPOINT, LOG, MANIFEST, partial_folder, publish
 from harness.record.forms import Status
 from harness.record.manifest import Manifest, now, read_manifest
-from harness.record.out_folder import folder_lock, make_folder, refuse_links
+from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 
 if TYPE_CHECKING:
@@ -116,9 +116,17 @@ class Store:
         with folder_lock(self.folder / LOCK, f"Another run is using '{self.folder}'", on_wait):
             yield
 
+    def is_in_use(self) -> bool:
+        """Whether a run is using the folder."""
+        return is_held(self.folder / LOCK)
+
     def cell_folder(self, cell: Cell) -> Path:
         """Where the cell's results are, once it has ended."""
         return self.folder / CELLS / cell.id
+
+    def log_of(self, cell: Cell) -> Path:
+        """Where what the cell printed is, once it has ended."""
+        return self.cell_folder(cell) / LOG
 
     def examine(self, cell: Cell) -> Manifest:
         """What there is to say of a cell; see `harness.record.cell_folder.examine`."""

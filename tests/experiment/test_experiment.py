@@ -9,7 +9,7 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.executor import Event
+from harness.executor import Event, Limits
 from harness.experiment.experiment import ExperimentRun, RunOptions, default_folder, run
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.record.cell import Cell
@@ -61,7 +61,7 @@ def test_failed_cells_cost_themselves_alone(toys: Registry, tmp_path: Path):
     assert by_algorithm["wander:then=raise"].reason == "RuntimeError: the arm fell off"
     killed = by_algorithm["wander:then=die silently"]
     assert killed.reason == "its process ended with exit status 0 before the cell did"
-    assert (results.store.cell_folder(killed.cell) / LOG).read_text() == "last words\n"
+    assert (results.store.cell_folder(killed.cell) / LOG).read_text().endswith("last words\n")
     assert len(results.failed) == 4
 
 
@@ -198,7 +198,10 @@ def test_setting_that_an_executor_does_not_have_is_refused(toys: Registry, tmp_p
     ("options", "message"),
     [
         ({"jobs": 0}, "jobs=0: must be at least 1"),
-        ({"checkpoint_every": -1}, "checkpoint_every=-1: must be at least 1, or 0 for none"),
+        ({"checkpoint_every": -1}, "checkpoint_every=-1: must be a number above 0, or 0 for none"),
+        ({"stall_after": float("nan")}, "stall_after=nan: must be a number above 0, or 0 for never"),
+        ({"cell_memory": -0.5}, "cell_memory=-0.5: must be a number above 0, or 0 for no limit"),
+        ({"limit": 0}, "limit=0: must be at least 1"),
         ({"curve": "steep"}, "curve='steep': there is accumulated and per-step"),
     ],
 )
@@ -206,3 +209,55 @@ def test_options_out_of_range_are_refused(options: dict[str, Any], message: str)
     """However they were given."""
     with pytest.raises(UsageError, match=message):
         RunOptions(**options)
+
+
+def _done(toys: Registry, folder: Path, plan: Plan, **options: Any) -> list[tuple[str, str]]:
+    """Label of the algorithm and status of each cell that a run with these options started, in order."""
+    events: list[Event] = []
+    executor = toys.get("executors", "here").load()()
+    ExperimentRun(plan, Store.claim(folder), toys, executor, RunOptions(**options)).run(events.append)
+    return [
+        (event.cell.algorithm.label, "failed" if event.reason else "done") for event in events if event.kind == "ended"
+    ]
+
+
+BREAKS = {"name": "wander", "then": "raise"}
+
+
+def test_a_limit_leaves_the_other_cells_for_later(toys: Registry, tmp_path: Path):
+    """The next run goes on with them."""
+    plan = _plan(toys)
+    assert len(_done(toys, tmp_path / "out", plan, limit=3)) == 3
+    assert len(_done(toys, tmp_path / "out", plan)) == 1
+
+
+def test_only_some_cells(toys: Registry, tmp_path: Path):
+    """Those that are named; the plan holds all."""
+    plan = _plan(toys)
+    assert len(_done(toys, tmp_path / "out", plan, only="arp")) == 2
+    results = harness.load_results(tmp_path / "out")
+    assert sorted(manifest.status for manifest in results.manifests) == ["done", "done", "pending", "pending"]
+
+
+def test_failed_cells_are_tried_again(toys: Registry, tmp_path: Path):
+    """After all others, as often as asked for, and no done one."""
+    plan = _plan(toys, algo=["wander", BREAKS], seeds=1, reward=[])
+    assert _done(toys, tmp_path / "out", plan, retry_failed=2) == [
+        ("wander", "done"),
+        ("wander:then=raise", "failed"),
+        ("wander:then=raise", "failed"),
+        ("wander:then=raise", "failed"),
+    ]
+
+
+def test_a_failure_may_end_the_run(toys: Registry, tmp_path: Path):
+    """What comes after it stays pending."""
+    plan = _plan(toys, algo=[BREAKS, "wander"], seeds=1, reward=[])
+    assert _done(toys, tmp_path / "out", plan, fail_fast=True) == [("wander:then=raise", "failed")]
+
+
+def test_limits_reach_the_cells():
+    """Every executor finds them in the job."""
+    options = RunOptions(stall_after=5.0, cell_time=60.0, cell_memory=2.0, fresh=True).of_cells
+    assert options.limits == Limits(5.0, 60.0, 2.0)
+    assert options.fresh

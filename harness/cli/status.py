@@ -1,0 +1,54 @@
+"""``harness status``: how far a run has come, asked from another shell."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from harness.cli.lines import say
+
+if TYPE_CHECKING:
+    from harness.record.status import FolderStatus, Progress
+
+KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "waiting")
+SHOWN = ("running", "interrupted", "failed", "damaged")
+
+
+def status(
+    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> None:
+    """Say how many cells are done, what is running, and how long the rest will take. Changes nothing."""
+    from harness.record.status import read_status
+
+    found = read_status(folder)
+    if as_json:
+        typer.echo(json.dumps(found.to_json(), indent=1))
+        return
+    say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
+    counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))
+    say(f"{len(found.cells)} cells: {counts}{_time_left(found.seconds_left)}")
+    for one in found.cells:
+        if one.status in SHOWN:
+            say(f"{one.status}: {one.cell.title}: {_detail(one, found)}")
+
+
+def _detail(one: "Progress", found: "FolderStatus") -> str:
+    if one.running is None:
+        return f"{one.reason}"
+    steps = f"{one.running.steps} of {one.cell.steps} steps"
+    if one.status == "interrupted":
+        return f"{steps}; the same command goes on"
+    seconds = max(one.running.told - one.running.started, 1e-3)
+    return f"{steps}, {one.running.steps / seconds:.0f} steps/s, last word {found.now - one.running.told:.0f} s ago"
+
+
+def _time_left(seconds: float | None) -> str:
+    """As ``; about 12 min left``."""
+    if seconds is None:
+        return ""
+    for size, unit in ((3600, "h"), (60, "min")):
+        if seconds >= 2 * size:
+            return f"; about {seconds / size:.0f} {unit} left"
+    return f"; about {seconds:.0f} s left"

@@ -1,0 +1,70 @@
+"""What happens to an experiment's cells while an executor does them, written down as it happens."""
+
+import time
+from collections.abc import Callable
+
+from harness.executor import Event, OnEvent
+from harness.experiment.ended_cells import EndedCells
+from harness.record.cell import Cell
+from harness.record.manifest import read_manifest
+from harness.record.running import Running, discard_running, write_running
+from harness.record.store import Store
+
+WRITE_EVERY = 2.0
+"""Seconds from one account of the running cells to the next."""
+
+
+class Followed:
+    """Call it with every event: it completes the records in the folder and passes the event on.
+
+    Attributes:
+        failed: Cells that failed, in the order in which they ended.
+    """
+
+    def __init__(
+        self, store: Store, ended: EndedCells, on_event: OnEvent, now: Callable[[], float] = time.time
+    ) -> None:
+        """Nothing has happened yet.
+
+        Args:
+            store: Where the cells are.
+            ended: Told of each done cell.
+            on_event: Told every event, with what the cell's manifest says.
+            now: The time, seconds since 1970.
+        """
+        self._store, self._ended, self._on_event, self._now = store, ended, on_event, now
+        self._running: dict[str, Running] = {}
+        self._written = 0.0
+        self.failed: list[Cell] = []
+
+    def __call__(self, event: Event) -> None:
+        """Something happened to a cell."""
+        if event.kind == "ended":
+            event = self._end(event)
+        else:
+            running = self._running.setdefault(event.cell.id, Running(self._now()))
+            self._running[event.cell.id] = running.after(event.steps, self._now())
+        self._write(at_once=event.kind != "progress")
+        self._on_event(event)
+
+    def stop(self) -> None:
+        """No cell is running any more."""
+        discard_running(self._store.folder)
+
+    def _end(self, event: Event) -> Event:
+        """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
+        self._running.pop(event.cell.id, None)
+        if event.reason:
+            self._store.record(event.cell, "failed", event.reason)
+        manifest = read_manifest(self._store.cell_folder(event.cell))
+        if manifest.status == "done":
+            self._ended.keep(manifest)
+        else:
+            self.failed.append(event.cell)
+        return event._replace(reason=manifest.reason, note=manifest.note)
+
+    def _write(self, at_once: bool) -> None:
+        """Tell other processes what is running, now and then."""
+        if at_once or self._now() >= self._written + WRITE_EVERY:
+            self._written = self._now()
+            write_running(self._store.folder, self._running)

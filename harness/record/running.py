@@ -1,0 +1,67 @@
+"""What a run writes down of the cells that it is doing, for who looks from another process: ``running.json``.
+
+The file says nothing that lasts: it is not synced to the disk, and it is gone when the run has ended. A run that was
+killed leaves it; `harness.record.store.Store.is_locked` tells the two apart.
+"""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import Field, TypeAdapter
+
+from harness.files.bounded import read_json, reading
+
+RUNNING = "running.json"
+
+Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+@dataclass(frozen=True)
+class Running:
+    """A cell that is being done; times are seconds since 1970.
+
+    Attributes:
+        started: When it began.
+        steps: Environment steps done.
+        told: When it told so.
+    """
+
+    started: Seconds
+    steps: Annotated[int, Field(ge=0)] = 0
+    told: Seconds = 0.0
+
+    def after(self, steps: int, now: float) -> Self:
+        """The same cell, when it has told its steps."""
+        return replace(self, steps=max(steps, self.steps), told=now)
+
+
+FORM: TypeAdapter[dict[str, Running]] = TypeAdapter(dict[str, Running])
+
+
+def write_running(folder: Path, running: Mapping[str, Running]) -> None:
+    """Write down the running cells of the experiment in `folder`, by id."""
+    partial = folder / f".{RUNNING}.{os.getpid()}.partial"
+    partial.write_text(json.dumps({cell: asdict(one) for cell, one in running.items()}))
+    partial.replace(folder / RUNNING)
+
+
+def read_running(folder: Path) -> dict[str, Running]:
+    """The cells of the experiment in `folder` that a run is doing, or was when it was killed, by id.
+
+    Raises:
+        SchemaError: The file is damaged.
+    """
+    path = folder / RUNNING
+    if not path.exists():
+        return {}
+    with reading(path, "account of running cells"):
+        return FORM.validate_python(read_json(path))
+
+
+def discard_running(folder: Path) -> None:
+    """No cell is running any more."""
+    (folder / RUNNING).unlink(missing_ok=True)

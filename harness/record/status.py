@@ -1,0 +1,119 @@
+"""How far an experiment has come, as another process sees it: ``harness status``."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness.errors import NewerFormat, SchemaError
+from harness.record.cell import Cell
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.running import Running, read_running
+from harness.record.store import Store
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Of one cell.
+
+    Attributes:
+        cell: Which.
+        status: ``done``, ``failed``, ``skipped``, ``damaged``, ``running``, ``interrupted`` (a run was killed while it
+            did it) or ``waiting``.
+        reason: Why it is not done, of one that failed, was skipped or is damaged.
+        running: How far it is, of one that is running, or was when its run was killed.
+        seconds: What it took, of one that is done.
+    """
+
+    cell: Cell
+    status: str
+    reason: str = ""
+    running: Running | None = None
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class FolderStatus:
+    """Of an experiment's folder.
+
+    Attributes:
+        folder: The folder.
+        is_in_use: Whether a run is using it now.
+        cells: Every cell of the plan, in its order.
+        now: When this was so, seconds since 1970.
+    """
+
+    folder: Path
+    is_in_use: bool
+    cells: Sequence[Progress]
+    now: float
+
+    def count(self, status: str) -> int:
+        """Cells of this status."""
+        return sum(one.status == status for one in self.cells)
+
+    @property
+    def seconds_left(self) -> float | None:
+        """What the rest will take at the speed of the done cells; None if none is done or nothing is running."""
+        done = [one for one in self.cells if one.status == "done"]
+        running = [one for one in self.cells if one.status == "running"]
+        if not done or not running:
+            return None
+        per_step = sum(one.seconds for one in done) / sum(one.cell.steps for one in done)
+        begun = sum(one.running.steps for one in running if one.running)
+        left = sum(one.cell.steps for one in self.cells if one.status in {"running", "waiting"}) - begun
+        return per_step * left / len(running)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "format": 1,
+            "folder": str(self.folder),
+            "is_in_use": self.is_in_use,
+            "seconds_left": self.seconds_left,
+            "cells": [
+                {
+                    "id": one.cell.id,
+                    "title": one.cell.title,
+                    "status": one.status,
+                    "reason": one.reason,
+                    "steps": one.running.steps if one.running else one.cell.steps if one.status == "done" else 0,
+                    "of_steps": one.cell.steps,
+                }
+                for one in self.cells
+            ],
+        }
+
+
+def read_status(folder: Path, now: Callable[[], float] = time.time) -> FolderStatus:
+    """How far the experiment in a folder has come. Changes nothing, and waits for nobody.
+
+    Files are not compared with what was written, which `harness.record.verify` does: that would take long.
+
+    Raises:
+        UsageError: The folder is no experiment's.
+        SchemaError: Its plan cannot be read, and the cells do not tell it.
+    """
+    store = Store.open(folder)
+    is_in_use, running = store.is_in_use(), read_running(folder)
+    cells = [_progress(cell, store, is_in_use, running.get(cell.id)) for cell in store.read_plan().cells]
+    return FolderStatus(folder, is_in_use, cells, now())
+
+
+def _progress(cell: Cell, store: Store, is_in_use: bool, running: Running | None) -> Progress:
+    if running is not None:
+        return Progress(cell, "running" if is_in_use else "interrupted", running=running)
+    folder = store.cell_folder(cell)
+    if not folder.exists():
+        return Progress(cell, "waiting")
+    try:
+        return _ended(cell, read_manifest(folder))
+    except NewerFormat:
+        raise
+    except SchemaError as error:
+        return Progress(cell, "damaged", str(error))
+
+
+def _ended(cell: Cell, manifest: Manifest) -> Progress:
+    return Progress(cell, manifest.status, manifest.reason, seconds=manifest.seconds)

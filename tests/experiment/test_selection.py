@@ -1,0 +1,55 @@
+"""Some of a plan's cells, by name."""
+
+from collections.abc import Callable
+
+import pytest
+
+from harness.errors import UsageError
+from harness.experiment.selection import select
+from harness.record.cell import Cell
+from harness.registry.choice import Choice
+
+
+@pytest.fixture
+def cells(make_cell: Callable[..., Cell]) -> list[Cell]:
+    """Two algorithms, two rewards, three seeds."""
+    algorithms = [Choice("sac", (), "sac"), Choice("ppo", (("gamma", 0.9),), "ppo:gamma=0.9")]
+    rewards = [Choice("baseline", (), "baseline"), Choice("arp", (), "arp")]
+    return [
+        make_cell(algorithm=algorithm, reward=reward, seed=seed)
+        for algorithm in algorithms
+        for reward in rewards
+        for seed in range(3)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("sac", 6),
+        ("sac,ppo", 12),
+        ("ppo:gamma=0.9", 6),
+        ("arp,seed=1", 2),
+        ("seed=0,seed=2,sac", 4),
+        ("ideal", 12),
+    ],
+)
+def test_words_of_one_kind_are_alternatives_and_kinds_narrow(cells: list[Cell], text: str, count: int):
+    """As ``--only`` takes them."""
+    assert len(select(cells, text)) == count
+
+
+def test_a_cell_may_be_named_by_its_id(cells: list[Cell]):
+    """As ``harness status`` and the folders name it."""
+    assert select(cells, cells[4].id) == (cells[4],)
+
+
+def test_the_order_of_the_plan_stays(cells: list[Cell]):
+    """Whatever the order of the words."""
+    assert select(cells, "seed=1,seed=0,sac") == tuple(cells[i] for i in (0, 1, 3, 4))
+
+
+def test_a_word_that_names_nothing_is_refused(cells: list[Cell]):
+    """The message says what there is."""
+    with pytest.raises(UsageError, match=r"has 'td3'\. There is ideal, sac, ppo:gamma=0\.9, baseline, arp, seed=0"):
+        select(cells, "sac,td3")

@@ -1,0 +1,50 @@
+"""How far an experiment has come."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from harness.record.folder import MANIFEST
+from harness.record.running import Running, write_running
+from harness.record.status import read_status
+from harness.record.store import Store
+
+
+def test_every_cell_has_its_status(ran: Path):
+    """One is done, one waits, one is damaged, one is running."""
+    store = Store.open(ran)
+    _, waiting, damaged, running = store.read_plan().cells
+    shutil.rmtree(store.cell_folder(waiting))
+    (store.cell_folder(damaged) / MANIFEST).write_text("{")
+    shutil.rmtree(store.cell_folder(running))
+    write_running(ran, {running.id: Running(100.0, 6, 103.0)})
+    with store.locked():
+        found = read_status(ran, lambda: 104.0)
+    assert found.is_in_use
+    assert [one.status for one in found.cells] == ["done", "waiting", "damaged", "running"]
+
+
+def test_a_killed_run_leaves_interrupted_cells(ran: Path):
+    """Nobody holds the folder: what was running is not."""
+    store = Store.open(ran)
+    cell = store.read_plan().cells[0]
+    shutil.rmtree(store.cell_folder(cell))
+    write_running(ran, {cell.id: Running(100.0, 6, 103.0)})
+    found = read_status(ran)
+    assert not found.is_in_use
+    assert found.cells[0].status == "interrupted"
+    assert found.seconds_left is None
+
+
+def test_the_rest_takes_what_the_done_cells_took(ran: Path):
+    """Seconds per step of those that are done, for the steps that are left, by as many as run at once."""
+    store = Store.open(ran)
+    cells = store.read_plan().cells
+    for cell in cells[2:]:
+        shutil.rmtree(store.cell_folder(cell))
+    write_running(ran, {cells[2].id: Running(100.0, 6, 103.0)})
+    with store.locked():
+        found = read_status(ran)
+    seconds = sum(one.seconds for one in found.cells) / 24
+    assert found.seconds_left == pytest.approx(seconds * (24 - 6))
