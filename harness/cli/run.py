@@ -1,7 +1,7 @@
 """``harness run``: train every combination, compare, report."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -70,6 +70,10 @@ def run(
     wait: Annotated[
         bool, typer.Option("--wait/--no-wait", help="Wait while another run is using the folder, or give up.")
     ] = True,
+    changed: Annotated[
+        Literal["refuse", "keep", "again"],
+        typer.Option(help="If done cells were made by other plugins than those installed: do not run, keep, redo."),
+    ] = "refuse",
 ) -> int:
     """Train every simulator x algorithm x reward x seed and compare the rewards.
 
@@ -78,7 +82,7 @@ def run(
     from harness.cli.progress import LiveProgress
     from harness.experiment.experiment import RunOptions, prepare
 
-    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve, wait)
+    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve, wait, changed)
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
         "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,

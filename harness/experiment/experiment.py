@@ -2,19 +2,20 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, OnEvent
+from harness.experiment.changed import CHANGED, Changed, Sources, changed_cells, refuse_changed
 from harness.experiment.ended_cells import EndedCells
 from harness.experiment.event_log import require_tensorboard
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.workers import worker_count
 from harness.record.cell import Cell
-from harness.record.manifest import read_manifest
+from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.store import Store
 from harness.registry.choice import choose
@@ -37,9 +38,11 @@ class RunOptions:
         tensorboard: Whether each cell leaves event files of scalars too, in its folder.
         curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
         wait: Whether to wait while another run is using the folder; else that is an error.
+        changed: What becomes of done cells that other plugins made than those installed now: ``"refuse"`` to run,
+            ``"keep"`` them beside the new ones, or do them ``"again"``.
 
     Raises:
-        UsageError: A number is out of range, or there is no such curve.
+        UsageError: A number is out of range, or there is no such curve or choice.
     """
 
     out: str | Path | None = None
@@ -49,6 +52,7 @@ class RunOptions:
     tensorboard: bool = False
     curve: Kind = "accumulated"
     wait: bool = True
+    changed: Changed = "refuse"
 
     def __post_init__(self) -> None:
         worker_count(self.jobs)
@@ -56,6 +60,8 @@ class RunOptions:
             raise UsageError(f"checkpoint_every={self.checkpoint_every}: must be at least 1, or 0 for none")
         if self.curve not in KINDS:
             raise UsageError(f"curve='{self.curve}': there is {' and '.join(KINDS)}")
+        if self.changed not in CHANGED:
+            raise UsageError(f"changed='{self.changed}': there is {', '.join(CHANGED)}")
 
     @property
     def at_once(self) -> int:
@@ -91,25 +97,27 @@ def run(
     tensorboard: bool = False,
     curve: Kind = "accumulated",
     wait: bool = True,
+    changed: Changed = "refuse",
     **experiment: Any,
 ) -> Results:
     """Run every combination of an experiment that is not done yet.
 
     Args:
-        out: See `RunOptions`, as the next six.
+        out: See `RunOptions`, as the next seven.
         jobs: How many cells at once.
         executor: What runs the cells.
         checkpoint_every: Environment steps from one checkpoint of a training to the next.
         tensorboard: Whether each cell leaves event files of scalars too.
         curve: Which curves the indices are read from.
         wait: Whether to wait while another run is using the folder.
+        changed: What becomes of done cells that other plugins made than those installed now.
         **experiment: The fields of `harness.experiment.plan.Experiment`; the lists may be single names, or text with
             commas.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve, wait)
+    options = RunOptions(out, jobs, executor, checkpoint_every, tensorboard, curve, wait, changed)
     return prepare(check_experiment(experiment), options).run()
 
 
@@ -144,12 +152,25 @@ class ExperimentRun:
             on_wait: Called before this waits for another run in the folder to end, if the options say to wait.
 
         Raises:
-            UsageError: Another run is using the folder, and the options say not to wait. Nothing is written.
+            UsageError: Another run is using the folder, and the options say not to wait; or cells in it were done by
+                other plugins, and the options say neither to keep them nor to do them again. Nothing is written.
             StorageError: The folder cannot be written, now or while the cells run.
         """
         with storage_errors(self.store.folder), self.store.locked(on_wait if self.options.wait else None):
+            manifests = map(self.store.examine, self.plan.cells)
+            done = {it.cell: it.environment.get("sources", {}) for it in manifests if it.status == "done"}
+            again = self._to_do_again(done)
             self.store.add(self.plan)
-            yield BegunRun(self, tuple(cell for cell in self.plan.cells if self.store.is_done(cell)))
+            yield BegunRun(self, tuple(cell for cell in done if cell not in again), again)
+
+    def _to_do_again(self, done: Mapping[Cell, Sources]) -> dict[Cell, Manifest]:
+        """Of the done cells those that other plugins made, if the options say so."""
+        if self.options.changed == "keep":
+            return {}
+        changed = changed_cells(done, self.registry)
+        if self.options.changed == "refuse":
+            refuse_changed(changed)
+        return {cell: read_manifest(self.store.cell_folder(cell)) for cell in changed}
 
 
 @dataclass(frozen=True)
@@ -159,10 +180,12 @@ class BegunRun:
     Attributes:
         asked: What is to be run.
         done: Cells that were done before, and are not run again.
+        again: Those that are, with what there is to say of them; each is replaced as it ends.
     """
 
     asked: ExperimentRun
     done: tuple[Cell, ...]
+    again: Mapping[Cell, Manifest] = field(default_factory=dict)
 
     def run(self, on_event: OnEvent = lambda event: None) -> Results:
         """Do the cells that are not done yet.
@@ -191,7 +214,7 @@ class BegunRun:
         if event.kind != "ended":
             return event
         if event.reason:
-            store.record(event.cell, "failed", event.reason)
+            store.record(event.cell, "failed", event.reason, instead_of=self.again.get(event.cell))
         manifest = read_manifest(store.cell_folder(event.cell))
         if manifest.status == "done":
             ended.keep(manifest)

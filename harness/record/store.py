@@ -128,11 +128,14 @@ class Store:
         """Whether the cell need not be run again: it is done, and nothing of it is damaged."""
         return self.examine(cell).status == "done"
 
-    def record(self, cell: Cell, status: Status, reason: str) -> Manifest:
-        """Leave a manifest for a cell that could not leave one itself; keeps its log. A done cell is left as it is."""
+    def record(self, cell: Cell, status: Status, reason: str, instead_of: Manifest | None = None) -> Manifest:
+        """Leave a manifest for a cell that could not leave one itself; keeps its log.
+
+        A done cell is left as it is, unless what it says of itself is `instead_of`: that was to be done again.
+        """
         folder = self.cell_folder(cell)
         found = self.examine(cell)
-        if found.status == "done":
+        if found.status == "done" and found != instead_of:
             return found
         partial = partial_folder(folder)
         partial.mkdir(parents=True, exist_ok=True)
