@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import complain, say
+from harness.cli.lines import complain
 from harness.cli.options import CurveKind, ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
@@ -121,21 +121,9 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
 
 def _show(results: "Results") -> None:
     """The comparison on standard output; what was written too."""
+    from harness.cli.made import make_table_and_page
     from harness.cli.terminal import show
-    from harness.files.sums import note_made
-    from harness.record.out_folder import storage_errors
-    from harness.record.store import REPORT
     from harness.report.comparison_table import comparison_table
-    from harness.report.html import write_html
 
     show(comparison_table(results))
-    with storage_errors(results.folder):
-        results.write_table()
-    say(f"Results: {results.folder}")
-    try:
-        with storage_errors(results.folder):
-            write_html(results, results.folder / REPORT)
-            note_made(results.folder / REPORT)
-        say(f"Report:  {results.folder / REPORT}")
-    except UsageError as error:  # the extra is missing: the results are there all the same
-        say(f"No {REPORT}: {error}")
+    make_table_and_page(results)

@@ -9,7 +9,8 @@ def test_two_folders_become_one(harness, quick):
     harness("run", *quick, "--seeds", "1,2", "--out", "two")
     answer = harness("merge", "one", "two", "--out", "all")
     assert (answer.status, answer.err) == (0, "")
-    assert answer.out == "Merged: all (6 of 6 cells have ended); harness report 'all' shows them\n"
+    assert answer.out == "Merged:  6 of 6 cells have ended\nResults: all\nReport:  all/report.html\n"
+    assert harness("verify", "all").status == 0
     assert "3 seeds (0, 1, 2) compared" in harness("report", "all").out
 
 
@@ -22,7 +23,7 @@ def test_damaged_cell_is_named(harness, quick, tmp_path):
     assert answer.status == 1
     assert answer.err.startswith(f"harness: left out: one/cells/{cell.name}: ")
     assert answer.err.count("\n") == 1
-    assert "(1 of 2 cells have ended)" in answer.out
+    assert "1 of 2 cells have ended" in answer.out
 
 
 def test_what_cannot_be_merged_is_told_in_one_line(harness, tmp_path):

@@ -157,7 +157,7 @@ def test_folders_of_trainings_are_told(call, experiment: Path):
 
 
 def _without_p(told: Any) -> Any:
-    """Whatever `harness eta` prints but p: a CSV file does not tell its seed, and runs of one seed are no pairs there."""
+    """Whatever `harness eta` prints but p: a CSV file does not tell its seed, so runs are no pairs there."""
     if isinstance(told, dict):
         return {key: _without_p(value) for key, value in told.items() if key not in ("p", "p_corrected")}
     return [_without_p(item) for item in told] if isinstance(told, list) else told
