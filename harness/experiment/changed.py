@@ -15,6 +15,10 @@ Changed: TypeAlias = Literal["refuse", "keep", "again"]
 CHANGED: tuple[Changed, ...] = ("refuse", "keep", "again")
 Sources: TypeAlias = Mapping[str, str]
 """SHA-256 of the files of each plugin that made a cell, by kind; see `harness.experiment.provenance`."""
+REMEDY = (
+    "--changed keep goes on beside them, and reports say so; --changed again does them again; "
+    "another --out leaves them alone"
+)
 NAMED = 2
 """Plugins in the message, of which there may be many: what to do has to stand in it too."""
 
@@ -73,17 +77,18 @@ def changed_cells(done: Mapping[Cell, Sources], registry: Registry) -> dict[Cell
     return {cell: changes for cell, changes in found.items() if changes}
 
 
-def refuse_changed(changed: Mapping[Cell, Sequence[Change]]) -> None:
+def refuse_changed(changed: Mapping[Cell, Sequence[Change]], remedy: str = REMEDY) -> None:
     """See that there is no such cell.
+
+    Args:
+        changed: See `changed_cells`.
+        remedy: What to do.
 
     Raises:
         UsageError: There is one; names the plugins, and what can be chosen.
     """
     if changed:
-        raise UsageError(
-            f"{_told(changed)}: --changed keep goes on beside them, and reports say so; --changed again does them "
-            "again; another --out leaves them alone"
-        )
+        raise UsageError(f"{_told(changed)}: {remedy}")
 
 
 def _told(changed: Mapping[Cell, Sequence[Change]]) -> str:
