@@ -1,9 +1,14 @@
 """Text of strangers made fit to be shown: what a terminal, a page or a reader would obey or not see is written out."""
 
+import hashlib
+import re
 import unicodedata
+from collections.abc import Iterable
 
 LONGEST_MESSAGE = 300
 """Characters of a one-line message: about three lines of a terminal, beyond which nobody finds what to do."""
+LONGEST_STEM = 120
+"""Characters of a file name that is made of text, its ending left out."""
 ELLIPSIS = " ... "
 HIDDEN = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
 """Categories of Unicode that are escaped: control characters of both sets, formats such as turns of the direction and
@@ -35,6 +40,29 @@ def shortened(message: str, most: int = LONGEST_MESSAGE) -> str:
 def one_line_of(message: str) -> str:
     """The message as one visible line of at most `LONGEST_MESSAGE` characters."""
     return shortened(visible(" ".join(message.split())))
+
+
+def file_stems(texts: Iterable[str]) -> list[str]:
+    """A name for a file for each text: lower-case letters, digits, dots and hyphens; no two are alike.
+
+    A long one is cut and ends in a hash of the text.
+    """
+    stems: dict[str, None] = {}
+    for text in texts:
+        stem, number = _stem(text), 2
+        free = stem
+        while free in stems:
+            free, number = f"{stem}-{number}", number + 1
+        stems[free] = None
+    return list(stems)
+
+
+def _stem(text: str) -> str:
+    stem = re.sub(r"[^a-z0-9.]+", "-", text.lower()).strip("-.") or "unnamed"
+    if len(stem) <= LONGEST_STEM:
+        return stem
+    digest = hashlib.sha256(text.encode()).hexdigest()[:8]
+    return f"{stem[: LONGEST_STEM - 9]}-{digest}"
 
 
 def _escaped(char: str) -> str:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.text import LONGEST_MESSAGE, one_line_of, shortened, visible
+from harness.text import LONGEST_MESSAGE, file_stems, one_line_of, shortened, visible
 
 
 @pytest.mark.parametrize(
@@ -60,3 +60,9 @@ def test_a_message_is_one_short_line(text: str):
     message = one_line_of(text)
     assert len(message) <= LONGEST_MESSAGE
     assert len(message.splitlines()) <= 1
+
+
+def test_names_of_files_are_safe_and_apart():
+    """Whatever the texts: parents of a folder, hidden names, nothing at all, one name twice."""
+    stems = file_stems(["arp:k2=1.5", "../../etc", ".hidden", "", "ARP k2 1.5", "arp k2 1.5 2"])
+    assert stems == ["arp-k2-1.5", "etc", "hidden", "unnamed", "arp-k2-1.5-2", "arp-k2-1.5-2-2"]

@@ -13,6 +13,7 @@ from harness.cli.describe import describe
 from harness.cli.doctor import doctor
 from harness.cli.eta import eta
 from harness.cli.lines import complain
+from harness.cli.merge import merge
 from harness.cli.names import list_names
 from harness.cli.parity import parity
 from harness.cli.plugins import plugins
@@ -62,6 +63,7 @@ def build_app() -> typer.Typer:
     app.command()(bench)
     app.command()(verify)
     app.command()(repair)
+    app.command()(merge)
     app.command("list")(list_names)
     app.command()(describe)
     app.command()(plugins)

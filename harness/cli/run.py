@@ -1,12 +1,12 @@
 """``harness run``: train every combination, compare, report."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import complain, say
+from harness.cli.lines import complain
 from harness.cli.options import CurveKind, ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
@@ -70,6 +70,10 @@ def run(
     wait: Annotated[
         bool, typer.Option("--wait/--no-wait", help="Wait while another run is using the folder, or give up.")
     ] = True,
+    changed: Annotated[
+        Literal["refuse", "keep", "again"],
+        typer.Option(help="If done cells were made by other plugins than those installed: do not run, keep, redo."),
+    ] = "refuse",
     only: Annotated[
         str | None,
         typer.Option(help="Do only the cells with these names, as sac,seed=3.", show_default="all", metavar="NAME,..."),
@@ -100,7 +104,7 @@ def run(
     from harness.experiment.experiment import RunOptions, prepare
 
     options = RunOptions(
-        out, jobs, executor, checkpoint_every, tensorboard, curve, wait, only, limit, retry_failed, fail_fast,
+        out, jobs, executor, checkpoint_every, tensorboard, curve, wait, changed, only, limit, retry_failed, fail_fast,
         stall_after, cell_time, cell_memory, fresh,
     )  # fmt: skip
     given = {
@@ -143,21 +147,9 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
 
 def _show(results: "Results") -> None:
     """The comparison on standard output; what was written too."""
+    from harness.cli.made import make_table_and_page
     from harness.cli.terminal import show
-    from harness.files.sums import note_made
-    from harness.record.out_folder import storage_errors
-    from harness.record.store import REPORT
     from harness.report.comparison_table import comparison_table
-    from harness.report.html import write_html
 
     show(comparison_table(results))
-    with storage_errors(results.folder):
-        results.write_table()
-    say(f"Results: {results.folder}")
-    try:
-        with storage_errors(results.folder):
-            write_html(results, results.folder / REPORT)
-            note_made(results.folder / REPORT)
-        say(f"Report:  {results.folder / REPORT}")
-    except UsageError as error:  # the extra is missing: the results are there all the same
-        say(f"No {REPORT}: {error}")
+    make_table_and_page(results)

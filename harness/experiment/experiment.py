@@ -3,13 +3,14 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, Limits, OnEvent
+from harness.experiment.changed import CHANGED, Changed, Sources, changed_cells, refuse_changed
 from harness.experiment.ended_cells import EndedCells
 from harness.experiment.event_log import require_tensorboard
 from harness.experiment.followed import Followed
@@ -17,6 +18,7 @@ from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.selection import select
 from harness.experiment.workers import worker_count
 from harness.record.cell import Cell
+from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.store import Store
 from harness.registry.choice import choose
@@ -49,6 +51,8 @@ class RunOptions:
         tensorboard: Whether each cell leaves event files of scalars too, in its folder.
         curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
         wait: Whether to wait while another run is using the folder; else that is an error.
+        changed: What becomes of done cells that other plugins made than those installed now: ``"refuse"`` to run,
+            ``"keep"`` them beside the new ones, or do them ``"again"``.
         only: Do only the cells that this names; see `harness.experiment.selection.select`. The others stay pending.
         limit: Do at most so many cells; the others stay pending.
         retry_failed: How often a failed cell is tried again, after all others.
@@ -59,7 +63,7 @@ class RunOptions:
         fresh: Whether each cell gets a process of its own, instead of one that does several cells.
 
     Raises:
-        UsageError: A number is out of range, or there is no such curve.
+        UsageError: A number is out of range, or there is no such curve or choice.
     """
 
     out: str | Path | None = None
@@ -69,6 +73,7 @@ class RunOptions:
     tensorboard: bool = False
     curve: Kind = "accumulated"
     wait: bool = True
+    changed: Changed = "refuse"
     only: str | None = None
     limit: int | None = None
     retry_failed: int = 0
@@ -87,6 +92,8 @@ class RunOptions:
             raise UsageError(f"limit={self.limit}: must be at least 1")
         if self.curve not in KINDS:
             raise UsageError(f"curve='{self.curve}': there is {' and '.join(KINDS)}")
+        if self.changed not in CHANGED:
+            raise UsageError(f"changed='{self.changed}': there is {', '.join(CHANGED)}")
 
     @property
     def at_once(self) -> int:
@@ -162,12 +169,25 @@ class ExperimentRun:
             on_wait: Called before this waits for another run in the folder to end, if the options say to wait.
 
         Raises:
-            UsageError: Another run is using the folder, and the options say not to wait. Nothing is written.
+            UsageError: Another run is using the folder, and the options say not to wait; or cells in it were done by
+                other plugins, and the options say neither to keep them nor to do them again. Nothing is written.
             StorageError: The folder cannot be written, now or while the cells run.
         """
         with storage_errors(self.store.folder), self.store.locked(on_wait if self.options.wait else None):
+            manifests = map(self.store.examine, self.plan.cells)
+            done = {it.cell: it.environment.get("sources", {}) for it in manifests if it.status == "done"}
+            again = self._to_do_again(done)
             self.store.add(self.plan)
-            yield BegunRun(self, tuple(cell for cell in self.plan.cells if self.store.is_done(cell)))
+            yield BegunRun(self, tuple(cell for cell in done if cell not in again), again)
+
+    def _to_do_again(self, done: Mapping[Cell, Sources]) -> dict[Cell, Manifest]:
+        """Of the done cells those that other plugins made, if the options say so."""
+        if self.options.changed == "keep":
+            return {}
+        changed = changed_cells(done, self.registry)
+        if self.options.changed == "refuse":
+            refuse_changed(changed)
+        return {cell: read_manifest(self.store.cell_folder(cell)) for cell in changed}
 
 
 @dataclass(frozen=True)
@@ -177,10 +197,12 @@ class BegunRun:
     Attributes:
         asked: What is to be run.
         done: Cells that were done before, and are not run again.
+        again: Those that are, with what there is to say of them; each is replaced as it ends.
     """
 
     asked: ExperimentRun
     done: tuple[Cell, ...]
+    again: Mapping[Cell, Manifest] = field(default_factory=dict)
 
     @property
     def waiting(self) -> tuple[Cell, ...]:
@@ -201,7 +223,8 @@ class BegunRun:
         store, options, waiting = self.asked.store, self.asked.options, self.waiting
         # What else was begun stays too: run_cell says what becomes of it.
         store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-        followed = Followed(self.asked.store, EndedCells(store, self.asked.registry, self.asked.plan), on_event)
+        ended = EndedCells(store, self.asked.registry, self.asked.plan)
+        followed = Followed(store, ended, on_event, self.again)
         try:
             for _ in range(1 + options.retry_failed):
                 followed.failed.clear()

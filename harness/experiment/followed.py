@@ -1,15 +1,16 @@
 """What happens to an experiment's cells while an executor does them, written down as it happens."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from harness.executor import Event, OnEvent
 from harness.experiment.ended_cells import EndedCells
 from harness.record.cell import Cell
-from harness.record.manifest import read_manifest
+from harness.record.manifest import Manifest, read_manifest
 from harness.record.running import Running, discard_running, write_running
 from harness.record.store import Store
 
+NOTHING: Mapping[Cell, Manifest] = {}
 WRITE_EVERY = 2.0
 """Seconds from one account of the running cells to the next."""
 
@@ -22,7 +23,12 @@ class Followed:
     """
 
     def __init__(
-        self, store: Store, ended: EndedCells, on_event: OnEvent, now: Callable[[], float] = time.time
+        self,
+        store: Store,
+        ended: EndedCells,
+        on_event: OnEvent,
+        again: Mapping[Cell, Manifest] = NOTHING,
+        now: Callable[[], float] = time.time,
     ) -> None:
         """Nothing has happened yet.
 
@@ -30,9 +36,10 @@ class Followed:
             store: Where the cells are.
             ended: Told of each done cell.
             on_event: Told every event, with what the cell's manifest says.
+            again: Done cells that are done again, with what they say of themselves.
             now: The time, seconds since 1970.
         """
-        self._store, self._ended, self._on_event, self._now = store, ended, on_event, now
+        self._store, self._ended, self._on_event, self._again, self._now = store, ended, on_event, again, now
         self._running: dict[str, Running] = {}
         self._written = 0.0
         self.failed: list[Cell] = []
@@ -55,7 +62,7 @@ class Followed:
         """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
         self._running.pop(event.cell.id, None)
         if event.reason:
-            self._store.record(event.cell, "failed", event.reason)
+            self._store.record(event.cell, "failed", event.reason, instead_of=self._again.get(event.cell))
         manifest = read_manifest(self._store.cell_folder(event.cell))
         if manifest.status == "done":
             self._ended.keep(manifest)

@@ -76,9 +76,9 @@ def _version(distribution: str) -> str:
 
 
 def specs_of(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Spec]:
-    """What stands behind the choices of a cell, by kind."""
-    chosen = {"simulators": cell.simulator, "tasks": cell.task, "algorithms": cell.algorithm, "rewards": cell.reward}
-    return {kind: registry.get(kind, choice.name) for kind, choice in chosen.items() if kind in kinds}
+    """What stands behind the choices of a cell, by kind; the robot is no code."""
+    chosen = {kind: name for kind, name in cell.plugins.items() if kind in kinds and kind != "robots"}
+    return {kind: registry.get(kind, name) for kind, name in chosen.items()}
 
 
 def _source_hashes(specs: Mapping[str, Spec]) -> dict[str, str]:

@@ -53,6 +53,17 @@ class Cell:
         """For people: the combination and the seed."""
         return f"{self.simulator.label} · {self.algorithm.label} · {self.reward.label} · seed {self.seed}"
 
+    @property
+    def plugins(self) -> dict[str, str]:
+        """Names of the plugins that it chooses, by kind, as manifests name their sources; a robot may be a path."""
+        return {
+            "simulators": self.simulator.name,
+            "tasks": self.task.name,
+            "algorithms": self.algorithm.name,
+            "rewards": self.reward.name,
+            "robots": self.robot,
+        }
+
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same cell back."""
         return {

@@ -18,6 +18,8 @@ from harness.record.forms import Status, require_form
 
 SEALED_SINCE = 2
 """The first format of manifests, those of transfers included, that names the digests of its folder's files."""
+SHOWN_DIGITS = 8
+"""Of a hash of sources, where people read it."""
 Told = TypeVar("Told")
 
 

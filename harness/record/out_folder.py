@@ -84,8 +84,12 @@ def make_folder(folder: Path, inner: str = "") -> None:
         raise UsageError(f"--out '{folder}' cannot be made: {error.strerror}. Name another folder") from None
 
 
-def refuse_links(folder: Path) -> None:
+def refuse_links(folder: Path, rule: str = "nothing is written into a folder with links") -> None:
     """See that nothing in a folder leads out of it: what is written there could land elsewhere.
+
+    Args:
+        folder: To look through.
+        rule: What the message says is not done.
 
     Raises:
         UsageError: There is a symbolic link in it; the message names it.
@@ -94,4 +98,4 @@ def refuse_links(folder: Path) -> None:
         for name in (*folders, *files):
             path = Path(parent) / name
             if path.is_symlink():
-                raise UsageError(f"'{path}' is a link; nothing is written into a folder with links: remove it")
+                raise UsageError(f"'{path}' is a link; {rule}: remove it")

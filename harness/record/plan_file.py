@@ -112,7 +112,7 @@ def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredP
         SchemaError: Neither says what the baseline is.
     """
     known = tuple(sorted(cells, key=lambda cell: (cell.seed, cell.id)))
-    experiment = _experiment_in(folder)
+    experiment = experiment_in(folder)
     labels = {cell.reward.label for cell in known}
     baseline = _label(experiment.get("baseline", "baseline"), known)
     if baseline not in labels:
@@ -132,7 +132,8 @@ def control_seeds(seeds: Sequence[int]) -> dict[int, int]:
     return {seed: seed + beyond for seed in seeds}
 
 
-def _experiment_in(folder: Path) -> dict[str, Any]:
+def experiment_in(folder: Path) -> dict[str, Any]:
+    """The newest experiment as ``experiment.toml`` tells it; empty where that cannot be read."""
     try:
         return read_toml(folder / EXPERIMENT, "experiment file")
     except UsageError:  # damaged too, or gone: the cells are all that there is

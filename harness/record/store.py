@@ -47,10 +47,14 @@ class Store:
         Raises:
             UsageError: The folder is not there, or is not an experiment's.
         """
-        store = cls(folder)
-        if not (folder / PLAN).is_file() and not store._left_manifests():
+        if not cls.is_experiment(folder):
             raise UsageError(f"'{folder}' is no experiment: it holds no {PLAN}. Name the --out folder of a run")
-        return store
+        return cls(folder)
+
+    @classmethod
+    def is_experiment(cls, folder: Path) -> bool:
+        """Whether a folder holds an experiment, of which the plan may be lost."""
+        return (folder / PLAN).is_file() or bool(cls(folder)._left_manifests())
 
     @classmethod
     def claim(cls, folder: Path) -> "Store":
@@ -136,11 +140,14 @@ class Store:
         """Whether the cell need not be run again: it is done, and nothing of it is damaged."""
         return self.examine(cell).status == "done"
 
-    def record(self, cell: Cell, status: Status, reason: str) -> Manifest:
-        """Leave a manifest for a cell that could not leave one itself; keeps its log. A done cell is left as it is."""
+    def record(self, cell: Cell, status: Status, reason: str, instead_of: Manifest | None = None) -> Manifest:
+        """Leave a manifest for a cell that could not leave one itself; keeps its log.
+
+        A done cell is left as it is, unless what it says of itself is `instead_of`: that was to be done again.
+        """
         folder = self.cell_folder(cell)
         found = self.examine(cell)
-        if found.status == "done":
+        if found.status == "done" and found != instead_of:
             return found
         partial = partial_folder(folder)
         partial.mkdir(parents=True, exist_ok=True)
@@ -197,7 +204,7 @@ class Store:
 
 def _is_usable(folder: Path) -> bool:
     """Whether it holds an experiment, or nothing but what a run leaves that is killed before its plan is written."""
-    if (folder / PLAN).is_file() or any((folder / CELLS).glob(f"[!.]*/{MANIFEST}")):
+    if Store.is_experiment(folder):
         return True
     left = {path.name for path in folder.iterdir() if not is_partial(path)}
     cells = folder / CELLS

@@ -117,18 +117,24 @@ def _of_cells(folder: Path) -> Iterator[Problem]:
 def _of_transfers(folder: Path) -> Iterator[Problem]:
     for path in _folders(folder / TRANSFER, "*/[!.]*"):
         try:
-            require_files(path, _transfer_in(path))
+            require_files(path, read_transfer_ending(path))
         except NewerFormat:
             raise
         except SchemaError as error:
             yield Problem(path.relative_to(folder), str(error), "harness transfer does it again")
 
 
-def _transfer_in(path: Path) -> Ending:
+def read_transfer_ending(folder: Path) -> Ending:
+    """How an evaluation in another simulator ended, and the digests of its files.
+
+    Raises:
+        SchemaError: Its manifest is damaged or written by a newer version.
+    """
+
     def read(data: dict[str, Any]) -> Ending:
         return Ending(status=data["status"], files=data.get("files", {}))
 
-    return read_record(path, Manifest.FORMAT, "record of a transfer", forms.TRANSFER, read)
+    return read_record(folder, Manifest.FORMAT, "record of a transfer", forms.TRANSFER, read)
 
 
 def _of_made(folder: Path) -> Iterator[Problem]:

@@ -49,7 +49,9 @@ def _combination_block(results: Results, combination: Combination) -> Renderable
     parts: list[RenderableType] = [
         Text(combination.group.title, style="bold"),
         Text(rewards_text(combination)),
-        Text(f"{seeds_text(combination.seeds)} compared, {combination.group.steps:,} training steps per run\n"),
+        Text(f"{seeds_text(combination.seeds)} compared, {combination.group.steps:,} training steps per run"),
+        *(Text(mixture.text, style="bold") for mixture in combination.mixtures),
+        Text(),
         Text(f"The robot: {answer_text(headline)}", style="bold"),
         Text(headline.robot),
     ]

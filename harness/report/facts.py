@@ -4,9 +4,7 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from harness.record.cell import Cell
 from harness.record.manifest import Manifest
-from harness.registry.choice import Choice
 
 
 class Fact(NamedTuple):
@@ -42,12 +40,6 @@ def _facts(manifest: Manifest) -> dict[str, str]:
         "commit": environment.get("commit"),
         **{name: machine.get(name) for name in ("system", "cpu", "cores")},
         **environment.get("versions", {}),
-        **{f"source of {_chosen(manifest.cell, kind)}": digest[:12] for kind, digest in sources.items()},
+        **{f"source of {manifest.cell.plugins.get(kind, kind)}": digest[:12] for kind, digest in sources.items()},
     }
     return {name: str(value) for name, value in facts.items() if value}
-
-
-def _chosen(cell: Cell, kind: str) -> str:
-    """Name of the cell's choice of a kind: two rewards have two sources, one reward should have one."""
-    choice = getattr(cell, kind.removesuffix("s"), kind)
-    return choice.name if isinstance(choice, Choice) else str(choice)

@@ -107,6 +107,7 @@ def _section(results: Results, combination: Combination, points: int) -> dict[st
         "badge": headline.answer.name.lower().replace("_", "-"),
         "robot": headline.robot,
         "number": headline.number,
+        "mixtures": [mixture.text for mixture in combination.mixtures],
         "advice": advice(results, combination),
         "tests": claims_text(combination),
         "ratios": [(ratio_text(eta), interval_text(eta, missing="")) for eta in (combination.eta_n, combination.eta_p)],

@@ -16,6 +16,7 @@ from harness.eta.swaps import smallest_p
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
+from harness.results.mixture import Mixture
 
 
 class Group(NamedTuple):
@@ -92,6 +93,7 @@ class Combination:
         along: What decides about the robot, at each evaluation before the end of the trainings.
         episodes: Finished episodes that the measures of each manner rest on, of each seed at least.
         claims: How many are made together, in all combinations of the experiment but the null control.
+        mixtures: Plugins of which several versions made the cells that are compared.
     """
 
     group: Group
@@ -104,6 +106,7 @@ class Combination:
     along: tuple[StepChange, ...] = ()
     episodes: Mapping[str, int] = field(default_factory=dict)
     claims: int = 0
+    mixtures: tuple[Mixture, ...] = ()
 
     @property
     def is_control(self) -> bool:
@@ -198,6 +201,7 @@ class Combination:
             "proposed": self.proposed,
             "is_control": self.is_control,
             "seeds": list(self.seeds),
+            "mixtures": [mixture.to_json() for mixture in self.mixtures],
             "headline": self.headline.to_json(),
             **splits_to_json(self.splits),
             "total": self.decomposition and self.decomposition.total.to_json(),

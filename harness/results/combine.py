@@ -16,6 +16,7 @@ from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.results.combination import Combination, Group, StepChange
 from harness.results.measured import AREA, LEARNING, STEPS_TO_GOAL, Measured, Values, learning_values, moments_by_due
+from harness.results.mixture import mixtures_of
 from harness.results.records import Records
 
 
@@ -46,6 +47,11 @@ class _Match(NamedTuple):
     of_proposed: list[Cell]
     control: list[Cell]
     """The baseline trained again with other seeds, where that is done for all."""
+
+    @property
+    def cells(self) -> list[Cell]:
+        """All of them, each once."""
+        return list(dict.fromkeys([*self.of_baseline, *self.of_proposed, *self.control]))
 
 
 def _match(records: Records, group: Group, proposed: Choice) -> _Match:
@@ -82,6 +88,7 @@ def _compare(records: Records, match: _Match, swaps: Swaps) -> Combination:
         _CurvesOnDemand(records, match, tuple(curves)),
         along=comparison.along(),
         episodes=comparison.episodes,
+        mixtures=mixtures_of(map(records.manifest, match.cells)),
     )
 
 

@@ -102,6 +102,10 @@ class Records:
         control = self.plan.control
         return cell.reward.label == self.baseline and cell.seed in control.values() and cell.seed not in control
 
+    def manifest(self, cell: Cell) -> Manifest:
+        """What a planned cell says of itself."""
+        return self._ended[cell.id]
+
     def measure(self, trace: Trace) -> Values:
         """Every metric of an evaluation."""
         return measure(self.metrics, trace)

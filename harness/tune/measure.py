@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from harness.executor import Executor, OnEvent
+from harness.experiment.changed import changed_cells, refuse_changed
 from harness.experiment.experiment import ExperimentRun, RunOptions
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
@@ -57,6 +58,16 @@ class Measurer:
         validate_all(list(orders.values()), self.options.at_once, self.folder / VALIDATION)
         return {**reasons, **{cell: self._outcome(order) for cell, order in orders.items()}}
 
+    def require_same_plugins(self) -> None:
+        """See that what was trained so far was trained by the plugins that are installed.
+
+        Raises:
+            UsageError: It was not: the trials could not be compared.
+        """
+        done = [manifest for manifest in Store(self.folder / TRIALS).manifests() if manifest.status == "done"]
+        sources = {manifest.cell: manifest.environment.get("sources", {}) for manifest in done}
+        refuse_changed(changed_cells(sources, self.registry), "another --out searches anew")
+
     def forget_failures(self) -> None:
         """A validation that failed before is tried again, one that was cut short is done anew."""
         folder = self.folder / VALIDATION
@@ -65,7 +76,8 @@ class Measurer:
             path.unlink()
 
     def _train(self, plan: Plan, store: Store) -> None:
-        run = ExperimentRun(plan, store, self.registry, self.executor, self.options)
+        options = replace(self.options, changed="keep")  # `require_same_plugins` looked at all trials
+        run = ExperimentRun(plan, store, self.registry, self.executor, options)
         with run.begin() as begun, self.follow(plan.cells, begun.done) as on_event:
             begun.run(on_event)
 

@@ -87,6 +87,11 @@ class Study:
         with reading(Path(JOURNAL), "study"):
             return [self._record(trial) for trial in self._drawn()]
 
+    def is_over(self, trials: int) -> bool:
+        """Whether there are as many trials as asked for, and all have ended."""
+        found = self.trials
+        return len(found) >= trials and all(trial.status != "running" for trial in found)
+
     def draw(self, first: dict[str, Any] | None) -> int:
         """Begin another trial.
 

@@ -72,7 +72,8 @@ def run_searches(
     """Every search of a setup, one after the other, in `folder`.
 
     Raises:
-        UsageError: Optuna is missing, an executor or a metric is not known, or the folder cannot be used.
+        UsageError: Optuna is missing, an executor or a metric is not known, the folder cannot be used, or trials in it
+            were done by other plugins than those installed and some are still to be done.
     """
     watch = watch or Watch()
     require_optuna()
@@ -83,6 +84,8 @@ def run_searches(
         measurer = Measurer(folder, registry, setup.tuning.validation_episodes, options, executor, watch.follow)
         measurer.forget_failures()
         studies = _open_studies(setup, folder)
+        if not all(study.is_over(setup.tuning.trials) for _, study in studies.values()):
+            measurer.require_same_plugins()
         for labels, (rewards, study) in studies.items():
             Searcher(setup, rewards, study, registry, measurer, _told(watch.on_trial, labels)).run()
         searches = tuple(Search(labels, tuple(study.trials)) for labels, (_, study) in studies.items())

@@ -6,4 +6,8 @@ import harness
 @harness.hookimpl
 def register_commands(register: harness.Register) -> None:
     """Announce the built-in commands."""
-    register("export", "harness_plugins.commands.export:export", summary="Write a policy as ONNX or TorchScript model.")
+    register(
+        "export",
+        "harness_plugins.commands.export:export",
+        summary="Write a policy as ONNX or TorchScript model, or trainings as CSV files.",
+    )

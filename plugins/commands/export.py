@@ -1,4 +1,4 @@
-"""``harness export``: a trained policy for other programs."""
+"""``harness export``: trained policies and their trainings for other programs."""
 
 import importlib
 from pathlib import Path
@@ -11,6 +11,7 @@ from harness.files.whole_file import write_whole
 from harness.policy import CARD, Network, load_policy
 from harness.policy.folder import read_folder
 from harness.record.folder import POLICY
+from harness.record.out_folder import make_folder, storage_errors
 
 
 class Form(NamedTuple):
@@ -27,24 +28,63 @@ TORCHSCRIPT = Form("harness_plugins.exporters.torch_script", "torch", "sb3")
 
 
 def export(
-    cell: Annotated[Path, typer.Argument(help="A cell's folder, or the folder of a policy.", metavar="CELL")],
+    folder: Annotated[
+        Path,
+        typer.Argument(help="A cell's folder, or the folder of a policy; for --csv an experiment's.", metavar="DIR"),
+    ],
     onnx: Annotated[Path | None, typer.Option(help="Write an ONNX model to this file.", metavar="FILE")] = None,
     torchscript: Annotated[
         Path | None, typer.Option(help="Write a TorchScript model to this file.", metavar="FILE")
     ] = None,
-) -> None:
-    """Write a cell's policy as a model: observations in, scaled actions out, without noise."""
+    csv: Annotated[
+        bool, typer.Option("--csv", help="Write the trainings of all done cells as CSV files into the folder of --out.")
+    ] = False,
+    out: Annotated[Path | None, typer.Option(help="The folder for --csv.", metavar="DIR")] = None,
+) -> int:
+    """Write a cell's policy as a model: observations in, scaled actions out, without noise.
+
+    With --csv write what the trainings of an experiment recorded instead, as CSV files.
+    """
     files = {file: form for file, form in ((onnx, ONNX), (torchscript, TORCHSCRIPT)) if file is not None}
+    if csv != (out is not None) or (csv and files):
+        raise UsageError("--csv and --out DIR go together, and without a model: call the command twice for both")
+    if out is not None:
+        return _write_runs(folder, out)
     if not files:
-        raise UsageError("nothing to write: give --onnx FILE or --torchscript FILE, each a file of its own")
+        raise UsageError(
+            "nothing to write: give --onnx FILE or --torchscript FILE, each a file of its own, or --csv --out DIR"
+        )
+    _write_models(folder, files)
+    return 0
+
+
+def _write_models(folder: Path, files: dict[Path, Form]) -> None:
     for file in files:
         if file.is_dir() or not file.parent.is_dir():
             raise UsageError(f"{file} cannot be written: it is a folder, or is to be in one that is not there")
-    policy, card = _network_in(cell)
+    policy, card = _network_in(folder)
     models = {file: _model(form, policy, card) for file, form in files.items()}  # all of them before one is written
     for file, model in models.items():
         write_whole(file, model)
         typer.echo(f"Model: {file} ({policy.kind})", err=True)
+
+
+def _write_runs(folder: Path, out: Path) -> int:
+    """The exit status: 1 where a cell is damaged."""
+    from harness.results import load_results
+    from harness_plugins.exporters.csv_runs import write_runs
+
+    results = load_results(folder)
+    if not results.done:
+        raise UsageError(f"'{folder}' has no finished cell to export")
+    make_folder(out)
+    with storage_errors(out):
+        written = write_runs(results, out)
+    for place, count in written.items():
+        typer.echo(f"{place}: {count} {'run' if count == 1 else 'runs'}", err=True)
+    if results.damaged:
+        typer.echo(f"Left out, damaged: {len(results.damaged)} cells; harness verify '{folder}' names them", err=True)
+    return 1 if results.damaged else 0
 
 
 def _network_in(folder: Path) -> tuple[Network, dict[str, Any]]:

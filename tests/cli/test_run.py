@@ -4,8 +4,11 @@ import select
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
+
+from harness.record.store import Store
 
 BAD = [
     ([], "names no sim"),
@@ -227,3 +230,22 @@ def test_executor_takes_settings(harness, quick, tmp_path):
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "Executor 'here' has no parameter 'nodes'" in answer.err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_cells_of_other_plugins_are_not_mixed_in_silence(harness, quick, tmp_path):
+    """Refused in one line that says what can be done; kept, the table marks it; done again, nothing is left to say."""
+    harness("run", *quick, "--seeds", "1", "--out", "mine")
+    store = Store.open(tmp_path / "mine")
+    first = store.manifests()[0]
+    edited = {**first.environment, "sources": {**first.environment["sources"], "algorithms": "9340a572" * 8}}
+    replace(first, environment=edited).write(store.cell_folder(first.cell))
+    asked = ("run", *quick, "--seeds", "2", "--out", "mine")
+    refused = harness(*asked)
+    assert (refused.status, refused.out, refused.err.count("\n")) == (2, "", 1)
+    assert refused.err.startswith("harness: 1 done cell was made by another wander (9340a572, now ")
+    assert "--changed keep" in refused.err
+    assert len(store.manifests()) == 2
+    kept = harness(*asked, "--changed", "keep")
+    assert (kept.status, "1 of 4 cells was made by another wander (9340a572; the others " in kept.out) == (0, True)
+    again = harness(*asked, "--changed", "again")
+    assert (again.status, "another wander" in again.out) == (0, False)

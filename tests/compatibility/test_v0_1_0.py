@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 
 from harness.cli import main
+from harness.errors import UsageError
 from harness.executor import Event
 from harness.experiment.experiment import ExperimentRun, RunOptions, prepare
 from harness.experiment.plan import read_experiment
@@ -30,6 +31,7 @@ from harness.record.folder import TRACE
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.store import EXPERIMENT, Store
 from harness.record.trace import Trace, read_trace
+from harness.text import LONGEST_MESSAGE
 
 HERE = Path(__file__).parent
 LEFT = HERE / "v0.1.0"
@@ -43,9 +45,9 @@ def old(tmp_path: Path) -> Path:
 
 
 def _resume(folder: Path) -> tuple[ExperimentRun, list[Event]]:
-    """Run the folder's own experiment file again, in it."""
+    """Run the folder's own experiment file again, in it; the plugins were edited since."""
     events: list[Event] = []
-    run = prepare(read_experiment(folder / EXPERIMENT, {}), RunOptions(out=folder, jobs=1))
+    run = prepare(read_experiment(folder / EXPERIMENT, {}), RunOptions(out=folder, jobs=1, changed="keep"))
     run.run(events.append)
     return run, events
 
@@ -118,6 +120,14 @@ def test_manifest_is_written_as_it_was(name: str, tmp_path: Path):
     ]
     del after["files"], after["digest"]
     assert after == {**before, "format": 2}
+
+
+def test_new_cells_are_not_mixed_with_those_of_then_in_silence(old: Path):
+    """The plugins were edited since: one line says so, and what can be done."""
+    asked = prepare(read_experiment(old / EXPERIMENT, {}), RunOptions(out=old, jobs=1))
+    with pytest.raises(UsageError, match=r"4 done cells were made by another .*--changed keep") as refused:
+        asked.run()
+    assert len(str(refused.value)) <= LONGEST_MESSAGE
 
 
 def test_nothing_is_run_again(old: Path):

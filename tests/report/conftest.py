@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -47,6 +48,20 @@ DIP_AND_CLIMB: Run = (9, 30)
 def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
     """Writes a new experiment's folder and opens it; see `build_results`."""
     return lambda **given: build_results(tmp_path_factory.mktemp("experiment"), **given)
+
+
+OLD, NEW = "9340a572" + "0" * 56, "f96dd784" + "0" * 56
+MIXTURE = "1 of 6 cells was made by another sac (9340a572; the others f96dd784): they are not the same algorithm"
+
+
+@pytest.fixture
+def mixed(build: Build) -> Results:
+    """Three seeds of two rewards; the algorithm was edited after the first training."""
+    results = build(environment={**ENVIRONMENT, "sources": {"algorithms": NEW}})
+    first = results.manifests[0]
+    edited = replace(first, environment={**ENVIRONMENT, "sources": {"algorithms": OLD}})
+    edited.write(results.store.cell_folder(first.cell))
+    return load_results(results.folder)
 
 
 def build_results(

@@ -9,6 +9,7 @@ from harness.report.behaviour_rows import along_grid, behaviour_grids
 from harness.report.comparison_table import comparison_table
 from harness.report.return_rows import EXPLANATION
 from harness.report.rows import SPLIT, TESTS, index_grid, ratio_grid, split_grid, sum_grid
+from tests.report.conftest import MIXTURE
 
 CASES = {
     "plain": {},
@@ -191,3 +192,9 @@ def test_wide_returns_are_not_cut(build):
     text = printed(build(proposed=proposed))
     assert "…" not in text
     assert all(label in text for label in proposed)
+
+
+def test_mixture_is_marked(mixed):
+    """Above what was found."""
+    text = squeezed(printed(mixed))
+    assert text.index(MIXTURE) < text.index("The robot:")

@@ -3,6 +3,7 @@
 import json
 
 from harness.report.document import report_to_json
+from tests.report.conftest import NEW, OLD
 
 
 def test_document_is_strict_json(build):
@@ -25,3 +26,11 @@ def test_document_has_the_returns_of_each_group(build):
     data = report_to_json(build(simulators=("mujoco", "pybullet")))
     assert [matrix["simulator"] for matrix in data["evaluation_returns"]] == ["mujoco", "pybullet"]
     assert set(data) == {"curve", "combinations", "cells", "evaluation_returns"}
+
+
+def test_document_tells_which_plugins_were_mixed(mixed, build):
+    """By kind and name, how many cells each version made."""
+    assert [item["mixtures"] for item in report_to_json(mixed)["combinations"]] == [
+        [{"kind": "algorithms", "name": "sac", "cells": {NEW: 5, OLD: 1}}]
+    ]
+    assert [item["mixtures"] for item in report_to_json(build())["combinations"]] == [[]]

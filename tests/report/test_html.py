@@ -12,6 +12,7 @@ from harness.report.html import describe_comparison, write_html
 from harness.report.question import question
 from harness.report.rows import SCALES, SPLIT
 from harness.report.split_rows import describe_split
+from tests.report.conftest import MIXTURE
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
 
@@ -356,3 +357,9 @@ def test_page_says_how_policies_acted(build, write, deterministic):
         f"Behaviour of the trained policies, {manner}, 4 episodes per seed"
         in write(build(deterministic=deterministic)).text
     )
+
+
+def test_mixture_is_marked(mixed, write):
+    """Above what was found: a comparison of two versions of an algorithm is none of rewards."""
+    text = write(mixed).text
+    assert text.index(f"{MIXTURE}.") < text.index("The robot.")

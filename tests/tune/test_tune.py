@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -121,6 +122,20 @@ def test_another_search_does_not_go_into_the_same_folder(tune_here, key):
     tune_here(trials=1)
     with pytest.raises(UsageError, match=f"holds another search: {key} was"):
         tune_here(trials=1, **{key: 4})
+
+
+def test_trials_of_other_plugins_are_not_compared_with_new_ones(tune_here, tmp_path):
+    """A search that is over is shown as ever; one that would go on is refused, and nothing is run."""
+    before = tune_here(trials=1)
+    for manifest in _cells(tmp_path / "tuning"):
+        sources = {**manifest.environment["sources"], "algorithms": "9340a572" * 8}
+        edited = replace(manifest, environment={**manifest.environment, "sources": sources})
+        edited.write(tmp_path / "tuning" / "trials" / "cells" / manifest.cell.id)
+    assert _values(tune_here(trials=1)) == _values(before)
+    told = r"2 done cells were made by another sweep \(9340a572, now [0-9a-f]{8}\): another --out searches anew"
+    with pytest.raises(UsageError, match=told):
+        tune_here(trials=2)
+    assert len(_cells(tmp_path / "tuning")) == 2
 
 
 def test_foreign_folders_are_left_alone(tune_here, tmp_path):

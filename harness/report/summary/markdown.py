@@ -121,6 +121,7 @@ def _section(number: int, combination: Combination, paths: Pictures) -> list[str
     images = [f"![{SHOWN[what]}]({path})" for what, path in paths.items()]
     parts = [
         _escape(title),
+        *(f"**{_escape(mixture.text)}.**" for mixture in combination.mixtures),
         f"**The robot: {answer_text(headline)}.** {_escape(headline.robot)}",
         _escape(headline.number and f"The number: {headline.number}"),
     ]

@@ -1,8 +1,10 @@
 """``harness export`` as it is typed."""
 
+import json
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import onnx
@@ -13,6 +15,9 @@ import torch
 from harness.cli import main
 from harness.policy import InverseKinematics, Policy, SquashedGaussian, Uniform, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import SHAPES
+from harness.record.store import Store
+from harness.registry.choice import Choice
+from harness.results import load_results
 
 
 @pytest.fixture
@@ -122,4 +127,82 @@ def test_listing_imports_no_library(monkeypatch: pytest.MonkeyPatch, capsys: pyt
         monkeypatch.setitem(sys.modules, module, ModuleType("must_not_be_used"))
     with pytest.raises(SystemExit):
         main(["--help"])
-    assert "Write a policy as ONNX or TorchScript model." in capsys.readouterr().out
+    assert "Write a policy as ONNX or TorchScript model" in capsys.readouterr().out
+
+
+@pytest.fixture
+def experiment(make_cell, make_plan, run_here, tmp_path: Path) -> Path:
+    """Two seeds of two rewards, and one of the null control."""
+    arp = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
+    cells = [make_cell(seed=seed, reward=reward) for seed in range(2) for reward in (make_cell().reward, arp)]
+    run_here(make_plan(*cells, make_cell(seed=2), control={0: 2}), tmp_path / "mine")
+    return tmp_path / "mine"
+
+
+def test_trainings_are_written(call, experiment: Path, tmp_path: Path):
+    """A folder for each group and reward, a file for each seed; the null control's apart."""
+    assert call(experiment, "--csv", "--out", "runs")[0] == 0
+    files = sorted(path.relative_to(tmp_path / "runs").as_posix() for path in (tmp_path / "runs").rglob("*.csv"))
+    assert files == [
+        f"ideal-wander-fd100-fd100-reach-horizon-5/{name}.csv"
+        for name in ("arp/seed-0", "arp/seed-1", "baseline-control/seed-2", "baseline/seed-0", "baseline/seed-1")
+    ]
+
+
+def test_folders_of_trainings_are_told(call, experiment: Path):
+    """With how many runs there are in each, as `harness eta` takes them."""
+    _, told = call(experiment, "--csv", "--out", "runs")
+    assert "runs/ideal-wander-fd100-fd100-reach-horizon-5/arp: 2 runs\n" in told
+    assert "runs/ideal-wander-fd100-fd100-reach-horizon-5/baseline-control: 1 run\n" in told
+
+
+def _without_p(told: Any) -> Any:
+    """Whatever `harness eta` prints but p: a CSV file does not tell its seed, so runs are no pairs there."""
+    if isinstance(told, dict):
+        return {key: _without_p(value) for key, value in told.items() if key not in ("p", "p_corrected")}
+    return [_without_p(item) for item in told] if isinstance(told, list) else told
+
+
+def test_indices_of_exported_trainings_are_those_of_the_experiment(call, experiment: Path, capsys):
+    """`harness eta` on the files says what it says of the traces, ruler and behaviour included."""
+    call(experiment, "--csv", "--out", "runs")
+    place = "runs/ideal-wander-fd100-fd100-reach-horizon-5"
+    cells = load_results(experiment).done_cells
+    traces = {
+        name: [f"mine/cells/{cell.id}/trace.parquet" for cell in cells if cell.reward.name == name]
+        for name in ("baseline", "arp")
+    }
+    told = []
+    for baseline, proposed in (
+        ([f"{place}/baseline/*.csv"], [f"{place}/arp/*.csv"]),
+        (traces["baseline"], traces["arp"]),
+    ):
+        flags = [part for path in baseline for part in ("--baseline", path)]
+        flags += [part for path in proposed for part in ("--proposed", path)]
+        rewards = ("--baseline-reward", "baseline", "--proposed-reward", "arp")
+        with pytest.raises(SystemExit):
+            main(["eta", *flags, *rewards, "--json"])
+        told.append(_without_p(json.loads(capsys.readouterr().out)))
+    assert told[0] == told[1]
+
+
+def test_damaged_cell_is_left_out_of_the_trainings(call, experiment: Path, tmp_path: Path):
+    """And told, with status 1."""
+    sorted(experiment.glob("cells/*/trace.parquet"))[0].write_bytes(b"PAR1")
+    status, told = call(experiment, "--csv", "--out", "runs")
+    assert (status, len(list((tmp_path / "runs").rglob("*.csv")))) == (1, 4)
+    assert "Left out, damaged: 1 cells" in told
+
+
+@pytest.mark.parametrize("flags", [["--csv"], ["--out", "runs"], ["--csv", "--out", "runs", "--onnx", "model.onnx"]])
+def test_flags_that_do_not_go_together_are_refused(call, cell: Path, flags: list[str]):
+    """Before anything is written."""
+    _assert_refused(call(cell, *flags), "--csv and --out DIR go together, and without a model")
+
+
+def test_experiment_without_a_finished_cell_has_no_trainings(call, make_cell, make_plan, tmp_path: Path):
+    """Nothing is made."""
+    Store.create(tmp_path / "mine", make_plan(make_cell()))
+    status, told = call("mine", "--csv", "--out", "runs")
+    assert (status, "has no finished cell to export" in told) == (2, True)
+    assert not (tmp_path / "runs").exists()

@@ -3,6 +3,7 @@
 import re
 
 from harness.report.summary.summary import write_summary
+from tests.report.conftest import MIXTURE
 
 
 def page(summarise, **given):
@@ -116,3 +117,10 @@ def test_a_stranger_s_text_is_no_link(summarise):
     evil = "![a](http://b/c.png) [d][e] [f]: g &lt; \u202e \x1b[2J [m]"
     text = page(summarise, ended={("arp", 0): ("failed", evil)})
     assert "![a\\](http://b/c.png) [d\\][e] [f\\]: g \\&lt; \\\\u202e \\\\x1b[2J [m]" in text
+
+
+def test_mixture_is_marked(mixed, tmp_path):
+    """Above both answers."""
+    write_summary(mixed, tmp_path / "mine")
+    text = (tmp_path / "mine" / "summary.md").read_text()
+    assert text.index(f"**{MIXTURE}.**") < text.index("**The robot:")

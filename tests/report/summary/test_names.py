@@ -3,7 +3,8 @@
 import re
 from dataclasses import replace
 
-from harness.report.summary.names import LONGEST, figure_stems
+from harness.report.summary.names import figure_stems
+from harness.text import LONGEST_STEM
 
 
 def test_names_are_safe_and_say_what_it_is(build):
@@ -26,7 +27,7 @@ def test_long_names_are_cut_and_stay_apart(build):
     (combination,) = build().combinations
     stems = figure_stems([replace(combination, proposed="a" * 300 + end) for end in ("x", "y")])
     assert len(set(stems)) == 2
-    assert all(len(stem) <= LONGEST and re.fullmatch(r"[a-z0-9.-]+", stem) for stem in stems)
+    assert all(len(stem) <= LONGEST_STEM and re.fullmatch(r"[a-z0-9.-]+", stem) for stem in stems)
 
 
 def test_robot_s_folder_is_no_part(build):

@@ -1,0 +1,32 @@
+"""What is made from an experiment's cells, in its folder."""
+
+from typing import TYPE_CHECKING
+
+from harness.cli.lines import say
+from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from harness.results import Results
+
+
+def make_table_and_page(results: "Results") -> None:
+    """Write ``results.parquet`` and ``report.html``, and say where they are.
+
+    Raises:
+        StorageError: The folder cannot be written.
+    """
+    from harness.files.sums import note_made
+    from harness.record.out_folder import storage_errors
+    from harness.record.store import REPORT
+    from harness.report.html import write_html
+
+    with storage_errors(results.folder):
+        results.write_table()
+    say(f"Results: {results.folder}")
+    try:
+        with storage_errors(results.folder):
+            write_html(results, results.folder / REPORT)
+            note_made(results.folder / REPORT)
+        say(f"Report:  {results.folder / REPORT}")
+    except UsageError as error:  # the extra is missing: the results are there all the same
+        say(f"No {REPORT}: {error}")

@@ -1,0 +1,29 @@
+"""``harness merge``: folders of several machines become one."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.cli.lines import complain, say
+
+LEFT_OUT = 1
+
+
+def merge(
+    folders: Annotated[list[Path], typer.Argument(help="Folders of experiments.", metavar="DIR...")],
+    out: Annotated[Path, typer.Option(help="A new folder, or an experiment's to put the cells into.", metavar="DIR")],
+) -> int:
+    """Put the cells of several experiments' folders into one, as if one run had done them. Changes no other folder."""
+    from harness.cli.made import make_table_and_page
+    from harness.record.merge import merge as put_together
+    from harness.record.store import CELLS
+    from harness.results import load_results
+
+    merged = put_together(folders, out)
+    for path, reason in merged.left_out:
+        complain(f"left out: {path}: {reason}")
+    cells = sum(place.parts[0] == CELLS for place in merged.taken)
+    say(f"Merged:  {cells} of {len(merged.plan.cells)} cells have ended")
+    make_table_and_page(load_results(out))
+    return LEFT_OUT if merged.left_out else 0

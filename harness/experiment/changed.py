@@ -1,0 +1,100 @@
+"""Done cells that other plugins made than those installed now: they are never mixed with new ones in silence."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal, NamedTuple, TypeAlias
+
+from harness.errors import UsageError
+from harness.record.cell import Cell
+from harness.record.manifest import SHOWN_DIGITS
+from harness.registry.registry import Registry
+from harness.registry.sources import source_hash
+from harness.robot.load import load_robot
+
+Changed: TypeAlias = Literal["refuse", "keep", "again"]
+"""What becomes of such cells: nothing is run, or they stay beside the new ones, or they are done again."""
+CHANGED: tuple[Changed, ...] = ("refuse", "keep", "again")
+Sources: TypeAlias = Mapping[str, str]
+"""SHA-256 of the files of each plugin that made a cell, by kind; see `harness.experiment.provenance`."""
+REMEDY = (
+    "--changed keep goes on beside them, and reports say so; --changed again does them again; "
+    "another --out leaves them alone"
+)
+NAMED = 2
+"""Plugins in the message, of which there may be many: what to do has to stand in it too."""
+
+
+class Change(NamedTuple):
+    """A plugin whose source files are not those that made a done cell."""
+
+    name: str
+    """The plugin's, or the path of a robot's files."""
+    then: str
+    """SHA-256 of the files that made the cell."""
+    now: str
+    """Of those that are installed."""
+
+    @property
+    def text(self) -> str:
+        """The plugin and both hashes, cut short."""
+        return f"{self.name} ({self.then[:SHOWN_DIGITS]}, now {self.now[:SHOWN_DIGITS]})"
+
+
+class _Installed:
+    """Hashes of the plugins that are installed now; each is computed once, when a cell asks for it."""
+
+    def __init__(self, registry: Registry) -> None:
+        self._registry = registry
+        self._hashes: dict[tuple[str, str], str] = {}
+
+    def changes(self, cell: Cell, recorded: Sources) -> Iterator[Change]:
+        """Of the plugins that made a cell, those that changed since; where no hash is recorded, nothing is known."""
+        for kind, name in cell.plugins.items():
+            if kind in recorded and recorded[kind] != self._hash(kind, name):
+                yield Change(name, recorded[kind], self._hash(kind, name))
+
+    def _hash(self, kind: str, name: str) -> str:
+        if (kind, name) not in self._hashes:
+            self._hashes[kind, name] = (
+                load_robot(name, self._registry).digest
+                if kind == "robots"
+                else source_hash(self._registry.get(kind, name).load())
+            )
+        return self._hashes[kind, name]
+
+
+def changed_cells(done: Mapping[Cell, Sources], registry: Registry) -> dict[Cell, tuple[Change, ...]]:
+    """The done cells that other plugins made than those installed now, each with what changed.
+
+    Args:
+        done: Cells with the hashes that their manifests tell.
+        registry: The plugins.
+
+    Raises:
+        UsageError: A plugin is not installed, or a robot is not there.
+    """
+    installed = _Installed(registry)
+    found = {cell: tuple(installed.changes(cell, recorded)) for cell, recorded in done.items()}
+    return {cell: changes for cell, changes in found.items() if changes}
+
+
+def refuse_changed(changed: Mapping[Cell, Sequence[Change]], remedy: str = REMEDY) -> None:
+    """See that there is no such cell.
+
+    Args:
+        changed: See `changed_cells`.
+        remedy: What to do.
+
+    Raises:
+        UsageError: There is one; names the plugins, and what can be chosen.
+    """
+    if changed:
+        raise UsageError(f"{_told(changed)}: {remedy}")
+
+
+def _told(changed: Mapping[Cell, Sequence[Change]]) -> str:
+    """How many cells other plugins made, and which."""
+    noun = "done cell was" if len(changed) == 1 else "done cells were"
+    changes = list(dict.fromkeys(change for of_cell in changed.values() for change in of_cell))
+    named = ", ".join(change.text for change in changes[:NAMED])
+    more = f" and {len(changes) - NAMED} more" if len(changes) > NAMED else ""
+    return f"{len(changed)} {noun} made by another {named}{more}"

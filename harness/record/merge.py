@@ -1,0 +1,151 @@
+"""The cells of several experiments' folders, made on several machines, in one folder."""
+
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from harness.errors import NewerFormat, SchemaError, UsageError
+from harness.files.bounded import digest_of
+from harness.files.whole_file import is_partial
+from harness.record.cell import Cell
+from harness.record.cell_folder import require_files
+from harness.record.folder import TRACE, TRANSFER, partial_folder, publish
+from harness.record.forms import Status
+from harness.record.out_folder import refuse_links, storage_errors
+from harness.record.plan_file import StoredPlan
+from harness.record.store import Store
+from harness.record.united_plan import unite
+from harness.record.verify import read_transfer_ending
+
+RANKS: tuple[Status, ...] = ("done", "failed", "skipped")
+"""Of a cell that is in several folders the first of these is taken."""
+
+
+class LeftOut(NamedTuple):
+    """A damaged folder of a cell or of a transfer, which was not taken."""
+
+    path: Path
+    reason: str
+
+
+@dataclass(frozen=True)
+class Merged:
+    """What there is to write into the folder.
+
+    Attributes:
+        plan: Of all experiments.
+        taken: Folders to be copied, by their place in the new one.
+        left_out: What is damaged.
+    """
+
+    plan: StoredPlan
+    taken: dict[Path, Path] = field(default_factory=dict)
+    left_out: list[LeftOut] = field(default_factory=list)
+
+
+def merge(folders: Sequence[Path], out: Path) -> Merged:
+    """Put the cells of experiments into one folder, whole, with the evaluations of their policies elsewhere.
+
+    A cell that is in several folders is taken from the first where it is done, else from the first where it failed.
+    What is damaged is left out. What can be made again, as tables and pages, is not copied.
+
+    Args:
+        folders: Of the experiments. They are not changed.
+        out: A new or empty folder, or an experiment's, which then keeps what it has.
+
+    Raises:
+        UsageError: A folder is no experiment's or holds a link, the experiments have several baselines, a cell is done
+            in two folders and the two differ, or `out` cannot be used. Nothing is written.
+        SchemaError: A plan is damaged and the cells do not tell either, or a newer version wrote a file.
+        StorageError: `out` cannot be written.
+    """
+    for folder in folders:
+        Store.open(folder)
+        refuse_links(folder, "nothing is merged from a folder with links")
+    with storage_errors(out), ExitStack() as held:
+        is_begun = Store.is_experiment(out)
+        if is_begun:
+            held.enter_context(Store.claim(out).locked())
+        merged = _choose([*([out] if is_begun else []), *folders])
+        if not is_begun:
+            held.enter_context(Store.claim(out).locked())
+        merged.plan.write(out)
+        for place, source in merged.taken.items():
+            if source != out / place:
+                _copy(source, out / place)
+    return merged
+
+
+def _choose(folders: Sequence[Path]) -> Merged:
+    stores = [Store(folder) for folder in dict.fromkeys(folders)]
+    merged = Merged(unite([(store.folder, store.read_plan()) for store in stores]))
+    for cell in merged.plan.cells:
+        chosen = _choose_cell(cell, stores, merged.left_out)
+        if chosen is not None:
+            merged.taken[chosen.cell_folder(cell).relative_to(chosen.folder)] = chosen.cell_folder(cell)
+            _choose_transfers(cell, [chosen, *(store for store in stores if store is not chosen)], merged)
+    return merged
+
+
+def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[LeftOut]) -> Store | None:
+    """Whose cell is taken; None where it has not ended anywhere."""
+    found: dict[Status, list[Store]] = {}
+    for store in stores:
+        manifest = store.examine(cell)
+        found.setdefault(manifest.status, []).append(store)
+        if manifest.status == "damaged":
+            left_out.append(LeftOut(store.cell_folder(cell), manifest.reason))
+    _require_alike(cell, found.get("done", []))
+    return next((found[status][0] for status in RANKS if status in found), None)
+
+
+def _require_alike(cell: Cell, stores: Sequence[Store]) -> None:
+    """See that a cell that is done in several folders has one and the same trace in all."""
+    traces = [digest_of(store.cell_folder(cell) / TRACE) for store in stores] if len(stores) > 1 else []
+    for store, trace in zip(stores, traces, strict=False):
+        if trace != traces[0]:
+            raise UsageError(
+                f"Cell {cell.id} ({cell.title}) was trained in '{stores[0].folder}' and in '{store.folder}', and the "
+                "traces differ: remove it from one of them, in the folder cells/, and merge again"
+            )
+
+
+def _choose_transfers(cell: Cell, stores: Iterable[Store], merged: Merged) -> None:
+    """Of each simulator the first evaluation that is done, else the first that failed."""
+    ranks: dict[Path, Status] = {}
+    for store in stores:
+        for folder, status in _transfers_of(cell, store, merged.left_out):
+            place = folder.relative_to(store.folder)
+            if place not in ranks or RANKS.index(status) < RANKS.index(ranks[place]):
+                ranks[place], merged.taken[place] = status, folder
+
+
+def _transfers_of(cell: Cell, store: Store, left_out: list[LeftOut]) -> Iterator[tuple[Path, Status]]:
+    for folder in sorted((store.folder / TRANSFER / cell.id).glob("[!.]*")):
+        try:
+            ending = read_transfer_ending(folder)
+            require_files(folder, ending)
+        except NewerFormat:
+            raise
+        except SchemaError as error:
+            left_out.append(LeftOut(folder, str(error)))
+            continue
+        if ending.status in RANKS:
+            yield folder, ending.status
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy the folder of a cell or of a transfer; it is there when it is whole."""
+    partial = partial_folder(target)
+    if partial.exists():
+        shutil.rmtree(partial)
+    for path in sorted(source.rglob("*")):
+        if path.is_symlink() or not path.is_file() or is_partial(path):
+            continue
+        copy = partial / path.relative_to(source)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, copy)
+    publish(partial, target)

@@ -1,0 +1,88 @@
+"""One plan of several experiments' folders."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from harness.errors import UsageError
+from harness.record.cell import Cell
+from harness.record.plan_file import StoredPlan, experiment_in
+
+LISTS = ("sim", "algo", "reward")
+"""Keys of an experiment that hold names; each multiplies the cells, as ``seeds`` does."""
+
+
+def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
+    """The plan of all cells.
+
+    Where the experiments differ in one of their lists alone, the experiment is the one that asks for all of it, and the
+    cells come in its order. Else it is the last one, as in a folder where one experiment was run after the other.
+
+    Args:
+        plans: Each with the folder that it stands in.
+
+    Raises:
+        UsageError: They have several baselines.
+    """
+    (first, whole), *others = plans
+    whole = _with_experiment(first, whole)
+    for folder, plan in others:
+        if plan.baseline != whole.baseline:
+            raise UsageError(
+                f"'{first}' compares with {whole.baseline}, '{folder}' with {plan.baseline}: "
+                "only experiments with one baseline can be merged"
+            )
+        whole = _unite(whole, _with_experiment(folder, plan))
+    return whole
+
+
+def _with_experiment(folder: Path, plan: StoredPlan) -> StoredPlan:
+    """In a folder of version 0.1 the experiment stands beside the plan."""
+    return plan if plan.experiment else replace(plan, experiment=experiment_in(folder))
+
+
+def _unite(one: StoredPlan, other: StoredPlan) -> StoredPlan:
+    control = {**one.control, **other.control}
+    both = replace(other, control=control, a_a=one.a_a or other.a_a).with_cells_of(one.cells)
+    experiment = _experiment_of_both(one, other)
+    return replace(both, cells=_in_order(both), experiment=experiment) if experiment else both
+
+
+def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:
+    """The experiment that asks for the cells of both; empty where no single one does."""
+    first, second = _with_seed_list(one), _with_seed_list(other)
+    differing = [key for key in {**first, **second} if first.get(key) != second.get(key)]
+    if not differing:
+        return first
+    key, *more = differing
+    if more or key not in (*LISTS, "seeds") or not all(isinstance(it.get(key), list) for it in (first, second)):
+        return {}
+    items = [*first[key], *(item for item in second[key] if item not in first[key])]
+    is_sorted = all(isinstance(item, int) for item in items)
+    return {**second, key: sorted(items) if is_sorted else items}
+
+
+def _with_seed_list(plan: StoredPlan) -> dict[str, Any]:
+    """The experiment with its seeds one by one; a number of seeds that the cells do not have stays a number."""
+    seeds = plan.experiment.get("seeds")
+    if not isinstance(seeds, int) or seeds > len(plan.cells):
+        return dict(plan.experiment)
+    return {**plan.experiment, "seeds": list(range(seeds))}
+
+
+def _in_order(plan: StoredPlan) -> tuple[Cell, ...]:
+    """As one experiment has its cells: seeds outermost, the null control's last."""
+    ranks: Mapping[Any, int] = {
+        choice: rank
+        for rank, choice in enumerate(
+            dict.fromkeys(choice for cell in plan.cells for choice in (cell.simulator, cell.algorithm, cell.reward))
+        )
+    }
+    others = set(plan.control.values()) - set(plan.control)
+
+    def place(cell: Cell) -> tuple[bool, int, int, int, int]:
+        is_control = cell.seed in others and cell.reward.label == plan.baseline
+        return (is_control, cell.seed, ranks[cell.simulator], ranks[cell.algorithm], ranks[cell.reward])
+
+    return tuple(sorted(plan.cells, key=place))

@@ -1,0 +1,46 @@
+"""Cells that are compared and were made by several versions of one plugin."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+from harness.hookspecs import NOUNS
+from harness.record.manifest import SHOWN_DIGITS, Manifest
+
+
+class Mixture(NamedTuple):
+    """A plugin whose source files were not the same for all cells of one comparison."""
+
+    kind: str
+    name: str
+    """The plugin's, or the path of a robot's files."""
+    cells: Mapping[str, int]
+    """How many cells each version made, by the SHA-256 of its files; the one that made most comes first."""
+
+    @property
+    def text(self) -> str:
+        """One sentence."""
+        (main, _), *others = self.cells.items()
+        hashes = ", ".join(digest[:SHOWN_DIGITS] for digest, _ in others)
+        other, total = sum(count for _, count in others), sum(self.cells.values())
+        return (
+            f"{other} of {total} cells {'was' if other == 1 else 'were'} made by another {self.name} "
+            f"({hashes}; the others {main[:SHOWN_DIGITS]}): they are not the same {NOUNS[self.kind]}"
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"kind": self.kind, "name": self.name, "cells": dict(self.cells)}
+
+
+def mixtures_of(manifests: Iterable[Manifest]) -> tuple[Mixture, ...]:
+    """Of the done cells of one comparison; a cell without a recorded hash tells nothing."""
+    found: dict[tuple[str, str], Counter[str]] = {}
+    for manifest in manifests:
+        recorded = manifest.environment.get("sources", {})
+        for kind, name in manifest.cell.plugins.items():
+            if kind in recorded:
+                found.setdefault((kind, name), Counter())[recorded[kind]] += 1
+    return tuple(
+        Mixture(kind, name, dict(counts.most_common())) for (kind, name), counts in found.items() if len(counts) > 1
+    )

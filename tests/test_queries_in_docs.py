@@ -1,0 +1,62 @@
+"""The queries that README and docs/folders.md show."""
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, TRACE
+from harness.record.store import RESULTS
+from harness.results import Results
+
+ROOT = Path(__file__).parents[1]
+PAGES = ("README.md", "docs/folders.md")
+
+
+def _queries() -> Iterator[str]:
+    for page in PAGES:
+        yield from re.findall(r'duckdb -c "([^"]*)"', (ROOT / page).read_text(encoding="utf-8"))
+
+
+QUERIES = list(_queries())
+
+
+@pytest.fixture
+def folder(
+    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], run_here: Callable[..., Results], tmp_path: Path
+) -> Path:
+    """Two seeds of one reward."""
+    results = run_here(make_plan(make_cell(seed=0), make_cell(seed=1)), tmp_path / "mine")
+    results.write_table()
+    return results.folder
+
+
+def test_there_are_queries():
+    """On both pages."""
+    assert len(QUERIES) == 4
+
+
+def test_columns_of_the_queries_are_there(folder: Path):
+    """In the table of cells, and in the traces."""
+    assert {"id", "reward", "seed", "status", "success_rate", "random_success_rate"} <= _columns(folder / RESULTS)
+    for name in (TRACE, EVALUATION):
+        for path in folder.glob(f"cells/*/{name}"):
+            assert {"reward", "distance", "terminated", "truncated"} <= _columns(path)
+
+
+def _columns(path: Path) -> set[str]:
+    return set(pq.read_schema(path).names)
+
+
+@pytest.mark.parametrize("query", QUERIES)
+def test_query_answers(folder: Path, query: str):
+    """As DuckDB reads it, where that is installed."""
+    duckdb = pytest.importorskip("duckdb")
+    asked = re.sub(r"'(DIR|my-results)/", f"'{folder.as_posix()}/", query)
+    rows = duckdb.sql(asked).fetchall()
+    assert rows
+    assert all(value is not None for row in rows for value in row)
