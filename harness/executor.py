@@ -33,12 +33,15 @@ class CellOptions:
         tensorboard: Whether the cell leaves event files of scalars too.
         limits: What the cell may take.
         fresh: Whether the cell gets a process of its own, which did no other cell before.
+        floor: Whether the cell evaluates random actions too. What they do depends on simulator, task and robot alone:
+            one cell of an experiment that has these does it for all.
     """
 
     checkpoint_every: int = 0
     tensorboard: bool = False
     limits: Limits = Limits()
     fresh: bool = False
+    floor: bool = True
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same options back."""

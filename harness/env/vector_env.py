@@ -57,6 +57,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
     _command: Float
     _command_speed: Float
     _carry: Any
+    _active: Mask | None
+    """Where episodes go on; None: in all envs."""
 
     def __init__(
         self,
@@ -107,6 +109,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             UsageError: The mask is none of these envs.
         """
         mask = _reset_mask(options or {}, self.num_envs)
+        if self._active is not None:
+            self.rest(~(self._active | mask))
         if seed is not None:
             self._streams = Streams(self.task, self.robot, self.num_envs, seed)
         self._start_episodes(mask)
@@ -124,7 +128,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             self._record_starts()
         discrete = self._discrete
         self.episodes.action[...] = actions if discrete is None else discrete.decode(actions, self._command)
-        outcome = self._environment_step(None) if self._period == 1 else self._repeat()
+        outcome = self._environment_step(self._active) if self._period == 1 else self._repeat()
         infos = {"distance": outcome.distance, "reward_shaped": outcome.shaped, "is_success": outcome.reached}
         if self._events and self._same_step:
             ended = outcome.terminated | outcome.truncated
@@ -133,6 +137,15 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
                 self._start_episodes(ended)
         observations = self._observation.observe(self.episodes)
         return observations, outcome.paid, outcome.terminated, outcome.truncated, infos
+
+    def rest(self, mask: Mask) -> None:
+        """Leave the envs of `mask`, (num_envs,), as they are until they are reset: nothing of them is recorded.
+
+        What a step returns of them means nothing. The autoreset mode has to be DISABLED.
+        """
+        self._active = None if not mask.any() else ~mask
+        if rest := getattr(self.simulation, "rest", None):
+            rest(mask)
 
     def state(self) -> TrainingState:
         """What goes on from episode to episode, by name: the random streams and the counters."""
@@ -181,6 +194,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._carry = None
         self._until_horizon = 0  # no episode is truncated in so many steps
         self._starting = False
+        self._active = None
         self._events = False  # whether the record holds flags of the step before
         self._started = np.zeros(n, bool)
 
@@ -188,7 +202,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
 
     def _repeat(self) -> Outcome:
         """As many environment steps as a decision lasts; an episode that ends in one is left as it ended."""
-        active = np.ones(self.num_envs, bool)
+        active = np.ones(self.num_envs, bool) if self._active is None else self._active.copy()
         total = self._environment_step(active)
         for _ in range(1, self._period):
             active = active & ~(total.terminated | total.truncated)

@@ -61,12 +61,13 @@ class CellEvaluations:
         partial.rename(path)  # a process that is killed leaves no half of an evaluation under its name
         self.seconds += time.perf_counter() - clock
 
-    def finish(self, policy: Policy) -> None:
-        """Evaluate the trained policy, as the cell says and in the other manner, and random actions for the floor."""
+    def finish(self, policy: Policy, floor: bool) -> None:
+        """Evaluate the trained policy, as the cell says and in the other manner; for a `floor` random actions too."""
         deterministic = self._cell.deterministic
         self._evaluate(self._cell.steps, policy, self._folder / EVALUATION)
         self._evaluator.record(policy, not deterministic, self._folder / other_manner(deterministic))
-        self._evaluator.record_random(policy, self._folder / RANDOM)
+        if floor:
+            self._evaluator.record_random(policy, self._folder / RANDOM)
 
     def _next_after(self, steps: int) -> int:
         every = self._cell.evaluate_every

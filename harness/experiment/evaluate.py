@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float32
@@ -41,7 +42,7 @@ def evaluate(
         seed: Of the starts and targets.
         ik_steps: What `harness.experiment.ik_steps` says of them, or of more episodes; None where it is not asked.
     """
-    env = world.open(episodes)
+    env = world.open(episodes, autoreset_mode=AutoresetMode.DISABLED)
     facts = replace(facts_of(world.task), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes]))
     try:
         with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1, facts=facts) as writer:
@@ -51,6 +52,7 @@ def evaluate(
             while running.any():
                 observations, _, terminated, truncated, _ = env.step(act(observations))
                 running &= ~(terminated | truncated)
+                env.rest(~running)
             writer.facts = replace(facts, work=meter.work())
     finally:
         env.close()

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from harness.executor import CellOptions, Event, Executor, Job, Limits, OnEvent
 from harness.experiment.changed import CHANGED, Changed, Sources, changed_cells, refuse_changed
 from harness.experiment.ended_cells import EndedCells
 from harness.experiment.event_log import require_tensorboard
+from harness.experiment.floor import floor_carriers
 from harness.experiment.followed import Followed
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.selection import select
@@ -238,7 +239,8 @@ class BegunRun:
     def _do(self, cells: Sequence[Cell], followed: Followed) -> None:
         """Have the executor do cells; with the option `fail_fast`, until one fails."""
         store, options = self.asked.store, self.asked.options
-        jobs = [Job(cell, store.cell_folder(cell), options.of_cells) for cell in cells]
+        carriers = floor_carriers(cells, store)
+        jobs = [Job(cell, store.cell_folder(cell), replace(options.of_cells, floor=cell in carriers)) for cell in cells]
 
         def follow(event: Event) -> None:
             followed(event)

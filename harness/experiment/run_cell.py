@@ -103,7 +103,7 @@ class _Run:
             draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
             policy.save(draft.partial / POLICY, cell.to_json())
             self.watch.enter("evaluation")
-            evaluations.finish(policy)
+            evaluations.finish(policy, self.options.floor)
             self.watch.enter("saving")
 
     def _train(self, world: World, attempt: Attempt, evaluations: CellEvaluations, events: EventLog) -> Policy:

@@ -72,7 +72,8 @@ def _write_models(folder: Path, files: dict[Path, Form]) -> None:
 def _write_runs(folder: Path, out: Path) -> int:
     """The exit status: 1 where a cell is damaged."""
     from harness.results import load_results
-    from harness_plugins.exporters.csv_runs import write_runs
+
+    from ..exporters.csv_runs import write_runs
 
     results = load_results(folder)
     if not results.done:

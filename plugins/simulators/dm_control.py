@@ -97,6 +97,7 @@ class DmControlSimulation:
         model = build_model(robot, timestep, settings.bandwidth)
         self._model, self._renderer = engine.wrapper.MjModel(model), Renderer(model)
         self.arms = [self._open_arm(robot, control_period, settings.substeps) for _ in range(num_envs)]
+        self._awake = np.ones(num_envs, bool)
         joints = (num_envs, robot.dof)
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
         self.place(np.tile(robot.home, (num_envs, 1)))
@@ -108,6 +109,7 @@ class DmControlSimulation:
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
+        self._awake |= mask
         for k in np.flatnonzero(mask).tolist():
             self.arms[k].task.start[:] = qpos[k]
             self._advance(k, self.arms[k].reset)
@@ -121,9 +123,13 @@ class DmControlSimulation:
         """See `harness.simulator.Simulation`."""
         if duration != self._duration:
             self._set_duration(duration)
-        for k, arm in enumerate(self.arms):
-            self._advance(k, arm.step, qpos[k])
+        for k in np.flatnonzero(self._awake).tolist():
+            self._advance(k, self.arms[k].step, qpos[k])
         return self._state
+
+    def rest(self, mask: Mask) -> None:
+        """See `harness.simulator.Simulation`."""
+        self._awake = ~mask
 
     def _set_duration(self, duration: float) -> None:
         steps = self._substeps.within(duration)

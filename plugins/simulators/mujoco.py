@@ -50,6 +50,7 @@ class MujocoSimulation:
         # What the actuators are fed: the joint speeds twice. One arm's are MjData's own.
         self._controls = np.zeros((n, 1, 2 * dof)) if n > 1 else data.ctrl[None, None]
         self._speeds = self._controls.reshape(n, 2, dof)
+        self._awake = np.arange(n)
         self._rollout: Any = None
         self._renderer = Renderer(self.model)
         if n == 1:
@@ -74,6 +75,7 @@ class MujocoSimulation:
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
         data = self._data
+        self._awake = np.union1d(self._awake, np.flatnonzero(mask))
         for k in np.flatnonzero(mask):
             mujoco.mj_resetData(self.model, data)
             data.qpos = data.act = qpos[k]
@@ -106,17 +108,29 @@ class MujocoSimulation:
         mujoco.mj_step1(model, data)
 
     def _drive_many(self, steps: int) -> None:
-        outputs = self._outputs_of(steps)
-        self._rollout.rollout(self.model, self._thread_data, self._states, self._controls, nstep=steps, **outputs)
-        self._states[:] = outputs["state"][:, -1]
+        self._states[self._awake] = self._roll_out(steps)["state"][:, -1]
         self._look()
 
     def _look(self) -> None:
         """Links and contacts of the states as they are: what one more physics step, that is forgotten, starts from."""
-        outputs = self._outputs_of(1)
-        self._rollout.rollout(self.model, self._thread_data, self._states, self._controls, nstep=1, **outputs)
-        seen = outputs["sensordata"][:, 0]
-        self._touch[:], self._state.end_effector[...] = seen[:, 0], seen[:, 1:]
+        awake, seen = self._awake, self._roll_out(1)["sensordata"][:, 0]
+        self._touch[awake], self._state.end_effector[awake] = seen[:, 0], seen[:, 1:]
+
+    def _roll_out(self, steps: int) -> dict[str, Float]:
+        """What so many physics steps of the arms that are awake bring; valid until the next call."""
+        awake = self._awake
+        if not awake.size:
+            return {name: array[:0] for name, array in self._outputs_of(steps).items()}
+        outputs = {name: array[: len(awake)] for name, array in self._outputs_of(steps).items()}
+        states, controls = (self._states, self._controls)
+        if len(awake) < self._num_envs:
+            states, controls = states[awake], controls[awake]
+        self._rollout.rollout(self.model, self._thread_data, states, controls, nstep=steps, **outputs)
+        return outputs
+
+    def rest(self, mask: Mask) -> None:
+        """See `harness.simulator.Simulation`."""
+        self._awake = np.flatnonzero(~mask)
 
     def _outputs_of(self, steps: int) -> dict[str, Float]:
         """Where `mujoco.rollout` writes so many physics steps; allocated once."""

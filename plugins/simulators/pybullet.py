@@ -65,6 +65,7 @@ class PyBulletSimulation:
         for _ in range(num_envs):
             client = self._connect()
             self.arms.append(Arm(client, robot, control_period, settings.substeps, settings.iterations))
+        self._awake = np.ones(num_envs, bool)
         joints = (num_envs, robot.dof)
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
         self.place(np.tile(robot.home, (num_envs, 1)))
@@ -76,6 +77,7 @@ class PyBulletSimulation:
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
+        self._awake |= mask
         for k in np.flatnonzero(mask).tolist():
             self.arms[k].put(qpos[k])
             self.arms[k].read(self._state, k, placed=True)
@@ -91,10 +93,14 @@ class PyBulletSimulation:
             self._set_duration(duration)
         # From where the joints are to their targets: errors cannot add up over periods.
         speeds = ((qpos - self._state.qpos) / duration).tolist()
-        for k, arm in enumerate(self.arms):
-            arm.turn(speeds[k])
-            arm.read(self._state, k)
+        for k in np.flatnonzero(self._awake).tolist():
+            self.arms[k].turn(speeds[k])
+            self.arms[k].read(self._state, k)
         return self._state
+
+    def rest(self, mask: Mask) -> None:
+        """See `harness.simulator.Simulation`."""
+        self._awake = ~mask
 
     def _set_duration(self, duration: float) -> None:
         steps = self._substeps.within(duration)

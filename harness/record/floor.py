@@ -1,0 +1,38 @@
+"""Random actions, evaluated once: the floor that all policies of a simulator, task and robot are held against."""
+
+from collections.abc import Iterable
+from typing import NamedTuple, Self
+
+from harness.record.cell import Cell
+from harness.record.folder import RANDOM
+from harness.record.manifest import Manifest
+from harness.record.store import Store
+from harness.registry.choice import Choice
+
+
+class Floor(NamedTuple):
+    """All that decides what random actions do in an evaluation, but for what they are paid."""
+
+    simulator: Choice
+    robot: str
+    task: Choice
+    episodes: int
+
+    @classmethod
+    def of(cls, cell: Cell) -> Self:
+        """That of a cell."""
+        return cls(cell.simulator, cell.robot, cell.task, cell.evaluation_episodes)
+
+
+def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
+    """The floors that are there, each with the first done cell that evaluated it; cells of version 0.1 all did.
+
+    Args:
+        manifests: Of cells of the experiment; those that are not done are left out.
+        store: Its folder.
+    """
+    found: dict[Floor, Cell] = {}
+    for manifest in manifests:
+        if manifest.status == "done" and (store.cell_folder(manifest.cell) / RANDOM).is_file():
+            found.setdefault(Floor.of(manifest.cell), manifest.cell)
+    return found
