@@ -60,6 +60,8 @@ class GroupCurve:
     @property
     def runs(self) -> Float:
         """Each run's curve, every `stride`-th step of it, (runs, points)."""
+        if len(self._kept) == 1:
+            return self._kept[0]
         return np.concatenate(self._kept, axis=1) if self._kept else np.empty((self.count, 0))
 
     @property
