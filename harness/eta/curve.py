@@ -60,6 +60,8 @@ class GroupCurve:
     @property
     def runs(self) -> Float:
         """Each run's curve, every `stride`-th step of it, (runs, points)."""
+        if len(self._kept) == 1:
+            return self._kept[0]
         return np.concatenate(self._kept, axis=1) if self._kept else np.empty((self.count, 0))
 
     @property
@@ -74,7 +76,7 @@ class GroupCurve:
             shares: How much of each run enters a draw, (draws, runs), each row sums to 1.
         """
         runs, parts = self.runs, []
-        for start in range(0, len(shares), _CHUNK):  # all resampled curves at once would take gigabytes
+        for start in _chunks(shares):
             parts.append(_split(shares[start : start + _CHUNK] @ runs, self.kind))
         negative, positive = np.concatenate(parts, axis=1) * self._stride
         return negative, positive
@@ -175,14 +177,46 @@ def mixtures(groups: Sequence[GroupCurve], shares: Float) -> tuple[Float, Float]
         groups: Runs, cut to the shortest group.
         shares: How much each of all runs enters a mean, (ways, runs), each row sums to 1.
     """
+    runs, scale = _exchanged(groups)
+    together = np.concatenate(runs)
+    parts = [_split(shares[start : start + _CHUNK] @ together, groups[0].kind) for start in _chunks(shares)]
+    negative, positive = np.concatenate(parts, axis=1) * scale
+    return negative, positive
+
+
+def swapped(one: GroupCurve, other: GroupCurve, signs: Float) -> tuple[Float, Float]:
+    """I_N and I_P of two groups whose runs change places, (2, ways) of each group, from `EXCHANGED` points at most.
+
+    What `mixtures` gives of each side, in a quarter of the time: a run that one side gains is the one that the other
+    side loses, so both mean curves lie as far from their middle.
+
+    Args:
+        one: A group.
+        other: A group of as many runs.
+        signs: 1 where run i of both stays, -1 where it changes places, (ways, runs).
+    """
+    (first, second), scale = _exchanged((one, other))
+    middle, apart = (first + second).sum(axis=0), second - first
+    parts = []
+    for start in _chunks(signs):
+        away = signs[start : start + _CHUNK] @ apart
+        parts.append(np.stack([_split(middle - away, one.kind), _split(middle + away, one.kind)]))
+    ours, theirs = np.concatenate(parts, axis=2) * (scale / (2 * one.count))
+    return ours, theirs
+
+
+def _exchanged(groups: Sequence[GroupCurve]) -> tuple[list[Float], int]:
+    """The kept points of groups that enter a test, cut to the shortest, and how many steps each stands for."""
     stride = max(group.stride for group in groups)
     kept = [group.runs[:, :: stride // group.stride] for group in groups]
     points = min(runs.shape[1] for runs in kept)
     skip = max(1, math.ceil(points / EXCHANGED))
-    runs = np.concatenate([runs[:, :points:skip] for runs in kept])
-    parts = [_split(shares[start : start + _CHUNK] @ runs, groups[0].kind) for start in range(0, len(shares), _CHUNK)]
-    negative, positive = np.concatenate(parts, axis=1) * (stride * skip)
-    return negative, positive
+    return [runs[:, :points:skip] for runs in kept], stride * skip
+
+
+def _chunks(ways: Float) -> range:
+    """Where each piece begins of what is too large for one: all curves at once would take gigabytes."""
+    return range(0, len(ways), _CHUNK)
 
 
 def _split(curves: Float, kind: Kind) -> Float:

@@ -21,13 +21,13 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.curve import GroupCurve, mixtures
+from harness.eta.curve import GroupCurve, mixtures, swapped
 from harness.eta.index import Index, Ratio
 from harness.eta.interval import Jackknife, Sums, jackknife, spread_range, variance_of, why_no_interval
 from harness.eta.noise import noise_floor
 from harness.eta.scored_sums import BB, BK, KB, KK, Curves, Pair, ScoredSums, scored_sums
 from harness.eta.seed_mean import SeedMean
-from harness.eta.swaps import label_shares, p_of, pair_shares, swaps_of
+from harness.eta.swaps import label_shares, p_of, swaps_of
 
 OWNER = {
     BB: "the baseline",
@@ -262,11 +262,11 @@ def _outcomes(one: GroupCurve, other: GroupCurve, paired: bool, signs: Float | N
     """Differences of I_N and I_P in all ways that the runs could have been labelled; None for a single run."""
     if min(one.count, other.count) < 2:
         return None, None
-    if not paired:
-        shares = label_shares(one.count, other.count)
+    if paired:
+        baseline, proposed = swapped(one, other, swaps_of(range(one.count)).signs if signs is None else signs)
     else:
-        shares = pair_shares(swaps_of(range(one.count)).signs if signs is None else signs)
-    proposed, baseline = (np.stack(mixtures((one, other), np.maximum(side, 0.0))) for side in (shares, -shares))
+        shares = label_shares(one.count, other.count)
+        proposed, baseline = (np.stack(mixtures((one, other), np.maximum(side, 0.0))) for side in (shares, -shares))
     differences = proposed - baseline
     rounding = ROUNDING * (np.abs(proposed) + np.abs(baseline)).sum(axis=0)
     return tuple(np.where(np.abs(differences) <= rounding, 0.0, differences))

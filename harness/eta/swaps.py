@@ -105,21 +105,12 @@ def corrected_p(outcomes: Sequence[Float]) -> list[float]:
     return corrected
 
 
-def pair_shares(signs: Float) -> Float:
-    """How much each run counts in every way: for the proposed side if positive, else for the baseline's.
-
-    Args:
-        signs: See `Swaps.of`, (ways, seeds).
+def label_shares(baseline: int, proposed: int) -> Float:
+    """How much each run counts where runs are not paired: their labels are dealt out anew, the first way keeps them.
 
     Returns:
-        (ways, 2 * seeds): the runs of the baseline, then those of the proposed reward.
+        (DRAWN, baseline + proposed): for the proposed side if positive, else for the baseline's.
     """
-    shares: Float = np.concatenate([-signs, signs], axis=1) / signs.shape[1]
-    return shares
-
-
-def label_shares(baseline: int, proposed: int) -> Float:
-    """The same for runs that are not paired: their labels dealt out anew, (DRAWN, baseline + proposed)."""
     labels = np.repeat([-1.0 / baseline, 1.0 / proposed], [baseline, proposed])
     shares = np.tile(labels, (DRAWN, 1))
     shares[1:] = np.random.default_rng([SEED, baseline, proposed]).permuted(shares[1:], axis=1)

@@ -62,8 +62,8 @@ class CellResults:
 
     def recorded(self) -> Float:
         """What the cell's own reward paid, every row of the training, (rows,)."""
-        rewards: Float = read_trace(self._files / TRACE, ["reward"])["reward"]
-        return rewards
+        what, made_of = f"{TRACE} reward", [self._kept.digest(TRACE)]
+        return self._kept.rewards(what, made_of, lambda: read_trace(self._files / TRACE, ["reward"])["reward"])
 
     def paid_by(self, payer: Payer) -> Float:
         """What another reward pays for every row of the training, (rows,).

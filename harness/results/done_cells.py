@@ -61,6 +61,7 @@ class DoneCells:
         found.measured()
         if cell.evaluate_every:
             found.moments()
+        found.recorded()
         found.rows()
         found.evaluation_events()
         jobs: list[Callable[[], object]] = [

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import harness.eta.curve as module
-from harness.eta.curve import EXCHANGED, POINTS, GroupCurve, Kind, curve_of, mixtures, stream_curve
+from harness.eta.curve import EXCHANGED, POINTS, GroupCurve, Kind, curve_of, mixtures, stream_curve, swapped
 from harness.eta.index import Index
 
 PUBLISHED = tomllib.loads(
@@ -354,6 +354,17 @@ def test_mixture_of_long_runs_is_close(long_runs: np.ndarray):
     expected = curve_of([long_runs[2, : 3 * POINTS], short[0]]).index
     assert negative[0] + positive[0] == pytest.approx(expected.negative_sum + expected.positive_sum, rel=0.01)
     assert max(group.runs.shape[1] for group in groups) > EXCHANGED
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_swapped_runs_are_mixtures_of_both_groups(kind: Kind):
+    """Kept: each side is its own runs. Swapped: the other's run in their place. Runs are cut to the shorter group."""
+    rng = np.random.default_rng(4)
+    one, other = curve_of(list(rng.normal(size=(2, 30))), kind), curve_of(list(rng.normal(size=(2, 25))), kind)
+    ours, theirs = swapped(one, other, np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]))
+    mixed = np.array([[0.5, 0.5, 0.0, 0.0], [0.5, 0.0, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5]])
+    np.testing.assert_allclose(ours, np.stack(mixtures((one, other), mixed)), rtol=1e-12)
+    np.testing.assert_allclose(theirs, np.stack(mixtures((one, other), 0.5 - mixed)), rtol=1e-12)
 
 
 @given(SQUARES, ANY_KIND)

@@ -17,7 +17,6 @@ from harness.eta.swaps import (
     fewest_seeds,
     label_shares,
     p_of,
-    pair_shares,
     smallest_p,
     swaps_of,
 )
@@ -200,12 +199,6 @@ def test_claim_without_a_difference_is_never_shown():
 
 
 # Shares of runs
-
-
-def test_shares_of_pairs_by_hand():
-    """Kept: the proposed run counts for the proposed side. Swapped: the baseline's does."""
-    shares = pair_shares(np.array([[1.0, 1.0], [1.0, -1.0]]))
-    np.testing.assert_array_equal(shares, [[-0.5, -0.5, 0.5, 0.5], [-0.5, 0.5, 0.5, -0.5]])
 
 
 def test_labels_are_dealt_out_anew():

@@ -30,14 +30,9 @@ class Reads:
         self.files: list[str] = []
 
     def __call__(self, path: Path, columns: list[str] | None = None) -> Any:
-        """Of a paid training only its own rewards are asked for by their name."""
-        self.files.append("recorded" if columns == ["reward"] else path.name)
+        """Read one."""
+        self.files.append(path.name)
         return read_trace(path, columns)
-
-    @property
-    def derived(self) -> list[str]:
-        """Files that were read for what could have been kept."""
-        return [file for file in self.files if file != "recorded"]
 
 
 @pytest.fixture(name="reads")
@@ -66,11 +61,10 @@ def remove_kept(results: Results) -> None:
             path.unlink()
 
 
-def test_first_report_after_a_run_reads_no_trace_but_what_was_paid(ended: Results, reads: Reads):
+def test_first_report_after_a_run_reads_no_trace(ended: Results, reads: Reads):
     """All that follows from traces was made as the cells ended."""
     report_text(ended)
-    assert reads.derived == []
-    assert "recorded" in reads.files
+    assert reads.files == []
 
 
 @pytest.mark.parametrize("kind", ["accumulated", "per-step"])
@@ -87,10 +81,10 @@ def test_report_makes_what_is_missing(ended: Results, reads: Reads):
     """The next one finds it."""
     remove_kept(ended)
     report_text(fresh(ended))
-    assert {TRACE, EVALUATION} <= set(reads.derived)
+    assert {TRACE, EVALUATION} <= set(reads.files)
     reads.files.clear()
     report_text(fresh(ended))
-    assert reads.derived == []
+    assert reads.files == []
 
 
 def test_folder_that_allows_no_writing_is_reported(ended: Results, reads: Reads):
@@ -103,7 +97,7 @@ def test_folder_that_allows_no_writing_is_reported(ended: Results, reads: Reads)
     assert report_text(fresh(ended)) == before
     reads.files.clear()
     assert report_text(fresh(ended)) == before
-    assert TRACE in reads.derived
+    assert TRACE in reads.files
 
 
 def test_changed_trace_is_read_again(ended: Results, reads: Reads):
@@ -113,7 +107,7 @@ def test_changed_trace_is_read_again(ended: Results, reads: Reads):
     first.write_bytes(other.read_bytes())
     read_manifest(first.parent).write(first.parent)  # as a cell leaves it that was trained again
     report_text(fresh(ended))
-    assert set(reads.derived) == {EVALUATION}
+    assert set(reads.files) == {EVALUATION}
 
 
 @pytest.mark.parametrize("damage", [lambda path: path.write_bytes(b"PAR1"), Path.unlink], ids=["changed", "missing"])
@@ -132,7 +126,7 @@ def test_changed_metric_is_computed_again(ended: Results, reads: Reads, monkeypa
     before = report_text(ended)
     monkeypatch.setattr("harness.results.done_cells.fingerprint", lambda metric: f"edited {metric}")
     assert report_text(fresh(ended)) == before
-    assert {TRACE, EVALUATION} <= set(reads.derived)
+    assert {TRACE, EVALUATION} <= set(reads.files)
 
 
 def test_new_metric_is_computed(ended: Results, reads: Reads):
@@ -141,7 +135,7 @@ def test_new_metric_is_computed(ended: Results, reads: Reads):
     results = fresh(ended)
     results.metrics["half"] = _Half()
     assert '"half"' in report_text(results)
-    assert {TRACE, EVALUATION} <= set(reads.derived)
+    assert {TRACE, EVALUATION} <= set(reads.files)
 
 
 def test_changed_reward_pays_again(ended: Results, reads: Reads, monkeypatch: pytest.MonkeyPatch):
@@ -149,7 +143,7 @@ def test_changed_reward_pays_again(ended: Results, reads: Reads, monkeypatch: py
     before = report_text(ended)
     monkeypatch.setattr("harness.score.scored_runs.fingerprint", lambda reward: f"edited {reward}")
     assert report_text(fresh(ended)) == before
-    assert set(reads.derived) == {TRACE, EVALUATION}
+    assert set(reads.files) == {TRACE, EVALUATION}
 
 
 def test_null_control_finds_what_it_needs(
@@ -160,7 +154,7 @@ def test_null_control_finds_what_it_needs(
     results = run_here(expand(check_experiment(given), toys), tmp_path / "out")
     reads.files.clear()
     report_text(results)
-    assert reads.derived == []
+    assert reads.files == []
 
 
 def test_payer_of_a_reward_keeps_its_own(ended: Results):
