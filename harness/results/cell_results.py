@@ -38,15 +38,24 @@ class CellResults:
         self.cell, self._files, self._metrics, self._kept = cell, files, metrics, kept
         self._read: dict[tuple[str, bool], Trace] = {}
 
-    def measured(self) -> Measured:
-        """Every metric of the policy in both manners, of the training, and of random actions."""
+    @property
+    def has_floor(self) -> bool:
+        """Whether the cell evaluated random actions."""
+        return (self._files / RANDOM).is_file()
+
+    def floor(self) -> Values:
+        """Every metric of the random actions that the cell evaluated."""
+        return self._measure(RANDOM)
+
+    def measured(self, floor: Values) -> Measured:
+        """Every metric of the policy in both manners and of the training, beside those of random actions."""
         own, other = (DETERMINISTIC, STOCHASTIC) if self.cell.deterministic else (STOCHASTIC, DETERMINISTIC)
         files = {own: EVALUATION, other: other_manner(self.cell.deterministic), TRAINING: TRACE}
         there = {name: file for name, file in files.items() if name != other or (self._files / file).is_file()}
         return Measured(
             {manner: self._measure(file) for manner, file in there.items()},
             {manner: self._episodes(file) for manner, file in there.items()},
-            self._measure(RANDOM),
+            floor,
         )
 
     def moments(self) -> tuple[Moment, ...]:

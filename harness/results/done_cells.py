@@ -58,7 +58,7 @@ class DoneCells:
             SchemaError: A file of the cell is damaged.
         """
         found, cell = self.of(done), done.cell
-        found.measured()
+        found.measured(found.floor() if found.has_floor else {})
         if cell.evaluate_every:
             found.moments()
         found.recorded()

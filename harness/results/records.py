@@ -9,6 +9,7 @@ from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.files.bounded import read_text, reading
 from harness.metric import Metric
 from harness.record.cell import Cell
+from harness.record.floor import Floor, floors_in
 from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
@@ -45,6 +46,7 @@ class Records:
         self.baseline = self.plan.baseline
         self.manifests = [self.store.examine(cell) for cell in self.plan.cells]
         self._measured: dict[str, Measured] = {}
+        self._floors: dict[str, Values] = {}
         self._moments: dict[str, tuple[Moment, ...]] = {}
         self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
         self._found: dict[str, CellResults] = {}
@@ -113,7 +115,7 @@ class Records:
     def measured(self, cell: Cell) -> Measured:
         """Every metric of a done cell."""
         if cell.id not in self._measured:
-            self._measured[cell.id] = self.of(cell).measured()
+            self._measured[cell.id] = self.of(cell).measured(self._floor(cell))
             self.of(cell).finish()
         return self._measured[cell.id]
 
@@ -148,6 +150,20 @@ class Records:
             Unscored: It cannot.
         """
         return self._curve(cells, lambda of: of.paid_by(payer))
+
+    def _floor(self, cell: Cell) -> Values:
+        """Every metric of random actions, which the cell evaluated, or one that shares simulator, task and robot."""
+        owner = cell if self.of(cell).has_floor else self._floor_owners.get(Floor.of(cell))
+        if owner is None:
+            return dict.fromkeys(self.metrics)
+        if owner.id not in self._floors:
+            self._floors[owner.id] = self.of(owner).floor()
+            self.of(owner).finish()
+        return self._floors[owner.id]
+
+    @cached_property
+    def _floor_owners(self) -> dict[Floor, Cell]:
+        return floors_in(self.manifests, self.store)
 
     def _curve(self, cells: Sequence[Cell], rewards: Callable[[CellResults], Float]) -> GroupCurve:
         """One run at a time is in memory."""
