@@ -1,7 +1,6 @@
 """Cells that are compared and were made by several versions of one plugin."""
 
-from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from harness.hookspecs import NOUNS
@@ -35,12 +34,18 @@ class Mixture(NamedTuple):
 
 def mixtures_of(manifests: Iterable[Manifest]) -> tuple[Mixture, ...]:
     """Of the done cells of one comparison; a cell without a recorded hash tells nothing."""
-    found: dict[tuple[str, str], Counter[str]] = {}
+    started: dict[tuple[str, str], dict[str, list[str]]] = {}
     for manifest in manifests:
         recorded = manifest.environment.get("sources", {})
         for kind, name in manifest.cell.plugins.items():
             if kind in recorded:
-                found.setdefault((kind, name), Counter())[recorded[kind]] += 1
+                started.setdefault((kind, name), {}).setdefault(recorded[kind], []).append(manifest.started)
     return tuple(
-        Mixture(kind, name, dict(counts.most_common())) for (kind, name), counts in found.items() if len(counts) > 1
+        Mixture(kind, name, _counts(versions)) for (kind, name), versions in started.items() if len(versions) > 1
     )
+
+
+def _counts(started: Mapping[str, Sequence[str]]) -> dict[str, int]:
+    """Of two versions that made as many cells, the newer one comes first."""
+    order = sorted(started, key=lambda version: (len(started[version]), max(started[version])), reverse=True)
+    return {version: len(started[version]) for version in order}

@@ -1,6 +1,7 @@
 """Cells that are compared and were made by several versions of one plugin."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
@@ -20,6 +21,13 @@ def test_versions_of_one_plugin_are_counted(make_cell: Callable[..., Cell]):
     versions = [OLD, *[NEW] * 3]
     made = [_made(make_cell(algorithm=CEM, seed=seed), algorithms=it) for seed, it in enumerate(versions)]
     assert mixtures_of(made) == (Mixture("algorithms", "cem", {NEW: 3, OLD: 1}),)
+
+
+def test_newer_one_comes_first_of_as_many(make_cell: Callable[..., Cell]):
+    """It is the one that is installed now, most likely."""
+    made = [_made(make_cell(seed=seed), algorithms=it) for seed, it in enumerate((OLD, NEW))]
+    ran = [replace(it, started=f"2026-01-0{day}T00:00:00+00:00") for it, day in zip(made, (1, 2), strict=True)]
+    assert [list(mixture.cells) for mixture in mixtures_of(ran)] == [[NEW, OLD]]
 
 
 def test_two_rewards_have_two_sources(make_cell: Callable[..., Cell]):

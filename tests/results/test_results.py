@@ -32,7 +32,7 @@ def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
     combination, cell = data["combinations"][0], data["cells"][0]
     assert set(combination) == {
         *("simulator", "algorithm", "robot", "task", "steps", "deterministic", "baseline", "proposed", "is_control"),
-        *("seeds", "headline", "eta_N", "eta_P", "total", "baseline_index", "proposed_index"),
+        *("seeds", "mixtures", "headline", "eta_N", "eta_P", "total", "baseline_index", "proposed_index"),
         *("claims", "smallest_p", "episodes", "behaviour", "along_the_budget"),
     }
     assert set(combination["headline"]) == {"answer", "robot", "number", "decided_by", "seeds_to_decide"}
