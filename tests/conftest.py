@@ -193,6 +193,24 @@ def run_here(toys: Registry) -> Callable[..., Results]:
     return run
 
 
+@pytest.fixture
+def run_once(
+    toys: Registry, run_here: Callable[..., Results], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[Plan, Path], Results]:
+    """As `run_here`, into a new folder; a plan that another test ran before is not run again: its folder is copied."""
+
+    def run(plan: Plan, folder: Path) -> Results:
+        kept = tmp_path_factory.getbasetemp() / "ran once" / plan.id
+        if not kept.exists():
+            making = kept.with_name("making")
+            run_here(plan, making)
+            making.rename(kept)
+        shutil.copytree(kept, folder)
+        return Results(folder, toys)
+
+    return run
+
+
 @pytest.fixture(scope="session")
 def make_network() -> Callable[..., Network]:
     """A policy of a kind of network with random weights: 5 numbers in, 2 actions or 3 choices out."""

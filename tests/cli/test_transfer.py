@@ -10,10 +10,9 @@ import pytest
 
 
 @pytest.fixture
-def experiment(harness, quick):
+def experiment(finished):
     """A finished experiment of the ideal arm, one seed per reward."""
-    harness("run", *quick, "--seeds", "1", "--out", "mine")
-    return "mine"
+    return finished(seeds=1)
 
 
 def test_json_is_all_that_goes_to_standard_output(harness, experiment):

@@ -37,12 +37,12 @@ Train: TypeAlias = Callable[..., Results]
 
 
 @pytest.fixture
-def train(toys: Registry, run_here: Callable[..., Results], tmp_path: Path) -> Train:
-    """Runs an experiment of the toys, in this process."""
+def train(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> Train:
+    """Yields an experiment of the toys that has run."""
 
     def train_toys(**keys: Any) -> Results:
         given = {"sim": ["ideal"], "algo": ["wander"], "task": EASY, "seeds": 2, "steps": 6, "evaluation_episodes": 12}
-        return run_here(expand(check_experiment({**given, **keys}), toys), tmp_path / "mine")
+        return run_once(expand(check_experiment({**given, **keys}), toys), tmp_path / "mine")
 
     return train_toys
 
