@@ -4,7 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from hypothesis import settings
 from harness.executor import OnEvent
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
+from harness.experiment.workers import News, OnNews, Order
 from harness.policy import Network
 from harness.policy.chooser import ChoosingNetwork
 from harness.record.cell import Cell
@@ -191,6 +192,40 @@ def run_here(toys: Registry) -> Callable[..., Results]:
         return ExperimentRun(plan, Store.claim(folder), toys, executor).run(on_event)
 
     return run
+
+
+@pytest.fixture
+def run_once(
+    toys: Registry, run_here: Callable[..., Results], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[Plan, Path], Results]:
+    """As `run_here`, into a new folder; a plan that another test ran before is not run again: its folder is copied."""
+
+    def run(plan: Plan, folder: Path) -> Results:
+        kept = tmp_path_factory.getbasetemp() / "ran once" / plan.id
+        if not kept.exists():
+            making = kept.with_name("making")
+            run_here(plan, making)
+            making.rename(kept)
+        shutil.copytree(kept, folder)
+        return Results(folder, toys)
+
+    return run
+
+
+@pytest.fixture
+def transferred_here(monkeypatch: pytest.MonkeyPatch) -> list[Order]:
+    """Policies are evaluated elsewhere in this process, which is quicker than in workers; the orders that were done."""
+    done: list[Order] = []
+
+    def run_here(orders: Sequence[Order], at_once: int, on_news: OnNews) -> None:
+        for order in orders:
+            on_news(News("started", order.folder))
+            order.work.do(order.folder, lambda steps: None)
+            done.append(order)
+            on_news(News("ended", order.folder))
+
+    monkeypatch.setattr("harness.transfer.jobs.run_orders", run_here)
+    return done
 
 
 @pytest.fixture(scope="session")

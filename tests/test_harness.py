@@ -22,6 +22,8 @@ IMPORT_EACH_ALONE = """
 import importlib, json, os, sys, traceback
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # newer Pythons warn of forks beside threads
 import gymnasium, numpy, pluggy, pyarrow.parquet, pydantic.dataclasses, rich, safetensors.numpy, tomli_w, typer, wrapt
+import csv, importlib.metadata, statistics, tomllib, unicodedata, xml.etree.ElementTree, zipfile
+pydantic.dataclasses.dataclass(type("First", (), {"__annotations__": {"number": int}}))  # imports the rest of pydantic
 assert not [name for name in sys.modules if name == "harness" or name.startswith("harness.")]
 errors = {}
 for module in json.load(sys.stdin):

@@ -53,6 +53,22 @@ def quick() -> tuple[str, ...]:
 
 
 @pytest.fixture
+def finished(harness, tmp_path, tmp_path_factory) -> Callable[..., str]:
+    """Get a finished experiment of some seeds per reward as the folder `mine`; it runs once, and is copied."""
+
+    def copy(seeds: int) -> str:
+        kept = tmp_path_factory.getbasetemp() / "finished" / str(seeds)
+        if not kept.exists():
+            kept.parent.mkdir(exist_ok=True)
+            assert harness("run", *QUICK, "--seeds", seeds, "--out", "finished").status == 0
+            shutil.move(tmp_path / "finished", kept)
+        shutil.copytree(kept, tmp_path / "mine")
+        return "mine"
+
+    return copy
+
+
+@pytest.fixture
 def rendering(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     """Let the doctor try to render by the program `true` or `false`, which end at once, and not by Python.
 

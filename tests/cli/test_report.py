@@ -5,10 +5,9 @@ import pytest
 
 
 @pytest.fixture
-def experiment(harness, quick):
+def experiment(finished):
     """A finished experiment."""
-    harness("run", *quick, "--seeds", "2", "--out", "mine")
-    return "mine"
+    return finished(seeds=2)
 
 
 def test_json_is_all_that_goes_to_standard_output(harness, experiment):

@@ -10,12 +10,12 @@ import pytest
 
 
 @pytest.fixture
-def experiment(harness, quick):
+def experiment(finished):
     """A finished experiment of the ideal arm, one seed per reward."""
-    harness("run", *quick, "--seeds", "1", "--out", "mine")
-    return "mine"
+    return finished(seeds=1)
 
 
+@pytest.mark.usefixtures("transferred_here")
 def test_json_is_all_that_goes_to_standard_output(harness, experiment):
     """`--json` prints one JSON document: a matrix per algorithm and reward, and what failed."""
     answer = harness("transfer", experiment, "--to", "stuck", "--json")
@@ -44,6 +44,7 @@ def test_engine_that_talks_does_not_disturb_the_json(quick, toys, tmp_path):
     assert json.loads(told.stdout)["combinations"][0]["evaluated_in"] == ["ideal", "pybullet"]
 
 
+@pytest.mark.usefixtures("transferred_here")
 def test_table_has_the_matrix(harness, experiment):
     """Without a flag: a row per simulator trained in, a column per simulator evaluated in, the home marked."""
     out = harness("transfer", experiment, "--to", "stuck").out
@@ -62,6 +63,7 @@ def test_second_call_evaluates_nothing(harness, experiment):
     assert second.out == first.out
 
 
+@pytest.mark.usefixtures("transferred_here")
 def test_failed_evaluation_ends_with_1(harness, experiment):
     """Its reason is on both streams; the rest is there."""
     answer = harness("transfer", experiment, "--to", "stuck,stuck:then=raise")
@@ -87,6 +89,7 @@ def test_only_the_home_is_nothing_to_do(harness, experiment):
     assert answer.out.startswith("Nothing to evaluate")
 
 
+@pytest.mark.usefixtures("transferred_here")
 def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
     """The report has a section on transfer once there is one, in table, JSON and page; before, it has none."""
     assert "Transfer" not in harness("report", experiment).out
@@ -106,14 +109,14 @@ def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
         (["mine", "--to", "stuck:dt=1"], "has no parameter 'dt'"),
         (["mine", "--jobs", "0"], "jobs=0: must be at least 1"),
         (["nowhere"], "'nowhere' is no experiment"),
-        (["failed"], "has no finished cell"),
+        (["unfinished"], "has no finished cell"),
     ],
 )
-def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, quick, experiment, tmp_path, arguments, told):
+def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, experiment, tmp_path, arguments, told):
     """What cannot be used ends with status 2 and one line."""
-    harness("run", *quick, "--algo", "wander:then=raise", "--seeds", "1", "--out", "failed")
-    shutil.rmtree(tmp_path / "failed" / "cells")
-    (tmp_path / "failed" / "cells").mkdir()
+    shutil.copytree(tmp_path / experiment, tmp_path / "unfinished")
+    shutil.rmtree(tmp_path / "unfinished" / "cells")
+    (tmp_path / "unfinished" / "cells").mkdir()
     answer = harness("transfer", *arguments)
     assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
     assert told in answer.err

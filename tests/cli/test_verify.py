@@ -6,10 +6,9 @@ import pytest
 
 
 @pytest.fixture
-def experiment(harness, quick):
+def experiment(finished):
     """A finished experiment."""
-    harness("run", *quick, "--seeds", "1", "--out", "mine")
-    return "mine"
+    return finished(seeds=1)
 
 
 def test_sound_folder_ends_with_0(harness, experiment):

@@ -43,10 +43,10 @@ def _reads(monkeypatch: pytest.MonkeyPatch) -> Reads:
 
 
 @pytest.fixture(name="ended")
-def _ended(toys: Registry, run_here: Callable[..., Results], tmp_path: Path) -> Results:
+def _ended(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> Results:
     """Two seeds of three rewards, run and not yet reported."""
     plan: Plan = expand(check_experiment(GIVEN), toys)
-    return run_here(plan, tmp_path / "out")
+    return run_once(plan, tmp_path / "out")
 
 
 def fresh(results: Results) -> Results:

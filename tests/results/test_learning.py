@@ -14,7 +14,7 @@ from harness.results.learning import Learning, LearningCurve, LearningRun, Momen
 
 GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))
 
-RunHere = Callable[..., Results]
+RunOnce = Callable[..., Results]
 
 
 def _run(seed: int, shares: dict[int, float | None]) -> LearningRun:
@@ -73,26 +73,26 @@ def test_band_has_the_points_with_an_interval():
     assert curve.band("success_rate") == [(100, points[2].value.low, points[2].value.high)]
 
 
-def _learning(registry: Registry, run_here: RunHere, folder: Path, **given: int) -> Learning | None:
+def _learning(registry: Registry, run_once: RunOnce, folder: Path, **given: int) -> Learning | None:
     """Of two seeds of a toy, paid by baseline and arp."""
     keys = {"sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12}
     plan = expand(check_experiment({**keys, "evaluation_episodes": 3, **given}), registry)
-    results = run_here(plan, folder)
+    results = run_once(plan, folder)
     return learning_of(results, results.combinations[0])
 
 
-def test_learning_is_read_from_the_cells(toys: Registry, run_here: RunHere, tmp_path: Path):
+def test_learning_is_read_from_the_cells(toys: Registry, run_once: RunOnce, tmp_path: Path):
     """Both rewards at each evaluation, every metric, and the floor of random actions."""
-    learning = _learning(toys, run_here, tmp_path / "out", evaluate_every=5)
+    learning = _learning(toys, run_once, tmp_path / "out", evaluate_every=5)
     for curve in (learning.baseline, learning.proposed):
         points = curve.points["final_distance"]
         assert [(point.steps, point.value.seeds) for point in points] == [(5, 2), (10, 2), (12, 2)]
     assert set(learning.random) == set(learning.baseline.points)
 
 
-def test_learning_keeps_the_runs(toys: Registry, run_here: RunHere, tmp_path: Path):
+def test_learning_keeps_the_runs(toys: Registry, run_once: RunOnce, tmp_path: Path):
     """JSON has the values of each seed behind the means."""
-    data = _learning(toys, run_here, tmp_path / "out", evaluate_every=5).to_json()
+    data = _learning(toys, run_once, tmp_path / "out", evaluate_every=5).to_json()
     runs = data["runs"]["proposed"]
     assert [run["seed"] for run in runs] == [0, 1]
     last = [run["evaluations"][2]["final_distance"] for run in runs]
@@ -102,7 +102,7 @@ def test_learning_keeps_the_runs(toys: Registry, run_here: RunHere, tmp_path: Pa
 
 @pytest.mark.parametrize("given", [{}, {"evaluate_every": 12}], ids=["not asked for", "none before the end"])
 def test_no_evaluation_before_the_end_is_no_curve(
-    toys: Registry, run_here: RunHere, tmp_path: Path, given: dict[str, int]
+    toys: Registry, run_once: RunOnce, tmp_path: Path, given: dict[str, int]
 ):
     """One point is no curve."""
-    assert _learning(toys, run_here, tmp_path / "out", **given) is None
+    assert _learning(toys, run_once, tmp_path / "out", **given) is None

@@ -23,9 +23,9 @@ GIVEN = {
 
 
 @pytest.fixture
-def results(toys: Registry, run_here: Callable[..., Results], tmp_path: Path) -> Results:
+def results(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> Results:
     """Two seeds of three rewards."""
-    return run_here(expand(check_experiment(GIVEN), toys), tmp_path / "out")
+    return run_once(expand(check_experiment(GIVEN), toys), tmp_path / "out")
 
 
 @pytest.fixture

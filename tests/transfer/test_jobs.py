@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -15,7 +15,7 @@ import pytest
 
 from harness.errors import NewerFormat, UsageError
 from harness.experiment.plan import check_experiment, expand
-from harness.experiment.workers import News, OnNews, Order
+from harness.experiment.workers import Order
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, MANIFEST, POLICY, TRANSFER, partial_folder
@@ -37,30 +37,14 @@ Train: TypeAlias = Callable[..., Results]
 
 
 @pytest.fixture
-def train(toys: Registry, run_here: Callable[..., Results], tmp_path: Path) -> Train:
-    """Runs an experiment of the toys, in this process."""
+def train(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> Train:
+    """Yields an experiment of the toys that has run."""
 
     def train_toys(**keys: Any) -> Results:
         given = {"sim": ["ideal"], "algo": ["wander"], "task": EASY, "seeds": 2, "steps": 6, "evaluation_episodes": 12}
-        return run_here(expand(check_experiment({**given, **keys}), toys), tmp_path / "mine")
+        return run_once(expand(check_experiment({**given, **keys}), toys), tmp_path / "mine")
 
     return train_toys
-
-
-@pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> list[Order]:
-    """Evaluations in this process, which is quicker; the orders that were done."""
-    done: list[Order] = []
-
-    def run_here(orders: Sequence[Order], at_once: int, on_news: OnNews) -> None:
-        for order in orders:
-            on_news(News("started", order.folder))
-            order.work.do(order.folder, lambda steps: None)
-            done.append(order)
-            on_news(News("ended", order.folder))
-
-    monkeypatch.setattr("harness.transfer.jobs.run_orders", run_here)
-    return done
 
 
 def folder_of(results: Results, cell: Cell, simulator: str) -> Path:
@@ -74,7 +58,7 @@ def success(transfers: Transfers, home: str, place: str) -> float | None:
     return data["success"][data["trained_in"].index(home)][data["evaluated_in"].index(place)]["mean"]
 
 
-def test_evaluation_is_the_cell_s_own(train: Train, here: list[Order]):
+def test_evaluation_is_the_cell_s_own(train: Train, transferred_here: list[Order]):
     """In a simulator that moves alike, the same policy leaves the same trace as at home, bit for bit."""
     results = train(sim=["ideal", "kinematic"], task="fd100-reach:horizon=8", seeds=1)
     transfer(results.folder, "ideal,kinematic")
@@ -87,32 +71,33 @@ def test_evaluation_is_the_cell_s_own(train: Train, here: list[Order]):
             np.testing.assert_allclose(away[name], column, atol=1e-12)
 
 
-def test_matrix_tells_the_simulators_apart(train: Train, here: list[Order]):
+def test_matrix_tells_the_simulators_apart(train: Train, transferred_here: list[Order]):
     """Success is that of the simulator evaluated in: some where arms move, none where they are stuck."""
-    results = train(sim=["ideal", "stuck"])
+    results = train(sim=["ideal", "stuck"], seeds=1)
     transfers = transfer(results.folder, "ideal,stuck")
     for home in ("ideal", "stuck"):
         assert success(transfers, home, "ideal") > 0.0
         assert success(transfers, home, "stuck") == 0.0
 
 
-def test_mutant_that_stays_at_home_is_caught(train: Train, here: list[Order], monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.usefixtures("transferred_here")
+def test_mutant_that_stays_at_home_is_caught(train: Train, monkeypatch: pytest.MonkeyPatch):
     """An evaluation that forgot to change the simulator would give the success of the wrong one."""
     monkeypatch.setattr(
         "harness.transfer.evaluation.replace",
         lambda thing, **changes: thing if isinstance(thing, Cell) else replace(thing, **changes),
     )
-    results = train(sim=["ideal", "stuck"])
+    results = train(sim=["ideal", "stuck"], seeds=1)
     transfers = transfer(results.folder, "ideal,stuck")
     assert success(transfers, "ideal", "stuck") > 0.0
     assert success(transfers, "stuck", "ideal") == 0.0
 
 
-def test_home_is_what_was_recorded(train: Train, here: list[Order]):
+def test_home_is_what_was_recorded(train: Train, transferred_here: list[Order]):
     """Where a policy was trained it is not evaluated again: the recorded evaluation counts, as the report reads it."""
     results = train()
     transfers = transfer(results.folder, "ideal,stuck")
-    assert [order.work.simulator.name for order in here] == ["stuck"] * 4
+    assert [order.work.simulator.name for order in transferred_here] == ["stuck"] * 4
     rates = [
         results.measured(cell).own["success_rate"]
         for cell in results.done_cells
@@ -121,15 +106,15 @@ def test_home_is_what_was_recorded(train: Train, here: list[Order]):
     assert success(transfers, "ideal", "ideal") == pytest.approx(np.mean(rates))
 
 
-def test_second_call_does_only_what_is_missing(train: Train, here: list[Order]):
+def test_second_call_does_only_what_is_missing(train: Train, transferred_here: list[Order]):
     """Nothing, if nothing is; what is named anew; a policy that is another one now."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
-    first = len(here)
+    first = len(transferred_here)
     transfer(results.folder, "stuck")
-    assert len(here) == first == 2
+    assert len(transferred_here) == first == 2
     transfer(results.folder, ["stuck", "stuck:note=x"])
-    assert [order.work.simulator.label for order in here[first:]] == ["stuck:note=x"] * 2
+    assert [order.work.simulator.label for order in transferred_here[first:]] == ["stuck:note=x"] * 2
     folder = results.store.cell_folder(results.done_cells[0])
     weights = folder / POLICY / WEIGHTS
     assert len(load_transfers(results).matrices) == 2
@@ -137,14 +122,14 @@ def test_second_call_does_only_what_is_missing(train: Train, here: list[Order]):
     read_manifest(folder).write(folder)  # as a cell leaves it that was trained again
     assert len(load_transfers(results).matrices) == 1
     transfer(results.folder, "stuck")
-    assert len(here) == 5
+    assert len(transferred_here) == 5
 
 
 @pytest.mark.parametrize(
     ("then", "reason"),
     [("raise", "RuntimeError: the arm fell off"), ("diverge", "SimulationDiverged"), ("sys.exit", "SystemExit: 0")],
 )
-def test_failed_evaluation_costs_itself_alone(train: Train, here: list[Order], then: str, reason: str):
+def test_failed_evaluation_costs_itself_alone(train: Train, transferred_here: list[Order], then: str, reason: str):
     """It is recorded with its reason and is tried again; the others are done."""
     results = train(seeds=1)
     transfers = transfer(results.folder, f"stuck:then={then},stuck")
@@ -154,9 +139,9 @@ def test_failed_evaluation_costs_itself_alone(train: Train, here: list[Order], t
     assert success(transfers, "ideal", f"stuck:then={then}") is None
     failed = transfers.matrices[0].to_json()["success"][0]
     assert "1 of 1 failed" in [mean["note"] for mean in failed]
-    done = len(here)
+    done = len(transferred_here)
     transfer(results.folder, f"stuck:then={then},stuck")
-    assert len(here) == done + 2
+    assert len(transferred_here) == done + 2
 
 
 def test_process_that_dies_costs_itself_alone(train: Train):
@@ -188,7 +173,7 @@ def test_killed_call_loses_what_it_was_at(train: Train, tmp_path: Path):
     assert len(list((results.folder / TRANSFER).glob("*/*"))) == 4
 
 
-def test_policy_that_is_gone_fails_alone_and_what_was_known_stays(train: Train, here: list[Order]):
+def test_policy_that_is_gone_fails_alone_and_what_was_known_stays(train: Train, transferred_here: list[Order]):
     """Weights that were deleted cannot be evaluated again; what they did before is still told."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
@@ -201,7 +186,7 @@ def test_policy_that_is_gone_fails_alone_and_what_was_known_stays(train: Train, 
     assert "holds no readable policy" in failure.record.reason
 
 
-def test_record_says_what_was_done(train: Train, here: list[Order]):
+def test_record_says_what_was_done(train: Train, transferred_here: list[Order]):
     """Cell, simulator, versions, sources of what made it - not of the algorithm, which may be gone."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
@@ -263,7 +248,7 @@ def test_folder_in_use_is_refused(train: Train):
         run_transfers(plan, 1)
 
 
-def test_newer_record_is_told(train: Train, here: list[Order]):
+def test_newer_record_is_told(train: Train, transferred_here: list[Order]):
     """With the file's name; it is not done again."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")
@@ -274,7 +259,7 @@ def test_newer_record_is_told(train: Train, here: list[Order]):
 
 
 @pytest.mark.parametrize("name", [MANIFEST, EVALUATION])
-def test_damaged_transfer_costs_itself_alone_and_is_done_again(train: Train, here: list[Order], name: str):
+def test_damaged_transfer_costs_itself_alone_and_is_done_again(train: Train, transferred_here: list[Order], name: str):
     """It is a line beside the others."""
     results = train(seeds=2)
     transfer(results.folder, "stuck")
@@ -285,12 +270,12 @@ def test_damaged_transfer_costs_itself_alone_and_is_done_again(train: Train, her
     assert (failure.cell, failure.record.status) == (results.done_cells[0], "damaged")
     assert str(path) in failure.record.reason
     assert len(found.matrices) == 2
-    count = len(here)
+    count = len(transferred_here)
     assert transfer(results.folder, "stuck").failed == ()
-    assert len(here) == count + 1
+    assert len(transferred_here) == count + 1
 
 
-def test_reading_needs_no_plugin_s_engine(train: Train, here: list[Order]):
+def test_reading_needs_no_plugin_s_engine(train: Train, transferred_here: list[Order]):
     """The matrix of an experiment is read without Gymnasium and without an engine."""
     results = train(seeds=1)
     transfer(results.folder, "stuck")

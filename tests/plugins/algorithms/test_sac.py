@@ -61,6 +61,7 @@ def test_several_envs_are_trained_on_at_once(models: list[Any]):
     assert models[0]._n_updates == (STEPS - 100) // 4
 
 
+@pytest.mark.slow
 def test_several_envs_learn_the_easy_task():
     """With num_envs=4 the return rises as with one, given as many updates."""
     the_return_rises(Sac(num_envs=4, gradient_steps=-1))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import harness
@@ -37,6 +37,7 @@ def test_factor_of_one_changes_nothing(episode, reward: str):
     holds()
 
 
+@settings(max_examples=25)  # each looks all plugins up
 @given(DISTANCES, st.floats(0.01, 100.0))
 def test_value_is_multiplied(episode, distances: list[float], factor: float):
     """Every step pays `factor` times as much, of a reward with a carry too."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
@@ -23,6 +23,7 @@ def test_contract(reward: str):
     check_reward(Shifted(reward=reward, offset=-0.5))
 
 
+@settings(max_examples=25)  # each looks all plugins up
 @given(DISTANCES, st.floats(-10.0, 10.0))
 def test_value_is_moved(episode, distances: list[float], offset: float):
     """Every step pays `offset` more, of a reward with a carry too."""
