@@ -183,18 +183,19 @@ class BegunRun:
             self.asked.executor.run(jobs, options.at_once, lambda event: on_event(self._recorded(event, ended)))
         finally:
             store.discard_partial()
+            ended.finish()
         return Results(store.folder, self.asked.registry, options.curve)
 
     def _recorded(self, event: Event, ended: EndedCells) -> Event:
         """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
         store = self.asked.store
         if event.kind != "ended":
+            ended.refresh()
             return event
         if event.reason:
             store.record(event.cell, "failed", event.reason)
         manifest = read_manifest(store.cell_folder(event.cell))
-        if manifest.status == "done":
-            ended.keep(manifest)
+        ended.add(manifest)
         return event._replace(reason=manifest.reason, note=manifest.note)
 
 
