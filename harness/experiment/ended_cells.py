@@ -1,8 +1,9 @@
-"""What a report needs of a cell, made as the cell ends: the first report finds it."""
+"""What a report needs of a cell, made as the cell ends: the first report finds it. The table of all cells too."""
 
 from contextlib import suppress
 
 from harness.experiment.plan import Plan
+from harness.experiment.table_so_far import TableSoFar
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.store import Store
@@ -21,6 +22,26 @@ class EndedCells:
         for cell in plan.cells:
             self._rewards.setdefault(Group.of(cell), {})[cell.reward] = None
         self._scoring = dict.fromkeys(cell.reward for cell in plan.cells)
+        self._table = TableSoFar(store, self._cells)
+
+    def add(self, ended: Manifest) -> None:
+        """A cell has ended, whichever way.
+
+        Raises:
+            OSError: The table cannot be written.
+        """
+        if ended.status == "done":
+            self.keep(ended)
+        self._table.add(ended)
+        self._table.refresh()
+
+    def refresh(self) -> None:
+        """Some time has passed; see `TableSoFar.refresh`."""
+        self._table.refresh()
+
+    def finish(self) -> None:
+        """No other cell will end; see `TableSoFar.write`."""
+        self._table.write()
 
     def keep(self, done: Manifest) -> None:
         """Whatever a plugin raises here, the report will meet and tell: the run goes on."""

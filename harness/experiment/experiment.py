@@ -234,6 +234,7 @@ class BegunRun:
         finally:
             followed.stop()
             store.discard_partial()
+            ended.finish()
         return Results(store.folder, self.asked.registry, options.curve)
 
     def _do(self, cells: Sequence[Cell], followed: Followed) -> None:

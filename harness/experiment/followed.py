@@ -34,7 +34,7 @@ class Followed:
 
         Args:
             store: Where the cells are.
-            ended: Told of each done cell.
+            ended: Told of each cell that has ended.
             on_event: Told every event, with what the cell's manifest says.
             again: Done cells that are done again, with what they say of themselves.
             now: The time, seconds since 1970.
@@ -49,6 +49,7 @@ class Followed:
         if event.kind == "ended":
             event = self._end(event)
         else:
+            self._ended.refresh()
             running = self._running.setdefault(event.cell.id, Running(self._now()))
             self._running[event.cell.id] = running.after(event.steps, self._now())
         self._write(at_once=event.kind != "progress")
@@ -64,9 +65,8 @@ class Followed:
         if event.reason:
             self._store.record(event.cell, "failed", event.reason, instead_of=self._again.get(event.cell))
         manifest = read_manifest(self._store.cell_folder(event.cell))
-        if manifest.status == "done":
-            self._ended.keep(manifest)
-        else:
+        self._ended.add(manifest)
+        if manifest.status != "done":
             self.failed.append(event.cell)
         return event._replace(reason=manifest.reason, note=manifest.note)
 

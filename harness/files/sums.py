@@ -2,7 +2,8 @@
 
 import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from harness.files.bounded import digest_of, read_text
@@ -21,6 +22,22 @@ def note_made(path: Path) -> None:
     told = {**read_sums(path.parent), path.name: digest_of(path)}
     there = {name: digest for name, digest in told.items() if (path.parent / name).is_file()}
     write_whole(path.parent / SUMS, _text_of(there))
+
+
+@contextmanager
+def making(path: Path) -> Iterator[None]:
+    """Within this a file is made in place of an earlier one; then `note_made`.
+
+    Killed at any moment, this leaves no digest of another file than the one that is there.
+
+    Raises:
+        OSError: The digests cannot be written.
+    """
+    told = read_sums(path.parent)
+    if told.pop(path.name, None) is not None:
+        write_whole(path.parent / SUMS, _text_of(told))
+    yield
+    note_made(path)
 
 
 def read_sums(folder: Path) -> dict[str, str]:

@@ -9,7 +9,6 @@ from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.files.bounded import read_text, reading
 from harness.metric import Metric
 from harness.record.cell import Cell
-from harness.record.floor import Floor, floors_in
 from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
@@ -19,6 +18,7 @@ from harness.registry.registry import Registry
 from harness.results.cell_results import CellResults
 from harness.results.combination import Group
 from harness.results.done_cells import DoneCells
+from harness.results.floors import Floors
 from harness.results.measured import Measured, Moment, Values, measure
 from harness.score.scored_runs import Payer
 
@@ -46,7 +46,6 @@ class Records:
         self.baseline = self.plan.baseline
         self.manifests = [self.store.examine(cell) for cell in self.plan.cells]
         self._measured: dict[str, Measured] = {}
-        self._floors: dict[str, Values] = {}
         self._moments: dict[str, tuple[Moment, ...]] = {}
         self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
         self._found: dict[str, CellResults] = {}
@@ -115,7 +114,7 @@ class Records:
     def measured(self, cell: Cell) -> Measured:
         """Every metric of a done cell."""
         if cell.id not in self._measured:
-            self._measured[cell.id] = self.of(cell).measured(self._floor(cell))
+            self._measured[cell.id] = self.of(cell).measured(self._floors.of(cell))
             self.of(cell).finish()
         return self._measured[cell.id]
 
@@ -151,19 +150,9 @@ class Records:
         """
         return self._curve(cells, lambda of: of.paid_by(payer))
 
-    def _floor(self, cell: Cell) -> Values:
-        """Every metric of random actions, which the cell evaluated, or one that shares simulator, task and robot."""
-        owner = cell if self.of(cell).has_floor else self._floor_owners.get(Floor.of(cell))
-        if owner is None:
-            return dict.fromkeys(self.metrics)
-        if owner.id not in self._floors:
-            self._floors[owner.id] = self.of(owner).floor()
-            self.of(owner).finish()
-        return self._floors[owner.id]
-
     @cached_property
-    def _floor_owners(self) -> dict[Floor, Cell]:
-        return floors_in(self.manifests, self.store)
+    def _floors(self) -> Floors:
+        return Floors(self.store, self._cells, self.manifests)
 
     def _curve(self, cells: Sequence[Cell], rewards: Callable[[CellResults], Float]) -> GroupCurve:
         """One run at a time is in memory."""

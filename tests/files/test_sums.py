@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.files.sums import SUMS, changed_since_made, note_made, read_sums
+from harness.files.sums import SUMS, changed_since_made, making, note_made, read_sums
 
 
 @pytest.fixture
@@ -55,3 +55,20 @@ def test_sha256sum_reads_it(folder: Path):
     """Who has no harness checks it all the same."""
     ended = subprocess.run(["sha256sum", "--check", SUMS], cwd=folder, capture_output=True, text=True, check=True)
     assert ended.stdout == "report.html: OK\nresults.parquet: OK\n"
+
+
+def test_made_in_place_of_an_earlier_one(folder: Path):
+    """Its digest is noted, the others stay."""
+    with making(folder / "report.html"):
+        (folder / "report.html").write_text("newer")
+    assert changed_since_made(folder) == []
+    assert read_sums(folder).keys() == {"report.html", "results.parquet"}
+
+
+def test_killed_while_a_file_is_made_there_is_no_digest_of_it(folder: Path):
+    """Neither the earlier file nor the newer one is said to be damaged."""
+    with making(folder / "report.html"):
+        assert changed_since_made(folder) == []
+        (folder / "report.html").write_text("newer")
+        assert changed_since_made(folder) == []
+        assert read_sums(folder).keys() == {"results.parquet"}

@@ -1,0 +1,81 @@
+"""``results.parquet`` while cells run: who reads it half-way finds the cells that have ended."""
+
+import math
+import time
+from collections.abc import Callable
+
+from harness.record.manifest import Manifest
+from harness.record.store import Store
+from harness.results.done_cells import DoneCells
+from harness.results.floors import Floors
+from harness.results.measured import Measured
+from harness.results.table import Row, row_of, write_table
+
+EVERY = 30.0
+"""Seconds from one table to the next, at least: with many cells each takes longer to write."""
+
+
+class TableSoFar:
+    """The table of an experiment in which cells end."""
+
+    def __init__(self, store: Store, cells: DoneCells, clock: Callable[[], float] = time.monotonic) -> None:
+        """Read nothing yet.
+
+        Args:
+            store: The experiment's folder.
+            cells: Measures those that are done.
+            clock: Tells seconds.
+        """
+        self._store, self._cells, self._clock = store, cells, clock
+        self._measured: dict[str, tuple[Manifest, Measured | None]] = {}
+        self._missing: dict[str, Manifest] = {}
+        self._due = -math.inf
+
+    def add(self, ended: Manifest) -> None:
+        """A cell has ended; the next table has it."""
+        self._missing[ended.cell.id] = ended
+
+    def refresh(self) -> None:
+        """Write the table, if the last one lacks a cell and is old enough.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        if self._clock() >= self._due:
+            self.write()
+
+    def write(self) -> None:
+        """Write the table, if the last one lacks a cell; see `refresh`."""
+        if not self._missing:
+            return
+        if self._can_be_read():
+            write_table(self._store.folder, self._rows(), self._cells.metrics)
+        self._due = self._clock() + EVERY
+
+    def _can_be_read(self) -> bool:
+        """Take in what has ended; whatever a plugin raises here, the report will meet and tell: the run goes on."""
+        try:
+            if not self._measured:
+                ended = {cell.id: self._store.examine(cell) for cell in self._store.read_plan().cells}
+                self._missing = {**ended, **self._missing}
+            self._measured |= {cell: (manifest, self._measure(manifest)) for cell, manifest in self._missing.items()}
+        except Exception:
+            return False
+        self._missing.clear()
+        return True
+
+    def _measure(self, manifest: Manifest) -> Measured | None:
+        """All but random actions: the cell that does them may not have ended."""
+        if manifest.status != "done":
+            return None
+        found = self._cells.of(manifest)
+        measured = found.measured({})
+        found.finish()
+        return measured
+
+    def _rows(self) -> list[Row]:
+        floors = Floors(self._store, self._cells, [manifest for manifest, _ in self._measured.values()])
+        return [
+            row_of(manifest, measured and measured._replace(random=floors.of(manifest.cell)), self._cells.metrics)
+            for manifest, measured in self._measured.values()
+        ]

@@ -1,0 +1,72 @@
+"""``results.parquet``: one row per cell, every metric of its policy and of random actions."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from harness.files.sums import making
+from harness.files.whole_file import whole_file
+from harness.record.manifest import Manifest
+from harness.record.store import RESULTS
+from harness.results.measured import Measured
+
+Row: TypeAlias = dict[str, Any]
+
+
+def row_of(manifest: Manifest, measured: Measured | None, metrics: Iterable[str]) -> Row:
+    """The row of a cell.
+
+    Args:
+        manifest: What the cell says of itself.
+        measured: What the metrics say of it; None where it is not done.
+        metrics: Their names.
+    """
+    names = list(metrics)
+    return {
+        **cell_to_json(manifest),
+        "robot": manifest.cell.robot,
+        "task": manifest.cell.task.label,
+        **{name: measured and measured.own[name] for name in names},
+        **{f"random_{name}": measured and measured.random[name] for name in names},
+    }
+
+
+def write_table(folder: Path, rows: Iterable[Row], metrics: Iterable[str]) -> Path:
+    """Write the table of an experiment in place of an earlier one; who reads finds either of them, whole.
+
+    Args:
+        folder: The experiment's.
+        rows: See `row_of`.
+        metrics: The names of all metrics.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    names = list(metrics)
+    table = pa.Table.from_pylist(list(rows))
+    for name in (prefix + name for prefix in ("", "random_") for name in names):
+        # a column without a value would have no type
+        table = table.set_column(table.schema.get_field_index(name), name, table.column(name).cast(pa.float64()))
+    path = folder / RESULTS
+    with making(path), whole_file(path) as partial:
+        pq.write_table(table, partial)
+    return path
+
+
+def cell_to_json(manifest: Manifest) -> Row:
+    """What is known of a cell, plain data."""
+    cell = manifest.cell
+    return {
+        "id": cell.id,
+        "simulator": cell.simulator.label,
+        "algorithm": cell.algorithm.label,
+        "reward": cell.reward.label,
+        "seed": cell.seed,
+        "status": manifest.status,
+        "reason": manifest.reason,
+        "seconds": manifest.seconds,
+        "steps": cell.steps,
+    }
