@@ -74,7 +74,8 @@ class TableSoFar:
         return measured
 
     def _rows(self) -> list[Row]:
-        floors = Floors(self._store, self._cells, [manifest for manifest, _ in self._measured.values()])
+        ended = {manifest.cell: manifest for manifest, _ in self._measured.values()}
+        floors = Floors(self._store, ended.values(), lambda cell: self._cells.of(ended[cell]))
         return [
             row_of(manifest, measured and measured._replace(random=floors.of(manifest.cell)), self._cells.metrics)
             for manifest, measured in self._measured.values()

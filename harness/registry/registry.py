@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint, entry_points
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import pluggy
 
@@ -149,12 +149,28 @@ def load_registry(found: Iterable[EntryPoint] | None = None) -> Registry:
     manager.add_hookspecs(Hooks)
     allowed = _allowed_plugins()
     candidates = entry_points(group=PROJECT) if found is None else found
+    origins: dict[object, Origin] = {}
     for point in sorted(candidates, key=lambda point: (point.name, point.value)):
+        # To ask a distribution for its name reads its metadata, each time; all plugins of one share the answer.
+        origin = origins.get(point.dist) or _origin_of(point)
+        if point.dist is not None:
+            origins[point.dist] = origin
         if allowed is not None and point.name not in allowed:
-            registry.plugins.append(_plugin(point, "off", "not named in HARNESS_PLUGINS"))
+            registry.plugins.append(_plugin(point, origin, "off", "not named in HARNESS_PLUGINS"))
             continue
-        _load_plugin(point, manager, registry)
+        _load_plugin(point, origin, manager, registry)
     return registry
+
+
+class Origin(NamedTuple):
+    """Where a plugin comes from."""
+
+    distribution: str
+    version: str
+
+
+def _origin_of(point: EntryPoint) -> Origin:
+    return Origin(point.dist.name, point.dist.version) if point.dist else Origin(point.module, "")
 
 
 def _allowed_plugins() -> set[str] | None:
@@ -162,25 +178,25 @@ def _allowed_plugins() -> set[str] | None:
     return None if value is None else {name.strip() for name in value.split(",")}
 
 
-def _load_plugin(point: EntryPoint, manager: pluggy.PluginManager, registry: Registry) -> None:
+def _load_plugin(point: EntryPoint, origin: Origin, manager: pluggy.PluginManager, registry: Registry) -> None:
     try:
         module = point.load()
     except (Exception, SystemExit) as error:  # whatever a stranger's module does at import, the others go on
-        registry.plugins.append(_plugin(point, "broken", one_line(error)))
+        registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
         return
     reason = _incompatibility(module, manager)
     if reason:
-        registry.plugins.append(_plugin(point, "incompatible", reason))
+        registry.plugins.append(_plugin(point, origin, "incompatible", reason))
         return
     try:
-        specs = _collect_specs(point, module, manager)
+        specs = _collect_specs(point, origin, module, manager)
     except (Exception, SystemExit) as error:  # the same for its hooks
-        registry.plugins.append(_plugin(point, "broken", one_line(error)))
+        registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
         return
     for spec in specs:
         registry.specs.setdefault((spec.kind, spec.name), []).append(spec)
     registered = tuple(f"{NOUNS[spec.kind]} {spec.name}" for spec in specs)
-    registry.plugins.append(_plugin(point, "ok", registered=registered))
+    registry.plugins.append(_plugin(point, origin, "ok", registered=registered))
 
 
 def _incompatibility(module: ModuleType, manager: pluggy.PluginManager) -> str:
@@ -204,18 +220,16 @@ def _incompatibility(module: ModuleType, manager: pluggy.PluginManager) -> str:
     return "" if callers else "implements no hook: mark its functions with @harness.hookimpl"
 
 
-def _collect_specs(point: EntryPoint, module: ModuleType, manager: pluggy.PluginManager) -> list[Spec]:
+def _collect_specs(point: EntryPoint, origin: Origin, module: ModuleType, manager: pluggy.PluginManager) -> list[Spec]:
     specs: list[Spec] = []
     others = [plugin for plugin in manager.get_plugins() if plugin is not module]
     for kind in KINDS:
         caller = manager.subset_hook_caller(f"register_{kind}", others)
-        caller(register=_register_into(specs, kind, point))
+        caller(register=_register_into(specs, kind, point.name, origin.distribution))
     return specs
 
 
-def _register_into(specs: list[Spec], kind: str, point: EntryPoint) -> Callable[..., None]:
-    distribution = point.dist.name if point.dist else point.module
-
+def _register_into(specs: list[Spec], kind: str, plugin: str, distribution: str) -> Callable[..., None]:
     def register(
         name: str, target: str, *, summary: str, requires: Iterable[str] = (), extra: str | None = None
     ) -> None:
@@ -225,14 +239,15 @@ def _register_into(specs: list[Spec], kind: str, point: EntryPoint) -> Callable[
             raise ValueError(f"register_{kind}: target {target!r} of '{name}' must be 'module:attribute'")
         if isinstance(requires, str):
             raise ValueError(f"register_{kind}: requires of '{name}' must be a list of modules, not a string")
-        specs.append(Spec(kind, name, target, summary, tuple(requires), extra, point.name, distribution))
+        specs.append(Spec(kind, name, target, summary, tuple(requires), extra, plugin, distribution))
 
     return register
 
 
-def _plugin(point: EntryPoint, status: str, reason: str = "", registered: tuple[str, ...] = ()) -> Plugin:
-    distribution, version = (point.dist.name, point.dist.version) if point.dist else (point.module, "")
-    return Plugin(point.name, distribution, version, point.module, status, reason, registered)
+def _plugin(
+    point: EntryPoint, origin: Origin, status: str, reason: str = "", registered: tuple[str, ...] = ()
+) -> Plugin:
+    return Plugin(point.name, origin.distribution, origin.version, point.module, status, reason, registered)
 
 
 def _is_installed(module: str) -> bool:

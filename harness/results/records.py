@@ -114,7 +114,7 @@ class Records:
     def measured(self, cell: Cell) -> Measured:
         """Every metric of a done cell."""
         if cell.id not in self._measured:
-            self._measured[cell.id] = self.of(cell).measured(self._floors.of(cell))
+            self._measured[cell.id] = self.of(cell).measured({**dict.fromkeys(self.metrics), **self._floors.of(cell)})
             self.of(cell).finish()
         return self._measured[cell.id]
 
@@ -152,7 +152,7 @@ class Records:
 
     @cached_property
     def _floors(self) -> Floors:
-        return Floors(self.store, self._cells, self.manifests)
+        return Floors(self.store, self.manifests, self.of)
 
     def _curve(self, cells: Sequence[Cell], rewards: Callable[[CellResults], Float]) -> GroupCurve:
         """One run at a time is in memory."""

@@ -30,7 +30,7 @@ def row_of(manifest: Manifest, measured: Measured | None, metrics: Iterable[str]
         "robot": manifest.cell.robot,
         "task": manifest.cell.task.label,
         **{name: measured and measured.own[name] for name in names},
-        **{f"random_{name}": measured and measured.random[name] for name in names},
+        **{f"random_{name}": measured and measured.random.get(name) for name in names},
     }
 
 

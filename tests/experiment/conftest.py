@@ -12,6 +12,7 @@ import pytest
 from harness.executor import CellOptions
 from harness.experiment.order import Order
 from harness.experiment.run_cell import TrainCell
+from harness.experiment.worker import DONE
 from harness.record.cell import Cell
 
 WORKER = [sys.executable, "-m", "harness.experiment.worker"]
@@ -27,7 +28,9 @@ def train_in_a_process() -> Callable[..., None]:
             worker.stdin.write(order.line() + "\n")
             worker.stdin.flush()
             for line in worker.stdout:
-                if until is not None and int(line) >= until:
+                if line.strip() == DONE:
+                    worker.stdin.close()
+                elif until is not None and int(line) >= until:
                     os.kill(worker.pid, signal.SIGKILL)
                     break
             worker.wait()
