@@ -33,7 +33,8 @@ class RunOptions:
             experiment goes on where an earlier run stopped.
         jobs: How many cells at once; by default as many as there are cores.
         executor: What runs the cells, with its settings: ``"processes"``, ``"mine:nodes=2"`` or a table.
-        checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none.
+        checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none; by
+            default one every ten minutes.
         tensorboard: Whether each cell leaves event files of scalars too, in its folder.
         curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
         wait: Whether to wait while another run is using the folder; else that is an error.
@@ -45,14 +46,14 @@ class RunOptions:
     out: str | Path | None = None
     jobs: int | None = None
     executor: str | Mapping[str, Any] = "processes"
-    checkpoint_every: int = 0
+    checkpoint_every: int | None = None
     tensorboard: bool = False
     curve: Kind = "accumulated"
     wait: bool = True
 
     def __post_init__(self) -> None:
         worker_count(self.jobs)
-        if self.checkpoint_every < 0:
+        if self.checkpoint_every is not None and self.checkpoint_every < 0:
             raise UsageError(f"checkpoint_every={self.checkpoint_every}: must be at least 1, or 0 for none")
         if self.curve not in KINDS:
             raise UsageError(f"curve='{self.curve}': there is {' and '.join(KINDS)}")
@@ -87,7 +88,7 @@ def run(
     out: str | Path | None = None,
     jobs: int | None = None,
     executor: str | Mapping[str, Any] = "processes",
-    checkpoint_every: int = 0,
+    checkpoint_every: int | None = None,
     tensorboard: bool = False,
     curve: Kind = "accumulated",
     wait: bool = True,
