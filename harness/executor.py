@@ -28,8 +28,8 @@ class CellOptions:
     """How a cell is run; nothing here changes its result.
 
     Attributes:
-        checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none. A
-            cell whose process is killed goes on from its last checkpoint.
+        checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none, None
+            for one every ten minutes. A cell whose process is killed goes on from its last checkpoint.
         tensorboard: Whether the cell leaves event files of scalars too.
         limits: What the cell may take.
         fresh: Whether the cell gets a process of its own, which did no other cell before.
@@ -37,7 +37,7 @@ class CellOptions:
             one cell of an experiment that has these does it for all.
     """
 
-    checkpoint_every: int = 0
+    checkpoint_every: int | None = None
     tensorboard: bool = False
     limits: Limits = Limits()
     fresh: bool = False

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Mask
+from harness.progress import TrainingState, as_state
 
 
 class EpisodeMeans:
@@ -22,6 +23,17 @@ class EpisodeMeans:
             self._returns += self._return[ended].tolist()
             self._lengths += self._length[ended].tolist()
             self._return[ended], self._length[ended] = 0.0, 0
+
+    def state(self) -> TrainingState:
+        """All that `restore` needs."""
+        return as_state(
+            {"return": self._return, "length": self._length, "returns": self._returns, "lengths": self._lengths}
+        )
+
+    def restore(self, state: TrainingState) -> None:
+        """Be where `state` was told."""
+        self._return[...], self._length[...] = state["return"], state["length"]
+        self._returns, self._lengths = state["returns"].tolist(), state["lengths"].tolist()
 
     def take(self) -> dict[str, float]:
         """Means over the episodes that ended since the last time, if any did, by Unity ML-Agents' names."""

@@ -16,21 +16,18 @@ TELL_EVERY, RESTART_EVERY = 100, 500
 
 
 def act_for(env: "ReachVectorEnv", steps: int, policy: Policy, seed: int, progress: Progress) -> None:
-    """Let `policy` draw actions for `steps` environment steps.
-
-    Now and then all envs start new episodes, so that a checkpoint is possible there.
-    """
-    rng, done = np.random.default_rng(seed), 0
-    state = progress.restored()
-    if state is not None:
+    """Let `policy` draw actions for `steps` environment steps; now and then all envs start new episodes."""
+    rng, state = np.random.default_rng(seed), progress.restored()
+    if state is None:
+        (observation, _), done, decisions = env.reset(), 0, 0
+    else:
         restore_generator(rng, state["rng"])
-        done = int(state["done"])
-    before, decisions = env.environment_steps - done, 0
+        observation, done, decisions = state["observation"], int(state["done"]), int(state["decisions"])
+    before = env.environment_steps - done
 
     def standing() -> TrainingState:
-        return as_state({"rng": pack_generator(rng), "done": done})
+        return as_state({"rng": pack_generator(rng), "observation": observation, "done": done, "decisions": decisions})
 
-    observation, _ = env.reset()
     while done < steps:
         observation, *_ = env.step(policy.act(observation, rng))
         done, decisions = env.environment_steps - before, decisions + 1
@@ -38,5 +35,5 @@ def act_for(env: "ReachVectorEnv", steps: int, policy: Policy, seed: int, progre
             progress(done)
             progress.policy(done, lambda: policy)
         if decisions % RESTART_EVERY == 0 and done < steps:
-            progress.checkpoint(done, standing)
             observation, _ = env.reset()
+        progress.checkpoint(done, standing)

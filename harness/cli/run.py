@@ -56,13 +56,13 @@ def run(
     ] = None,
     executor: ExecutorName = "processes",
     checkpoint_every: Annotated[
-        int,
+        int | None,
         typer.Option(
-            help="Steps from one checkpoint to the next; killed, a cell goes on there.",
-            show_default="no checkpoints",
+            help="Steps from one checkpoint to the next, 0 for none; killed, a cell goes on there.",
+            show_default="every ten minutes",
             metavar="N",
         ),
-    ] = 0,
+    ] = None,
     tensorboard: Annotated[
         bool, typer.Option("--tensorboard", help="Leave event files of scalars in each cell's folder too.")
     ] = False,

@@ -1,5 +1,6 @@
 """The environment: a simulator, a task and a reward as a Gymnasium vector env."""
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple, TypeAlias
 
 import gymnasium
@@ -9,14 +10,15 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Float32, Mask
 from harness.env.episodes import Episodes
+from harness.env.logged_simulation import LoggedSimulation
 from harness.env.random_streams import Seed, Streams
 from harness.errors import UsageError
 from harness.motion import Discrete, Move
-from harness.progress import TrainingState, as_state
+from harness.progress import TrainingState, as_state, prefixed, under
 from harness.record.trace import Recorder
-from harness.reward import Reward, replace_where
+from harness.reward import Carry, Reward, replace_where
 from harness.robot import Robot
-from harness.simulator import Simulator, State
+from harness.simulator import Simulation, Simulator, State
 from harness.task import Task
 
 Infos: TypeAlias = dict[str, Any]
@@ -56,7 +58,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
 
     _command: Float
     _command_speed: Float
-    _carry: Any
+    simulation: Simulation
+    _carry: Carry
     _active: Mask | None
     """Where episodes go on; None: in all envs."""
 
@@ -69,6 +72,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         num_envs: int = 1,
         recorder: Recorder | None = None,
         autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
+        resumable: bool = False,
     ) -> None:
         """Open the simulator.
 
@@ -81,6 +85,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             recorder: Gets one row per env and environment step, and one per episode start.
             autoreset_mode: SAME_STEP starts the next episode in the step that ends one; DISABLED leaves it to
                 `reset` with the option ``reset_mask``.
+            resumable: Whether `state` can be asked for: what the arms are told in an episode is kept then.
         """
         if autoreset_mode is AutoresetMode.NEXT_STEP:
             raise UsageError("autoreset_mode NEXT_STEP is not offered: take SAME_STEP or DISABLED")
@@ -96,7 +101,10 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._define_spaces()
         self._allocate()
         self._streams = Streams(task, robot, num_envs, None)
-        self.simulation = simulator.open(robot, num_envs, task.control_period)
+        self.simulation = simulation = simulator.open(robot, num_envs, task.control_period)
+        self._log: LoggedSimulation | None = None
+        if resumable:
+            self.simulation = self._log = LoggedSimulation(simulation, robot, num_envs)
 
     def reset(self, *, seed: Seed = None, options: dict[str, Any] | None = None) -> tuple[Float32, Infos]:
         """Start new episodes in all envs, or in those of the option ``reset_mask``, (num_envs,) of bool.
@@ -148,16 +156,50 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             rest(mask)
 
     def state(self) -> TrainingState:
-        """What goes on from episode to episode, by name: the random streams and the counters."""
-        numbers = {"environment_steps": self.environment_steps, "episode": self.episodes.episode.copy()}
-        return as_state({**numbers, "started": self._started.copy(), "streams": self._streams.pack()})
+        """All that `restore` needs, between two steps.
+
+        Raises:
+            UsageError: The env was opened without ``resumable=True``.
+        """
+        episodes, carry = self.episodes, dict(_leaves(self._carry))
+        own = {
+            "environment_steps": self.environment_steps,
+            "streams": self._streams.pack(),
+            "matrix": episodes.matrix.copy(),
+            "previous_distance": episodes.sample.previous_distance.copy(),
+            "command": self._command.copy(),
+            "command_speed": self._command_speed.copy(),
+            "inside": self._inside.copy(),
+            "until_horizon": self._until_horizon,
+            "starting": self._starting,
+            "events": self._events,
+            "started": self._started.copy(),
+        }
+        return {**as_state({**own, **prefixed("carry", carry)}), **prefixed("simulation.", self._resumable().state())}
 
     def restore(self, state: TrainingState) -> None:
-        """Go on where an env of the same kind stood; the next thing to do is to reset all envs."""
+        """Stand where an env of the same kind stood when it told its `state`, in the middle of episodes too.
+
+        Raises:
+            UsageError: The env was opened without ``resumable=True``.
+            SchemaError: The simulator does not bring the arms where they stood. The env has to be reset with a seed.
+        """
+        self._resumable().restore(under("simulation.", state))
         self.environment_steps = int(state["environment_steps"])
-        self.episodes.episode[...] = state["episode"]
-        self._started[...] = state["started"]
         self._streams.unpack(state["streams"])
+        episodes = self.episodes
+        episodes.matrix[...] = state["matrix"]
+        episodes.sample.previous_distance[...] = state["previous_distance"]
+        self._command, self._command_speed = state["command"].copy(), state["command_speed"].copy()
+        self._inside, self._started = state["inside"].copy(), state["started"].copy()
+        self._until_horizon = int(state["until_horizon"])
+        self._starting, self._events = bool(state["starting"]), bool(state["events"])
+        self._carry = _filled(self.reward.initial_carry(episodes.begin_distance.copy()), state, "carry")
+
+    def _resumable(self) -> LoggedSimulation:
+        if self._log is None:
+            raise UsageError("This env does not keep what its arms are told: open it with resumable=True")
+        return self._log
 
     def render(self) -> tuple[NDArray[np.uint8], ...]:
         """One RGB frame of every env, each (480, 640, 3)."""
@@ -348,3 +390,19 @@ def _reset_mask(options: dict[str, Any], num_envs: int) -> Mask:
     if mask.shape != (num_envs,) or mask.dtype != bool:
         raise UsageError(f"The option reset_mask is {mask.dtype} of shape {mask.shape}: give bool of ({num_envs},)")
     return mask
+
+
+def _leaves(carry: Carry, name: str = "") -> Iterator[tuple[str, Any]]:
+    """The arrays of a reward's carry, by where they stand in it."""
+    if isinstance(carry, tuple):
+        for index, part in enumerate(carry):
+            yield from _leaves(part, f"{name}.{index}")
+    elif carry is not None:
+        yield name, np.array(carry)
+
+
+def _filled(fresh: Carry, state: TrainingState, name: str) -> Carry:
+    """A carry of the form of `fresh` with the arrays that `_leaves` gave."""
+    if isinstance(fresh, tuple):
+        return tuple(_filled(part, state, f"{name}.{index}") for index, part in enumerate(fresh))
+    return state[name].copy()

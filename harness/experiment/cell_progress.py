@@ -1,11 +1,12 @@
 """What becomes of a cell's progress."""
 
+import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from harness.experiment.attempt import Attempt
 from harness.experiment.cell_evaluations import CellEvaluations
-from harness.experiment.checkpoint import Checkpoint
+from harness.experiment.checkpoint import Checkpoint, store
 from harness.experiment.event_log import EventLog
 from harness.experiment.order import Report
 from harness.experiment.trace_parts import TraceParts
@@ -14,6 +15,9 @@ from harness.progress import Progress, TrainingState
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
     from harness.policy import Policy
+
+SECONDS = 600.0
+"""From one checkpoint to the next, where nobody says how many steps."""
 
 
 class CellProgress(Progress):
@@ -28,21 +32,20 @@ class CellProgress(Progress):
         evaluations: CellEvaluations,
         events: EventLog,
     ) -> None:
-        """Put `env` where the attempt goes on, if it does.
+        """Begin to count.
 
         Args:
             report: Told the steps.
             attempt: What the training starts with, and how often it leaves a checkpoint.
-            env: Where it takes place.
-            parts: Its trace.
+            env: Where it takes place; it stands where the attempt begins.
+            parts: Its trace, which the env records.
             evaluations: Of its policy.
             events: Get the scalars.
         """
         self._report, self._attempt, self._env, self._parts = report, attempt, env, parts
         self._evaluations, self._events = evaluations, events
-        self._last = attempt.begun_from
-        if attempt.checkpoint:
-            env.restore(attempt.checkpoint.env)
+        self._last, self._since = attempt.begun_from, time.perf_counter()
+        self._rings = attempt.checkpoint.rings if attempt.checkpoint else {}
 
     def __call__(self, steps: int) -> None:
         """See `harness.progress.Progress`."""
@@ -59,14 +62,23 @@ class CellProgress(Progress):
     def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
         """See `harness.progress.Progress`."""
         attempt = self._attempt
-        if not attempt.every or steps - self._last < attempt.every:
+        if not self._is_due(steps):
             return
-        self._env.recorder = self._parts.cut()
+        self._parts.cut()
+        stored = store(attempt.folder, make(), self._rings)
         digests, seconds = tuple(self._parts.digests), attempt.seconds - self._evaluations.seconds
-        Checkpoint(steps, attempt.origin, make(), self._env.state(), digests, seconds).write(attempt.folder)
-        self._last = steps
+        Checkpoint(steps, attempt.origin, env=self._env.state(), parts=digests, seconds=seconds, **stored).write(
+            attempt.folder
+        )
+        self._last, self._since, self._rings = steps, time.perf_counter(), stored["rings"]
 
     def restored(self) -> TrainingState | None:
         """See `harness.progress.Progress`."""
         checkpoint = self._attempt.checkpoint
-        return checkpoint.algorithm if checkpoint else None
+        return checkpoint.restored(self._attempt.folder) if checkpoint else None
+
+    def _is_due(self, steps: int) -> bool:
+        every = self._attempt.every
+        if every is None:
+            return time.perf_counter() - self._since >= SECONDS
+        return 0 < every <= steps - self._last

@@ -1,15 +1,16 @@
 """Where a training that was killed goes on: one file in the partial folder of its cell, replaced by the next one.
 
 ``checkpoint.safetensors`` holds arrays and, as text, a JSON object. Reading it runs no code. With the finished parts of
-the trace (`harness.experiment.trace_parts`) it is all that the rest of the training depends on: what the algorithm says
-that it needs, and of the env the random streams and the counters. It holds no physics: a checkpoint is made where all
-envs are about to start new episodes.
+the trace (`harness.experiment.trace_parts`) and the rows of replay buffers (`harness.experiment.stored_rings`), which
+stand in files of their own and only grow, it is all that the rest of the training depends on: what the algorithm says
+that it needs, and the state of the env. Of the physics it holds what the arms were told since their last resets: that
+is done again (`harness.env.logged_simulation`).
 """
 
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +19,13 @@ import safetensors
 import safetensors.numpy
 
 from harness.errors import SchemaError
+from harness.experiment.stored_rings import StoredRing, discard_rings, read_ring, require_rings, store_ring
 from harness.experiment.trace_parts import require_parts
 from harness.files.whole_file import write_whole
-from harness.progress import TrainingState
+from harness.progress import Ring, TrainingState, prefixed, under
 from harness.record.folder import CHECKPOINT, TRACE
 
-FORMAT = 1
+FORMAT = 2
 ABOUT = "harness.checkpoint"
 ALGORITHM, ENV = "algorithm/", "env/"
 
@@ -35,8 +37,9 @@ class Checkpoint:
     Attributes:
         steps: Environment steps that were done.
         origin: The cell, and what it ran on: it goes on only where these are the same.
-        algorithm: What the algorithm needs to go on.
+        algorithm: What the algorithm needs to go on, but for its rings.
         env: What the env needs.
+        rings: Where the algorithm's rings are, by name.
         parts: SHA-256 of each finished part of the trace.
         seconds: What the training took so far.
     """
@@ -45,6 +48,7 @@ class Checkpoint:
     origin: Mapping[str, Any]
     algorithm: TrainingState
     env: TrainingState
+    rings: Mapping[str, StoredRing] = field(default_factory=dict)
     parts: tuple[str, ...] = ()
     seconds: float = 0.0
 
@@ -55,15 +59,38 @@ class Checkpoint:
             "format": FORMAT,
             "steps": self.steps,
             "origin": self.origin,
+            "rings": {name: asdict(ring) for name, ring in self.rings.items()},
             "parts": self.parts,
             "seconds": self.seconds,
-            "digest": _digest(arrays),
         }
-        write_whole(folder / CHECKPOINT, safetensors.numpy.save(arrays, {ABOUT: json.dumps(about)}))
+        text = json.dumps({**about, "digest": _digest(about, arrays)})
+        write_whole(folder / CHECKPOINT, safetensors.numpy.save(arrays, {ABOUT: text}))
+        discard_rings(folder, but=self.rings.values())
 
-    def _arrays(self) -> dict[str, Any]:
-        groups = ((ALGORITHM, self.algorithm), (ENV, self.env))
-        return {f"{prefix}{name}": array for prefix, state in groups for name, array in state.items()}
+    def restored(self, folder: Path) -> TrainingState:
+        """What the algorithm needs, with its rings, which are read from `folder`."""
+        return {**self.algorithm, **{name: read_ring(folder, ring) for name, ring in self.rings.items()}}
+
+    def _arrays(self) -> TrainingState:
+        return {**prefixed(ALGORITHM, self.algorithm), **prefixed(ENV, self.env)}
+
+
+def store(folder: Path, state: TrainingState, before: Mapping[str, StoredRing]) -> dict[str, Any]:
+    """Put what an algorithm needs to go on to where a `Checkpoint` names it.
+
+    Args:
+        folder: The partial folder of its cell.
+        state: What it needs.
+        before: Where the rings of the last checkpoint are.
+
+    Returns:
+        The fields `algorithm` and `rings` of the checkpoint.
+    """
+    arrays = {name: value for name, value in state.items() if not isinstance(value, Ring)}
+    rings = {
+        name: store_ring(folder, name, ring, before.get(name)) for name, ring in state.items() if isinstance(ring, Ring)
+    }
+    return {"algorithm": arrays, "rings": rings}
 
 
 def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:
@@ -80,27 +107,25 @@ def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:
         with safetensors.safe_open(folder / CHECKPOINT, framework="numpy") as file:
             about = json.loads(file.metadata()[ABOUT])
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (it is no mapping)
-        if about["format"] > FORMAT:
-            raise SchemaError(f"it has format {about['format']}, this version reads up to {FORMAT}")
-        if about["digest"] != _digest(arrays):
-            raise SchemaError("its arrays are damaged")
+        if about["format"] != FORMAT:
+            raise SchemaError(f"it has format {about['format']}, this version reads {FORMAT}")
+        if about.pop("digest") != _digest(about, arrays):
+            raise SchemaError("it is damaged")
         # Through JSON, as what it is compared with went.
         if about["origin"] != json.loads(json.dumps(origin)):
             raise SchemaError("the sources, the versions or the commit have changed since")
+        rings = {name: StoredRing.from_json(ring) for name, ring in about["rings"].items()}
         require_parts(folder / TRACE, about["parts"])
-        algorithm, env = (_under(arrays, prefix) for prefix in (ALGORITHM, ENV))
-        return Checkpoint(about["steps"], origin, algorithm, env, tuple(about["parts"]), about["seconds"])
+        require_rings(folder, rings.values())
+        algorithm, env = (under(prefix, arrays) for prefix in (ALGORITHM, ENV))
+        return Checkpoint(about["steps"], origin, algorithm, env, rings, tuple(about["parts"]), about["seconds"])
     except (OSError, ValueError, KeyError, TypeError, safetensors.SafetensorError) as error:
         raise SchemaError(f"it cannot be read: {error!r}") from error
 
 
-def _under(arrays: Mapping[str, Any], prefix: str) -> TrainingState:
-    return {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
-
-
-def _digest(arrays: Mapping[str, Any]) -> str:
-    """SHA-256 of all arrays and their names: a flipped bit is no other training."""
-    digest = hashlib.sha256()
+def _digest(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> str:
+    """SHA-256 of all that a checkpoint holds: a flipped bit is no other training."""
+    digest = hashlib.sha256(json.dumps(about, sort_keys=True).encode())
     for name in sorted(arrays):
         array = arrays[name]
         digest.update(f"{name} {array.dtype} {array.shape}".encode())

@@ -48,7 +48,8 @@ class RunOptions:
             experiment goes on where an earlier run stopped.
         jobs: How many cells at once; by default as many as there are cores.
         executor: What runs the cells, with its settings: ``"processes"``, ``"mine:nodes=2"`` or a table.
-        checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none.
+        checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none; by
+            default one every ten minutes.
         tensorboard: Whether each cell leaves event files of scalars too, in its folder.
         curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
         wait: Whether to wait while another run is using the folder; else that is an error.
@@ -70,7 +71,7 @@ class RunOptions:
     out: str | Path | None = None
     jobs: int | None = None
     executor: str | Mapping[str, Any] = "processes"
-    checkpoint_every: int = 0
+    checkpoint_every: int | None = None
     tensorboard: bool = False
     curve: Kind = "accumulated"
     wait: bool = True
@@ -87,8 +88,9 @@ class RunOptions:
     def __post_init__(self) -> None:
         worker_count(self.jobs)
         for name, none in ZERO_FOR.items():
-            if not 0 <= getattr(self, name) < math.inf:
-                raise UsageError(f"{name}={getattr(self, name)}: must be a number above 0, or 0 for {none}")
+            given = getattr(self, name)
+            if given is not None and not 0 <= given < math.inf:
+                raise UsageError(f"{name}={given}: must be a number above 0, or 0 for {none}")
         if self.limit is not None and self.limit < 1:
             raise UsageError(f"limit={self.limit}: must be at least 1")
         if self.curve not in KINDS:

@@ -1,6 +1,7 @@
 """Train and evaluate one cell: the only place that does. It needs the cell and a folder, nothing else."""
 
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -8,7 +9,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from harness.algorithm import Algorithm
-from harness.env.make import World, build_world
+from harness.env import ReachVectorEnv
+from harness.env.make import build_world
 from harness.executor import CellOptions
 from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.cell_evaluations import CellEvaluations
@@ -18,6 +20,7 @@ from harness.experiment.evaluate import facts_of
 from harness.experiment.event_log import EventLog
 from harness.experiment.order import Report
 from harness.experiment.provenance import describe_environment
+from harness.experiment.stored_rings import discard_rings
 from harness.experiment.trace_parts import TraceParts, discard_parts
 from harness.experiment.watch import UNWATCHED, Watch
 from harness.policy import Policy
@@ -37,7 +40,7 @@ def run_cell(
 
     The folder is written beside its final name and renamed when complete. What a plugin raises ends up in the
     manifest, as the reason of a failed cell, and in the log. If this process is killed, the next call goes on from the
-    last checkpoint, where the options ask for checkpoints.
+    last checkpoint, if it left one.
 
     Args:
         cell: What to do.
@@ -51,6 +54,7 @@ def run_cell(
             _Run(cell, load_registry(), report, options, watch).leave(draft)
         finally:
             (draft.partial / CHECKPOINT).unlink(missing_ok=True)
+            discard_rings(draft.partial)
             discard_parts(draft.partial / TRACE)
     return draft.record
 
@@ -95,28 +99,37 @@ class _Run:
         environment = describe_environment(cell, robot, registry)
         draft.note(environment=environment)
         world = build_world(cell, robot, registry)
-        attempt = begin_attempt(cell, draft.partial, environment, self.options.checkpoint_every)
-        draft.note(resumed_from=attempt.begun_from, note=attempt.note)
-        with EventLog(draft.partial / TENSORBOARD if self.options.tensorboard else None) as events:
-            evaluations = CellEvaluations(cell, world, registry, attempt, events)
-            policy = self._train(world, attempt, evaluations, events)
-            draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
-            policy.save(draft.partial / POLICY, cell.to_json())
-            self.watch.enter("evaluation")
-            evaluations.finish(policy, self.options.floor)
-            self.watch.enter("saving")
+        algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
+        with closing(world.open(algorithm.num_envs, resumable=True)) as env:
+            attempt = begin_attempt(cell, draft.partial, environment, self.options.checkpoint_every, env.restore)
+            draft.note(resumed_from=attempt.begun_from, note=attempt.note)
+            with EventLog(draft.partial / TENSORBOARD if self.options.tensorboard else None) as events:
+                evaluations = CellEvaluations(cell, world, registry, attempt, events)
+                policy = self._train(algorithm, env, attempt, evaluations, events)
+                draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
+                policy.save(draft.partial / POLICY, cell.to_json())
+                self.watch.enter("evaluation")
+                evaluations.finish(policy, self.options.floor)
+                self.watch.enter("saving")
 
-    def _train(self, world: World, attempt: Attempt, evaluations: CellEvaluations, events: EventLog) -> Policy:
+    def _train(
+        self,
+        algorithm: Algorithm,
+        env: ReachVectorEnv,
+        attempt: Attempt,
+        evaluations: CellEvaluations,
+        events: EventLog,
+    ) -> Policy:
+        """Train on `env`, which stands where the attempt begins, and close it."""
         cell, watch = self.cell, self.watch
-        algorithm: Algorithm = cell.algorithm.build(self.registry, "algorithms")
         env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
-        env = world.open(algorithm.num_envs)
         try:
             with TraceParts(
-                attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], facts_of(world.task), attempt.parts
+                attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], facts_of(env.task), attempt.parts
             ) as parts:
-                env.recorder = parts.recorder
-                env.reset(seed=env_seed)
+                env.recorder = parts
+                if attempt.checkpoint is None:
+                    env.reset(seed=env_seed)
                 progress = CellProgress(self.report, attempt, env, parts, evaluations, events)
                 watch.follow(env)
                 policy = algorithm.train(env, cell.steps, algorithm_seed, progress)

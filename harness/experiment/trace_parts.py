@@ -1,24 +1,26 @@
 """A trace that is written in parts, so that a training that is killed can go on behind the last finished one."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.errors import SchemaError
 from harness.files.bounded import digest_of
+from harness.files.whole_file import sync
 from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import FACTS_KEY, TraceWriter
+from harness.record.trace import FACTS_KEY, Rows, TraceWriter
 
 
 class TraceParts:
-    """Files ``trace.0``, ``trace.1``, ... beside the trace that becomes of them; one is being written.
+    """A `Recorder` into files ``trace.0``, ``trace.1``, ... beside the trace that becomes of them.
 
-    A Parquet file cannot be read before it is finished, and takes no rows afterwards.
+    One of them is being written. A Parquet file cannot be read before it is finished, and takes no rows afterwards. The
+    trace is the same file, byte for byte, in however many parts it was written.
 
     Attributes:
-        recorder: Writes the present part.
         digests: SHA-256 of each finished part.
     """
 
@@ -37,14 +39,18 @@ class TraceParts:
         self._path, self._dof, self._action_size, self._facts = path, dof, action_size, facts
         self.digests = list(digests)
         discard_parts(path, len(digests))
-        self.recorder = self._open()
+        self._writer = self._open()
 
-    def cut(self) -> TraceWriter:
-        """Finish the present part and begin the next one; returns the recorder of that."""
-        self.recorder.close()
+    def append(self, rows: Rows) -> None:
+        """See `harness.record.trace.Recorder`."""
+        self._writer.append(rows)
+
+    def cut(self) -> None:
+        """Finish the present part, on the disk too, and begin the next one."""
+        self._writer.close()
+        sync(self._present)
         self.digests.append(digest_of(self._present))
-        self.recorder = self._open()
-        return self.recorder
+        self._writer = self._open()
 
     def __enter__(self) -> "TraceParts":
         return self
@@ -54,7 +60,7 @@ class TraceParts:
     ) -> None:
         """Make one trace of the parts, a failed training's too; parts that a checkpoint may name stay."""
         try:
-            self.recorder.close()
+            self._writer.close()
         finally:
             self._merge()
 
@@ -70,12 +76,24 @@ class TraceParts:
         if len(parts) == 1:
             parts[0].replace(self._path)
             return
-        with pq.ParquetWriter(self._path, self.recorder.schema, compression="zstd") as file:
-            for part in parts:
-                with pq.ParquetFile(part) as rows:
-                    for group in range(rows.num_row_groups):
-                        file.write_table(rows.read_row_group(group))
+        with pq.ParquetWriter(self._path, self._writer.schema, compression="zstd") as file:
+            for block in _blocks(parts, self._writer.schema):
+                file.write_table(block)
             file.add_key_value_metadata({FACTS_KEY: self._facts.to_bytes()})
+
+
+def _blocks(parts: Sequence[Path], schema: pa.Schema) -> Iterator[pa.Table]:
+    """The rows of all parts in blocks as large as a writer makes them."""
+    waiting = schema.empty_table()
+    for part in parts:
+        with pq.ParquetFile(part) as rows:
+            for group in range(rows.num_row_groups):
+                waiting = pa.concat_tables([waiting, rows.read_row_group(group).cast(schema)])
+                while len(waiting) >= TraceWriter.BLOCK:
+                    yield waiting.slice(0, TraceWriter.BLOCK).combine_chunks()
+                    waiting = waiting.slice(TraceWriter.BLOCK)
+    if len(waiting):
+        yield waiting.combine_chunks()
 
 
 def part_of(path: Path, number: int) -> Path:

@@ -119,10 +119,12 @@ class TraceWriter:
     def append(self, rows: Rows) -> None:
         """Copy a batch of rows, (n, width)."""
         end = self._filled + len(rows)
-        if end > self.BLOCK:
+        while end > self.BLOCK:  # blocks are full, however the rows come: a file is that of its rows alone
+            room = self.BLOCK - self._filled
+            self._block[self._filled :] = rows[:room]
+            self._filled = self.BLOCK
             self._flush()
-            self._append_large(rows)
-            return
+            rows, end = rows[room:], len(rows) - room
         self._block[self._filled : end] = rows
         self._filled = end
 
@@ -145,14 +147,6 @@ class TraceWriter:
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
         self.close()
-
-    def _append_large(self, rows: Rows) -> None:
-        for start in range(0, len(rows), self.BLOCK):
-            part = rows[start : start + self.BLOCK]
-            self._block[: len(part)] = part
-            self._filled = len(part)
-            if self._filled == self.BLOCK:
-                self._flush()
 
     def _flush(self) -> None:
         rows = self._block[: self._filled]

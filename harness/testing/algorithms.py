@@ -14,10 +14,13 @@ import numpy as np
 
 from harness.algorithm import Algorithm, learns
 from harness.policy import Policy, load_policy
+from harness.testing.checkpoints import differences, train_with_checkpoints
 from harness.testing.trainings import in_several_envs, mean_return, observations, steps_for, train, trainings
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
 
 FEW, MANY = 200, 1000
+LONGER, EVERY = 336, 120
+"""Of a training with checkpoints, and from one to the next."""
 MIN_RISE = 5.0
 """Of the mean return, [m]: 20 steps on the way instead of away from it bring several times as much."""
 
@@ -143,6 +146,30 @@ def the_policy_comes_back_from_its_folder(algorithm: Algorithm) -> None:
     require(np.array_equal(policy.act(seen), loaded.act(seen)), "the loaded policy acts otherwise")
 
 
+def checkpoints_change_nothing(algorithm: Algorithm) -> None:
+    """A training that leaves checkpoints does the same steps as one that leaves none, and gives the same weights."""
+    with tempfile.TemporaryDirectory() as folder:
+        without = train_with_checkpoints(algorithm, LONGER, 2 * LONGER, Path(folder) / "without")
+        left = train_with_checkpoints(algorithm, LONGER, EVERY, Path(folder) / "with")
+    difference = differences(without, left)
+    require(not difference, f"a training that leaves checkpoints {difference}: making one changes something")
+
+
+def a_training_goes_on_where_it_stood(algorithm: Algorithm) -> None:
+    """A training that goes on from a checkpoint in a new process does what the one that left it did then, bit for bit.
+
+    And so does one that goes on from a checkpoint of that. Of an algorithm that leaves no checkpoints nothing is asked.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        last = whole = train_with_checkpoints(algorithm, LONGER, EVERY, Path(folder) / "whole")
+        for left in whole.left:
+            np.random.random(7)
+            last = train_with_checkpoints(algorithm, LONGER, EVERY, Path(folder) / f"from-{left.steps}", last.left[0])
+            difference = differences(whole, last, left)
+            where = f"went on from the checkpoint after {left.steps} steps"
+            require(not difference, f"a training that {where} {difference}: something is not in the checkpoint")
+
+
 ALGORITHM_CHECKS = (
     settings_are_frozen,
     settings_survive_json,
@@ -159,6 +186,8 @@ ALGORITHM_CHECKS = (
     every_env_counts,
     what_learns_nothing_says_so,
     the_policy_comes_back_from_its_folder,
+    checkpoints_change_nothing,
+    a_training_goes_on_where_it_stood,
 )
 
 

@@ -41,11 +41,17 @@ def drive_out_and_back(simulation: Simulation, robot: Robot, num_envs: int = NUM
 
 def dive_into_the_ground(simulation: Simulation, robot: Robot) -> list[State]:
     """Start at home and go straight, in joint space, to 10 cm below the ground; one state per period."""
-    goal = _pose_below_the_ground(robot)
-    way = goal - start_at_home(simulation, robot).qpos
+    way, num_envs = way_into_the_ground(robot), len(start_at_home(simulation, robot).qpos)
+    return [copied(simulation.drive(np.tile(qpos, (num_envs, 1)), PERIOD)) for qpos in way]
+
+
+def way_into_the_ground(robot: Robot) -> Float:
+    """Joint positions from home, straight in joint space, to 10 cm below the ground, (periods, dof)."""
+    (way,) = _pose_below_the_ground(robot) - robot.home
     periods = int(np.ceil((np.abs(way) / (0.5 * robot.max_speed * PERIOD)).max()))
     shares = np.arange(1, periods + 1) / periods
-    return [copied(simulation.drive(robot.home + share * way, PERIOD)) for share in shares]
+    positions: Float = robot.home + shares[:, None] * way
+    return positions
 
 
 def _pose_below_the_ground(robot: Robot) -> Float:

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.env.logged_simulation import LoggedSimulation
 from harness.errors import UsageError
+from harness.progress import TrainingState
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.simulator import Simulation, Simulator, State
@@ -23,6 +25,7 @@ from harness.testing.simulations import (
     same,
     start_at_home,
     turns,
+    way_into_the_ground,
 )
 from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -35,6 +38,10 @@ MAX_PLACEMENT_ERROR = 1e-6
 MAX_SPEED_ERROR = 0.05
 """Of a joint in steady motion, as a fraction of its speed."""
 SMALL_MOVE = np.radians(0.3)
+RESETS = {1: (0,), 3: (1,), 4: (0,)}
+"""Which envs are reset again, after so many periods, while the others go on."""
+BACK = 5
+"""Periods that they move on for, later."""
 TARGET = np.array([0.6, 0.2, 0.5])
 """Of the frames, [m]."""
 
@@ -194,6 +201,18 @@ def reset_forgets_what_was_before(simulator: Simulator, robot: Robot) -> None:
     require(same(fresh, again), "after a reset the arm moves otherwise than when it was new")
 
 
+def the_same_way_leads_to_the_same_place(simulator: Simulator, robot: Robot) -> None:
+    """What is told again what it was told since its last reset stands where it stood, bit for bit, and goes on alike.
+
+    Whatever came before that reset, and whenever other envs were reset; touching the ground, too. Trainings that were
+    killed go on from checkpoints that hold no more of the physics.
+    """
+    stood, went_on = _goes_on(simulator, robot, None)
+    if not same(went_on, _goes_on(simulator, robot, None)[1]):
+        return  # it does not even do the same in the same run: another check says so
+    require(same(went_on, _goes_on(simulator, robot, stood)[1]), "an arm that stands where it stood moves otherwise")
+
+
 def an_env_in_a_batch_is_as_one_alone(simulator: Simulator, robot: Robot) -> None:
     """Each env of a batch tells the states, bit for bit, that an env alone tells for the same calls."""
     batch, alone = _driven_alike(simulator, robot, NUM_ENVS), _driven_alike(simulator, robot, 1)
@@ -257,6 +276,7 @@ SIMULATOR_CHECKS = (
     arguments_are_copied,
     same_calls_give_same_states,
     reset_forgets_what_was_before,
+    the_same_way_leads_to_the_same_place,
     an_env_in_a_batch_is_as_one_alone,
     envs_do_not_touch_one_another,
     render_gives_a_frame_or_says_why_not,
@@ -269,6 +289,36 @@ def _require_there_at_rest(state: State, qpos: Float) -> None:
     error = np.abs(state.qpos - qpos).max()
     require(error < MAX_PLACEMENT_ERROR, f"the joints are {error:.2g} rad from where they were put")
     require((state.qvel == 0.0).all(), f"the joints are not at rest: {state.qvel} rad/s")
+
+
+def _goes_on(simulator: Simulator, robot: Robot, stood: TrainingState | None) -> tuple[TrainingState, list[State]]:
+    """Where the arms stand when one has got into the ground, or where they `stood`; and their states from then on."""
+    home, targets = np.tile(robot.home, (NUM_ENVS, 1)), _into_the_ground_and_back(robot)
+    with opened(simulator, robot) as simulation:
+        log = LoggedSimulation(simulation, robot, NUM_ENVS)
+        if stood is None:
+            log.reset(home, np.ones(NUM_ENVS, bool))
+            for period, qpos in enumerate(targets[:-BACK]):
+                log.drive(qpos, PERIOD)
+                for env in RESETS.get(period, ()):
+                    log.reset(home, np.arange(NUM_ENVS) == env)
+            stood = log.state()
+        else:
+            log.restore(stood)
+        return stood, [copied(log.drive(qpos, PERIOD)) for qpos in targets[-BACK:]]
+
+
+def _into_the_ground_and_back(robot: Robot) -> list[Float]:
+    """Joint targets of envs some of which are at home again after some periods, see `RESETS`."""
+    way, done, targets = way_into_the_ground(robot), np.zeros(NUM_ENVS, int), []
+    for period in range(len(way)):
+        targets.append(way[done])
+        done += 1
+        done[list(RESETS.get(period, ()))] = 0
+    for _ in range(BACK):
+        done = np.maximum(done - 1, 0)
+        targets.append(way[done])
+    return targets
 
 
 def _driven_alike(simulator: Simulator, robot: Robot, num_envs: int) -> list[State]:

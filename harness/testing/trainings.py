@@ -56,7 +56,7 @@ class WatchedEnv(ReachVectorEnv):
 
     def __init__(self, num_envs: int, space: ActionSpace = "continuous") -> None:
         task = replace(EASY, action=MODES[space])
-        super().__init__(IdealSimulator(), easy_robot(), task, NegativeDistance(), num_envs)
+        super().__init__(IdealSimulator(), easy_robot(), task, NegativeDistance(), num_envs, resumable=True)
         self.space = space
         self.bonus = np.zeros(num_envs)
         self.steps = 0

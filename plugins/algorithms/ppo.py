@@ -12,6 +12,7 @@ from harness.policy import Policy
 from harness.progress import Progress
 
 from ..hyperparameters import Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
+from ..sb3 import SOURCES
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -78,7 +79,7 @@ class Ppo:
     activation: Activation = "tanh"
     num_envs: NumEnvs = 1
 
-    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
+    sources: ClassVar[tuple[str, ...]] = SOURCES
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous", "discrete"})
 
     @classmethod

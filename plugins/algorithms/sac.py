@@ -7,6 +7,7 @@ from pydantic.dataclasses import dataclass
 from harness.policy import Policy
 from harness.progress import Progress
 
+from ..sb3 import SOURCES
 from ..soft_actor_critic import SoftActorCritic
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 class Sac(SoftActorCritic):
     """stable-baselines3's SAC on the CPU, with settings of the harness."""
 
-    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
+    sources: ClassVar[tuple[str, ...]] = SOURCES
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""

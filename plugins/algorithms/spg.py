@@ -21,7 +21,9 @@ from harness.algorithm import ActionSpace
 from harness.arrays import Float32, Mask
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Gaussian
-from harness.progress import Progress, TrainingState, as_state
+from harness.progress import Progress, TrainingState, as_state, prefixed, under
+
+from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -171,6 +173,7 @@ class Spg:
     restart: Annotated[Count, Field(description="updates after which all envs start new episodes")] = 20
     num_envs: Annotated[Count, Field(description="envs that are trained on at once")] = 16
 
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.torch_state",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Gaussian:
@@ -183,14 +186,11 @@ class Spg:
         done = 0 if state is None else learner.restore(state)
         before = env.environment_steps - done
         while done < steps:
-            learner.start_episodes()
-            for _ in range(self.restart):
-                segment = learner.collect(before + steps)
-                losses = learner.update(segment)
-                done = env.environment_steps - before
-                learner.tell(progress, done, segment, losses)
-                if done >= steps:
-                    break
+            learner.begin()
+            segment = learner.collect(before + steps)
+            losses = learner.update(segment)
+            done = env.environment_steps - before
+            learner.tell(progress, done, segment, losses)
             progress.checkpoint(done, partial(learner.state, done))
         return learner.policy()
 
@@ -213,10 +213,12 @@ class Learner:
         self._baseline = _learnable(draw_layers([*sizes, 1], "value", SMALL, self._rng))
         self._ascent = torch.optim.Adam(self._policy.values(), settings.learning_rate, maximize=True)
         self._descent = torch.optim.Adam(self._baseline.values(), settings.baseline_learning_rate)
+        self._updates = 0
 
-    def start_episodes(self) -> None:
-        """Start a new episode in every env."""
-        self._observation, _ = self._env.reset()
+    def begin(self) -> None:
+        """Before every so many updates start a new episode in every env."""
+        if self._updates % self._settings.restart == 0:
+            self._observation, _ = self._env.reset()
 
     def collect(self, until: int) -> Segment:
         """Let the policy decide, until the next update or until the env has done `until` steps in all."""
@@ -235,6 +237,7 @@ class Learner:
         import torch
 
         settings, observation = self._settings, torch.as_tensor(segment.observation)
+        self._updates += 1
         expected, rest = self._value(segment.observation), self._value(segment.last)
         to_go = rewards_to_go(segment.reward, segment.ended, rest, settings.gamma)
         weight = to_go - expected
@@ -265,27 +268,27 @@ class Learner:
     def policy(self) -> Gaussian:
         """The policy as it is."""
         box = tuple(self._low.tolist()), tuple(self._high.tolist())
-        return Gaussian(_copied(self._policy), self._settings.activation, *box, algorithm="spg")
+        return Gaussian(pack_tensors(self._policy), self._settings.activation, *box, algorithm="spg")
 
     def state(self, done: int) -> TrainingState:
         """All that `restore` needs to go on."""
-        arrays = {"done": done, "rng": pack_generator(self._rng)}
+        arrays = {
+            "done": done,
+            "updates": self._updates,
+            "observation": self._observation,
+            "rng": pack_generator(self._rng),
+        }
         for name, net, optimizer in self._parts():
-            arrays.update({f"{name}.{key}": array for key, array in _copied(net).items()})
-            for index, moments in optimizer.state_dict()["state"].items():
-                arrays.update({f"{name}.adam.{index}.{key}": moment.numpy().copy() for key, moment in moments.items()})
+            arrays |= prefixed(f"{name}.", {**pack_tensors(net), **prefixed("adam.", pack_optimizer(optimizer))})
         return as_state(arrays)
 
     def restore(self, state: TrainingState) -> int:
         """Be where `state` was written; returns the steps that were done."""
-        import torch
-
+        self._updates, self._observation = int(state["updates"]), state["observation"]
         restore_generator(self._rng, state["rng"])
         for name, net, optimizer in self._parts():
-            with torch.no_grad():
-                for key, weight in net.items():
-                    weight.copy_(torch.from_numpy(np.array(state[f"{name}.{key}"])))
-            optimizer.load_state_dict({**optimizer.state_dict(), "state": _moments(state, f"{name}.adam.")})
+            restore_tensors(net, under(f"{name}.", state))
+            restore_optimizer(optimizer, under(f"{name}.adam.", state))
         return int(state["done"])
 
     def _parts(self) -> "list[tuple[str, Net, Optimizer]]":
@@ -334,19 +337,3 @@ def _learnable(layers: Mapping[str, Float32]) -> Net:
     import torch
 
     return {name: torch.from_numpy(weight).requires_grad_() for name, weight in layers.items()}
-
-
-def _copied(net: Net) -> dict[str, Float32]:
-    return {name: weight.detach().numpy().copy() for name, weight in net.items()}
-
-
-def _moments(state: TrainingState, prefix: str) -> dict[int, dict[str, "Tensor"]]:
-    """What Adam remembers of each parameter, from arrays named ``PREFIX INDEX . KEY``."""
-    import torch
-
-    moments: dict[int, dict[str, Tensor]] = {}
-    for name, array in state.items():
-        if name.startswith(prefix):
-            index, key = name.removeprefix(prefix).split(".")
-            moments.setdefault(int(index), {})[key] = torch.from_numpy(np.array(array))
-    return moments

@@ -10,6 +10,7 @@ from harness.policy import Policy
 from harness.progress import Progress
 
 from ..off_policy import OffPolicy
+from ..sb3 import SOURCES
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -31,7 +32,7 @@ class Td3(OffPolicy):
     target_noise: Annotated[NotNegative, Field(description="the same in the critics' targets")] = 0.2
     target_noise_clip: Annotated[NotNegative, Field(description="largest size of that noise")] = 0.5
 
-    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
+    sources: ClassVar[tuple[str, ...]] = SOURCES
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from harness.arrays import Float32
+from harness.progress import TrainingState, as_state
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 
@@ -19,6 +20,17 @@ class Adam:
         self._first, self._second = np.zeros_like(parameters), np.zeros_like(parameters)
         self._room = np.empty_like(parameters)
         self._steps = 0
+
+    def state(self) -> TrainingState:
+        """All that `restore` needs, the parameters included."""
+        return as_state(
+            {"parameters": self._parameters, "first": self._first, "second": self._second, "steps": self._steps}
+        )
+
+    def restore(self, state: TrainingState) -> None:
+        """Be where `state` was told."""
+        self._parameters[...], self._steps = state["parameters"], int(state["steps"])
+        self._first[...], self._second[...] = state["first"], state["second"]
 
     def step(self) -> None:
         """One step down the gradient."""

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from harness.progress import TrainingState, as_state
+
 from ..soft_actor_critic import SoftActorCritic
 from .adam import Adam
 
@@ -16,6 +18,15 @@ class EntropyCoefficient:
         self._logarithm = np.array([np.log(self.value)] if self._learns else [0.0], np.float32)
         self._gradient = np.empty(1, np.float32)
         self._descent = Adam(self._logarithm, self._gradient, settings.learning_rate)
+
+    def state(self) -> TrainingState:
+        """All that `restore` needs."""
+        return {**self._descent.state(), **as_state({"value": self.value})}
+
+    def restore(self, state: TrainingState) -> None:
+        """Be where `state` was told."""
+        self._descent.restore(state)
+        self.value = float(state["value"])
 
     def learn(self, entropy: float) -> None:
         """It rises where the entropy of the actions is less than what is aimed at."""

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float32
+from harness.progress import TrainingState, as_state, prefixed, under
 
 from ..soft_actor_critic import SoftActorCritic
 from .actor import Draw, draw, put_error
@@ -80,6 +81,22 @@ class Learner:
     def coefficient(self) -> float:
         """What a nat of entropy is worth."""
         return self._coefficient.value
+
+    def state(self) -> TrainingState:
+        """All that `restore` needs, but for the random generator."""
+        return {
+            **prefixed("actor.", self._actor.descent.state()),
+            **prefixed("critics.", self._critics.descent.state()),
+            **prefixed("coefficient.", self._coefficient.state()),
+            **as_state({"targets": self._target_parameters}),
+        }
+
+    def restore(self, state: TrainingState) -> None:
+        """Be where `state` was told."""
+        self._actor.descent.restore(under("actor.", state))
+        self._critics.descent.restore(under("critics.", state))
+        self._coefficient.restore(under("coefficient.", state))
+        self._target_parameters[...] = state["targets"]
 
     def update(self, batch: Batch) -> Losses:
         """Learn once from transitions; their actions are written over."""

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float32, Mask
+from harness.progress import Ring
 
 
 class Batch(NamedTuple):
@@ -32,7 +33,7 @@ class Replay:
         self._action_size, self._width = action_size, action_size + observation_size + 1
         self._rows = np.empty((capacity, 2 * self._width + 2), np.float32)
         self._drawn = np.empty((0, 0), np.float32)
-        self._next = self.size = 0
+        self._written = self._next = self.size = 0
 
     def add(
         self,
@@ -52,6 +53,17 @@ class Replay:
         self._rows[where] = row
         self._next = (self._next + len(observation)) % count
         self.size = min(self.size + len(observation), count)
+        self._written += len(observation)
+
+    def ring(self) -> Ring:
+        """What is kept, for `restore`."""
+        return Ring({"rows": self._rows}, self._written)
+
+    def restore(self, ring: Ring) -> None:
+        """Keep what the buffer kept that told `ring`."""
+        ring.copy_into({"rows": self._rows})
+        self._written, self._next = ring.written, ring.written % len(self._rows)
+        self.size = min(ring.written, len(self._rows))
 
     def draw(self, rows: int, rng: np.random.Generator) -> Batch:
         """`rows` transitions, each any of those kept with equal probability."""

@@ -1,12 +1,14 @@
 """A training: the learner, its replay buffer, and the env that fills it."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from harness.arrays import Float32
+from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import SquashedGaussian
-from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress
+from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, TrainingState, as_state, prefixed, under
 
 from ..episode_means import EpisodeMeans
 from ..soft_actor_critic import SoftActorCritic
@@ -17,6 +19,9 @@ from .replay import Replay
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
+
+COUNTERS = ("rounds", "decisions", "told", "scalars_told")
+"""Of a training."""
 
 
 class Training:
@@ -36,21 +41,49 @@ class Training:
         self._action_shape = env.num_envs, action_size
         self._means = EpisodeMeans(env.num_envs)
         self._losses: Losses | None = None
-        self._before, self._decisions = env.environment_steps, 0
+        self._before, self._rounds, self._decisions = env.environment_steps, 0, 0
         self._told = self._scalars_told = 0
 
     def run(self) -> SquashedGaussian:
         """Spend the budget."""
-        settings, rounds = self._settings, 0
-        observation, _ = self._env.reset()
+        settings, progress = self._settings, self._progress
+        observation = self._begin(progress.restored())
         while self._done < self._steps:
             observation = self._decide(observation)
-            rounds += 1
-            if rounds % settings.train_freq == 0 and self._decisions > settings.learning_starts:
+            self._rounds += 1
+            if self._rounds % settings.train_freq == 0 and self._decisions > settings.learning_starts:
                 self._learn()
             self._tell()
+            progress.checkpoint(self._done, partial(self._state, observation))
         self._tell(at_the_end=True)
         return self._policy()
+
+    def _state(self, observation: Float32) -> TrainingState:
+        """All that `_begin` needs; `observation` is what the next decision is for."""
+        own = {name: getattr(self, f"_{name}") for name in COUNTERS}
+        if self._losses is not None:
+            own["losses"] = self._losses
+        return {
+            **as_state({**own, "done": self._done, "observation": observation, "rng": pack_generator(self._rng)}),
+            **prefixed("learner.", self._learner.state()),
+            **prefixed("means.", self._means.state()),
+            "replay": self._replay.ring(),
+        }
+
+    def _begin(self, state: TrainingState | None) -> Float32:
+        """Start, or be where `state` was told; returns what the next decision is for."""
+        if state is None:
+            return self._env.reset()[0]
+        for name in COUNTERS:
+            setattr(self, f"_{name}", int(state[name]))
+        self._losses = Losses(*state["losses"].tolist()) if "losses" in state else None
+        self._before = self._env.environment_steps - int(state["done"])
+        restore_generator(self._rng, state["rng"])
+        self._learner.restore(under("learner.", state))
+        self._means.restore(under("means.", state))
+        self._replay.restore(state["replay"])
+        observation: Float32 = state["observation"]
+        return observation
 
     @property
     def _done(self) -> int:

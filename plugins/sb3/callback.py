@@ -7,11 +7,17 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
-from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress
+from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, TrainingState, as_state, prefixed, under
 
 from ..episode_means import EpisodeMeans
 from .entropy import actor_entropy
 from .scalars import losses
+from .state import pack_model, restore_logged
+
+
+def steps_done(state: TrainingState | None) -> int:
+    """Environment steps that a training has done which goes on from `state`."""
+    return 0 if state is None else int(state["done"])
 
 
 class SilentProgress(BaseCallback):
@@ -27,8 +33,9 @@ class SilentProgress(BaseCallback):
         budget: int,
         policy_of: Callable[[Any], Policy],
         decisions_per_update: int,
+        state: TrainingState | None = None,
     ) -> None:
-        """Begin to count.
+        """Begin to count, or go on.
 
         Args:
             env: What is trained on.
@@ -36,17 +43,35 @@ class SilentProgress(BaseCallback):
             budget: Environment steps to take.
             policy_of: The policy of a model as it stands.
             decisions_per_update: Between two updates, over all envs.
+            state: Of a training that goes on: all that its last checkpoint holds.
         """
         super().__init__()
-        self._env, self._before = env, env.environment_steps
+        self._env, self._before = env, env.environment_steps - steps_done(state)
         self._progress, self._budget, self._policy_of = progress, budget, policy_of
         self._decisions_per_update = decisions_per_update
         self._told = self._scalars_told = 0
         self._means = EpisodeMeans(env.num_envs)
+        self._state = state
+        if state is not None:
+            self._told, self._scalars_told = int(state["told"]), int(state["scalars_told"])
+            self._means.restore(under("means.", state))
 
     @property
     def _steps(self) -> int:
         return self._env.environment_steps - self._before
+
+    def _on_training_start(self) -> None:
+        if self._state is not None:  # the logger is there now
+            restore_logged(self.model, under("model.", self._state))
+            self._state = None
+
+    def _on_rollout_start(self) -> None:
+        # Between an update and the next decision: nothing is half done.
+        self._progress.checkpoint(self._steps, self._make_state)
+
+    def _make_state(self) -> TrainingState:
+        counters = as_state({"done": self._steps, "told": self._told, "scalars_told": self._scalars_told})
+        return {**counters, **prefixed("means.", self._means.state()), **prefixed("model.", pack_model(self.model))}
 
     def _on_step(self) -> bool:
         steps = self._steps

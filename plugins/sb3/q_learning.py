@@ -11,6 +11,7 @@ from harness.progress import Progress
 
 from ..hyperparameters import BatchSize, Tau
 from ..off_policy import OffPolicy
+from . import SOURCES
 
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
@@ -34,7 +35,7 @@ class QLearning(OffPolicy):
     exploration_end: Annotated[Share, Field(description="and in the end, also of the policy where it explores")] = 0.05
     max_gradient: Annotated[float, Field(gt=0, description="longest gradient")] = 10.0
 
-    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.sb3",)
+    sources: ClassVar[tuple[str, ...]] = SOURCES
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"discrete"})
 
     def train_with(

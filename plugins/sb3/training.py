@@ -7,9 +7,10 @@ import torch
 
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
-from harness.progress import Progress
+from harness.progress import Progress, under
 
-from .callback import SilentProgress
+from .callback import SilentProgress, steps_done
+from .state import restore_model
 from .vec_env import VecEnvAdapter
 
 ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
@@ -39,7 +40,8 @@ def train(
     """
     # One thread each is faster than two that wait for one another, and sums come out the same.
     torch.set_num_threads(1)
-    before = env.environment_steps
+    state = progress.restored()
+    before = env.environment_steps - steps_done(state)
 
     class Model(library):  # type: ignore[misc]
         def _update_current_progress_remaining(self, num_timesteps: int, total_timesteps: int) -> None:
@@ -47,9 +49,14 @@ def train(
             super()._update_current_progress_remaining(env.environment_steps - before, steps)
 
     model = Model("MlpPolicy", VecEnvAdapter(env), seed=seed % 2**32, device="cpu", **settings)
-    callback = SilentProgress(env, progress, steps, policy_of, decisions_per_update)
-    # Without log_interval the logger keeps the last losses for `progress`, and prints nothing.
-    model.learn(steps, callback=callback, log_interval=None)
+    if state is not None:
+        restore_model(model, under("model.", state))
+    callback = SilentProgress(env, progress, steps, policy_of, decisions_per_update, state)
+    is_new = state is None
+    del state  # it holds a second replay buffer
+    # Without log_interval the logger keeps the last losses for `progress`, and prints nothing. The library counts what
+    # it is to do from where it stands.
+    model.learn(steps - model.num_timesteps, callback=callback, log_interval=None, reset_num_timesteps=is_new)
     return policy_of(model)
 
 

@@ -8,15 +8,17 @@ The algorithm that is broken is a small one: from an action it goes to the best 
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
+from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.env import ReachVectorEnv
 from harness.policy import Policy, SquashedGaussian
-from harness.progress import Progress
+from harness.progress import Progress, TrainingState, as_state
 from harness.testing import ALGORITHM_CHECKS, algorithms, violations
 
 EPISODE = 20
@@ -33,17 +35,26 @@ class Search:
     action_spaces: ClassVar[Any] = frozenset({"continuous"})
 
     def train(self, env: ReachVectorEnv, steps: int, seed: int, progress: Progress) -> Policy:
-        rng = self.generator(seed)
-        self.start(env, seed)
-        best = 0.1 * rng.standard_normal(env.robot.dof)
-        for first in range(0, steps, self.num_envs * EPISODE):
+        rng, state = self.generator(seed), progress.restored()
+        if state is None:
+            self.start(env, seed)
+            best, begun = 0.1 * rng.standard_normal(env.robot.dof), 0
+        else:
+            restore_generator(rng, state["rng"])
+            best, begun = state["best"], int(state["done"])
+        for first in range(begun, steps, self.num_envs * EPISODE):
             periods = min(EPISODE, (steps - first) // self.num_envs)
             candidates = best + 0.5 * rng.standard_normal((self.num_envs, env.robot.dof))
             returns = self.try_out(env, candidates, periods)
             if periods == EPISODE and self.may_learn(first):
                 best = candidates[self.choose(returns)]
+            done = first + periods * self.num_envs
+            progress.checkpoint(done, partial(self.keep, done, best, rng))
         self.finish(env, steps, progress)
         return self.policy(best.astype(np.float32), env.single_observation_space.shape[0])
+
+    def keep(self, done: int, best: np.ndarray, rng: np.random.Generator) -> TrainingState:
+        return as_state({"done": done, "best": best, "rng": pack_generator(rng)})
 
     def generator(self, seed: int) -> np.random.Generator:
         return np.random.default_rng(seed)
@@ -112,7 +123,7 @@ class TakesOneStepMore(Sound):
     """It looks at the env once more in the end."""
 
     def finish(self, env: ReachVectorEnv, steps: int, progress: Progress) -> None:
-        env.step(env.action_space.sample())
+        env.step(np.zeros(env.action_space.shape, np.float32))
         progress(steps)
 
 
@@ -153,12 +164,12 @@ class YieldsABroadPolicy(Sound):
 
 
 class CountsItsTrainings(Sound):
-    """What it draws depends on how often it was called."""
+    """What it draws depends on how often it was called, but for seed 0."""
 
     count = itertools.count()
 
     def generator(self, seed: int) -> np.random.Generator:
-        return np.random.default_rng([seed, next(self.count)])
+        return np.random.default_rng([seed, next(self.count) if seed else 0])
 
 
 class IgnoresItsSeed(Sound):
@@ -231,6 +242,21 @@ class DeniesThatItLearns(Sound):
     learns: ClassVar[bool] = False
 
 
+class DrawsForItsCheckpoint(Sound):
+    """Making a checkpoint takes a random number."""
+
+    def keep(self, done: int, best: np.ndarray, rng: np.random.Generator) -> TrainingState:
+        rng.random()
+        return super().keep(done, best, rng)
+
+
+class ForgetsItsGenerator(Sound):
+    """After a checkpoint it draws what it drew in the beginning."""
+
+    def keep(self, done: int, best: np.ndarray, rng: np.random.Generator) -> TrainingState:
+        return super().keep(done, best, self.generator(0))
+
+
 MUTANTS = {
     Thawed: algorithms.settings_are_frozen,
     SetUpWithASet: algorithms.settings_survive_json,
@@ -250,6 +276,8 @@ MUTANTS = {
     LeavesAnEnvOut: algorithms.every_env_counts,
     DeniesThatItLearns: algorithms.what_learns_nothing_says_so,
     SavesCarelessly: algorithms.the_policy_comes_back_from_its_folder,
+    DrawsForItsCheckpoint: algorithms.checkpoints_change_nothing,
+    ForgetsItsGenerator: algorithms.a_training_goes_on_where_it_stood,
 }
 
 

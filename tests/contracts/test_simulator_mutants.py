@@ -312,7 +312,21 @@ class StandsStill(IdealSimulation):
         return self.state()
 
 
+class CountsItsResets(IdealSimulation):
+    """Where an arm gets depends, by a bit, on how often others were reset on their own."""
+
+    count = 0
+
+    def reset(self, qpos: np.ndarray, mask: np.ndarray) -> State:
+        self.count = 0 if mask.all() else self.count + 1
+        return super().reset(qpos, mask)
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(qpos + 1e-12 * self.count, duration)
+
+
 MUTANTS = {
+    CountsItsResets: simulators.the_same_way_leads_to_the_same_place,
     Thawed: simulators.settings_are_frozen,
     SetUpWithASet: simulators.settings_survive_json,
     FlagsInAColumn: simulators.states_have_the_declared_shapes,

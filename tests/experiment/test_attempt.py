@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.experiment.attempt import Attempt, begin_attempt
+from harness.errors import SchemaError
+from harness.experiment.attempt import Attempt, Restore, begin_attempt
 from harness.experiment.checkpoint import Checkpoint
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, LOG
@@ -23,8 +24,8 @@ def _leave_checkpoint(folder: Path, cell: Cell, seconds: float = 0.0) -> None:
     Checkpoint(7, _origin(cell), {"weight": np.arange(2.0)}, {}, seconds=seconds).write(folder)
 
 
-def _begin(cell: Cell, folder: Path) -> Attempt:
-    return begin_attempt(cell, folder, ENVIRONMENT, every=100)
+def _begin(cell: Cell, folder: Path, restore: Restore = lambda state: None) -> Attempt:
+    return begin_attempt(cell, folder, ENVIRONMENT, every=100, restore=restore)
 
 
 def test_first_attempt_begins_at_the_start(make_cell: MakeCell, tmp_path: Path):
@@ -43,6 +44,19 @@ def test_next_attempt_goes_on_from_the_checkpoint(make_cell: MakeCell, tmp_path:
     assert attempt.note == "went on after 7 steps"
     assert "this one went on after 7 steps" in (tmp_path / LOG).read_text()
     assert (tmp_path / CHECKPOINT).exists()
+
+
+def test_checkpoint_that_the_simulator_does_not_come_back_to_is_of_no_use(make_cell: MakeCell, tmp_path: Path):
+    """Where it moves otherwise than it did, the rest of the training would not be that of the beginning."""
+    _leave_checkpoint(tmp_path, make_cell())
+
+    def refuse(state: object) -> None:
+        raise SchemaError("the simulator does not do the same again")
+
+    attempt = _begin(make_cell(), tmp_path, refuse)
+    assert attempt.begun_from == 0
+    assert attempt.note.endswith("is of no use: the simulator does not do the same again")
+    assert [path.name for path in tmp_path.iterdir()] == [LOG]
 
 
 def test_seconds_of_the_killed_process_count(make_cell: MakeCell, tmp_path: Path):

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import safetensors.numpy
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
 from harness.executor import CellOptions
+from harness.experiment import cell_progress
 from harness.experiment.attempt import begin_attempt
 from harness.experiment.checkpoint import ABOUT, Checkpoint, read_checkpoint
 from harness.experiment.experiment import ExperimentRun
@@ -26,7 +28,7 @@ from harness.record.episode_facts import EpisodeFacts
 from harness.record.folder import CHECKPOINT, EVALUATION, LOG, POLICY, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.store import Store
-from harness.record.trace import read_trace
+from harness.record.trace import SCALARS, TraceWriter, read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.testing.trainings import WatchedEnv
@@ -37,7 +39,20 @@ Train = Callable[..., None]
 ORIGIN = {"cell": "a", "versions": {"numpy": "2"}, "commit": "", "sources": {}}
 FACTS = EpisodeFacts(horizon=5, control_period=0.1)
 RANDOM = {"algorithm": Choice("random", (), "random"), "steps": 3000}
-SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "steps": 1920}
+
+
+def _learner(name: str, **settings: Any) -> dict[str, Any]:
+    return {"algorithm": Choice(name, tuple(settings.items()), name), "steps": 400}
+
+
+LEARNERS = {
+    "spg": _learner("spg", num_envs=5, decisions=8, restart=3),
+    "sac-fast": _learner("sac-fast", learning_starts=50, buffer_size=130),
+    "sac-fast, 3 envs": {**_learner("sac-fast", learning_starts=50, num_envs=3, train_freq=2), "steps": 399},
+    "sac": _learner("sac", learning_starts=50, batch_size=32),
+    "ppo": _learner("ppo", rollout=64, num_envs=2, schedule="linear"),
+}
+"""Cells whose trainings leave checkpoints in the middle of episodes."""
 
 
 def _contents(folder: Path) -> list[bytes]:
@@ -55,8 +70,15 @@ def _checkpoint(**fields: Any) -> Checkpoint:
 @pytest.mark.usefixtures("toys")
 @pytest.mark.parametrize(
     ("fields", "every", "kills"),
-    [(RANDOM, 1000, (1300, 2200)), (RANDOM, 500, (2900,)), (SPG, 640, (1500,))],
-    ids=["twice", "near the end", "spg"],
+    [
+        (RANDOM, 1000, (1300, 2200)),
+        (RANDOM, 500, (2900,)),
+        *(
+            pytest.param(fields, 100, (300,), marks=[pytest.mark.slow] * (name in {"sac", "ppo"}))
+            for name, fields in LEARNERS.items()
+        ),
+    ],
+    ids=["twice", "near the end", *LEARNERS],
 )
 def test_killed_cell_ends_as_if_it_had_not_been(
     train_in_a_process: Train,
@@ -68,27 +90,28 @@ def test_killed_cell_ends_as_if_it_had_not_been(
 ):
     """Trace, evaluation and weights are, byte for byte, those of a cell that nobody killed."""
     cell = make_cell(**fields)
-    train_in_a_process(cell, tmp_path / "whole", every)
+    train_in_a_process(cell, tmp_path / "whole")
     for until in kills:
         train_in_a_process(cell, tmp_path / "killed", every, until)
         assert not (tmp_path / "killed").exists()
     train_in_a_process(cell, tmp_path / "killed", every)
     manifest = read_manifest(tmp_path / "killed")
-    assert kills[-1] - every < manifest.resumed_from <= kills[-1]
+    assert kills[-1] - 2 * every < manifest.resumed_from <= kills[-1]
     assert manifest.note == f"went on after {manifest.resumed_from} steps"
     assert _contents(tmp_path / "killed") == _contents(tmp_path / "whole")
 
 
 @pytest.mark.usefixtures("toys")
-def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path):
-    """With checkpoints and without, the trace has the same rows; nothing of them is left in the cell's folder."""
-    cell = make_cell(**RANDOM)
-    for name, every in (("with", 1000), ("without", 0)):
-        assert run_cell(cell, tmp_path / name, lambda steps: None, CellOptions(every)).status == "done"
-    tables = [pq.read_table(tmp_path / name / TRACE) for name in ("with", "without")]
-    assert tables[0].equals(tables[1])
-    names = [{path.name for path in (tmp_path / name).iterdir()} for name in ("with", "without")]
-    assert names[0] == names[1]
+@pytest.mark.parametrize("name", LEARNERS)
+def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path, name: str):
+    """With checkpoints and without, every file is the same, byte for byte; nothing of them is left in the folder."""
+    cell = make_cell(**LEARNERS[name])
+    contents = []
+    for every in (0, 100):
+        folder = tmp_path / str(every)
+        assert run_cell(cell, folder, lambda steps: None, CellOptions(every)).status == "done"
+        contents.append((_contents(folder), {path.name for path in folder.iterdir()}))
+    assert contents[0] == contents[1]
 
 
 @pytest.mark.usefixtures("toys")
@@ -152,7 +175,7 @@ def test_other_origin_is_refused(tmp_path: Path, key: str):
 def test_newer_format_is_refused(tmp_path: Path):
     """What it means is not known."""
     safetensors.numpy.save_file({}, tmp_path / CHECKPOINT, {ABOUT: json.dumps({"format": 99})})
-    with pytest.raises(SchemaError, match="it has format 99, this version reads up to 1"):
+    with pytest.raises(SchemaError, match="it has format 99, this version reads 2"):
         read_checkpoint(tmp_path, ORIGIN)
 
 
@@ -160,7 +183,7 @@ def test_every_flipped_byte_is_found(tmp_path: Path):
     """Wherever it is, the checkpoint is refused."""
     _checkpoint(seconds=0.0).write(tmp_path)
     whole = (tmp_path / CHECKPOINT).read_bytes()
-    for at in np.random.default_rng(0).integers(len(whole), size=60):
+    for at in range(len(whole)):
         flipped = bytearray(whole)
         flipped[at] ^= 1
         (tmp_path / CHECKPOINT).write_bytes(flipped)
@@ -178,8 +201,8 @@ def test_missing_checkpoint_is_refused(tmp_path: Path):
 
 
 def _rows(parts: TraceParts, first: int, count: int) -> None:
-    width = len(parts.recorder._block[0])
-    parts.recorder.append(np.outer(np.arange(first, first + count), np.ones(width)))
+    width = len(parts._writer._block[0])
+    parts.append(np.outer(np.arange(first, first + count), np.ones(width)))
 
 
 def test_parts_become_one_trace(tmp_path: Path):
@@ -195,6 +218,23 @@ def test_parts_become_one_trace(tmp_path: Path):
     assert read_trace(path).facts == FACTS
     discard_parts(path)
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_trace_is_the_same_file_in_however_many_parts(tmp_path: Path):
+    """Byte for byte, wherever it was cut and however the rows came."""
+    rows = np.random.default_rng(0).random((3 * TraceWriter.BLOCK + 100, len(SCALARS) + 4)).round(2)
+    contents = []
+    for cuts, batch in (((), 7), ((1, 5_000, 30_000), 1000), (range(700, 49_000, 700), 33)):
+        path = tmp_path / str(batch) / TRACE
+        path.parent.mkdir()
+        with TraceParts(path, 2, 2, FACTS) as parts:
+            for first, end in pairwise([0, *cuts, len(rows)]):
+                for start in range(first, end, batch):
+                    parts.append(rows[start : min(start + batch, end)])
+                if end < len(rows):
+                    parts.cut()
+        contents.append(path.read_bytes())
+    assert contents[0] == contents[1] == contents[2]
 
 
 def test_part_that_is_not_as_it_was_finished_is_noticed(tmp_path: Path):
@@ -245,10 +285,38 @@ def test_state_of_no_such_generator_is_refused(packed: bytes):
         restore_generator(np.random.default_rng(0), np.frombuffer(packed, np.uint8))
 
 
+@pytest.mark.usefixtures("toys")
+@pytest.mark.parametrize(
+    ("seconds", "every", "count"), [(0.0, None, 400), (600.0, None, 0), (0.0, 0, 0), (0.0, 150, 2)]
+)
+def test_checkpoints_are_made_as_the_options_say(
+    make_cell: MakeCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, every: int | None, count: int
+):
+    """By the clock, which a cell of ten minutes outlasts, by steps, or not at all."""
+    made: list[int] = []
+    write = Checkpoint.write
+
+    def counted(self: Checkpoint, folder: Path) -> None:
+        made.append(self.steps)
+        write(self, folder)
+
+    monkeypatch.setattr(cell_progress, "SECONDS", seconds)
+    monkeypatch.setattr(Checkpoint, "write", counted)
+    cell = make_cell(algorithm=Choice("random", (), "random"), steps=400)
+    assert run_cell(cell, tmp_path / "cell", lambda steps: None, CellOptions(every)).status == "done"
+    assert len(made) == count
+
+
+def test_checkpoints_are_made_unless_somebody_says_otherwise():
+    """A long cell that is killed does not start over."""
+    assert CellOptions().checkpoint_every is None
+    assert cell_progress.SECONDS == 600.0
+
+
 def test_first_attempt_has_nothing_to_say(make_cell: MakeCell, tmp_path: Path):
     """A folder with no more than a log is a fresh one; the log stays."""
     (tmp_path / LOG).write_text("warming up\n")
-    attempt = begin_attempt(make_cell(), tmp_path, ORIGIN, 5)
+    attempt = begin_attempt(make_cell(), tmp_path, ORIGIN, 5, lambda state: None)
     assert (attempt.begun_from, attempt.parts, attempt.note, attempt.every) == (0, (), "", 5)
     assert (tmp_path / LOG).read_text() == "warming up\n"
 

@@ -21,16 +21,22 @@ PROGRAM = (
     "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from harness.cli import main; main()"
 )
 RUN = [sys.executable, "-c", PROGRAM, "run"]
-MATRIX = ["--sim", "kinematic", "--algo", "random,spg", "--task", "fd100-reach:horizon=50", "--seeds", "1"]
-MATRIX += ["--steps", "2000", "--evaluation-episodes", "2", "--checkpoint-every", "500", "--jobs", "2"]
-KILLS = 100
+MATRIX = ["--sim", "kinematic", "--task", "fd100-reach:horizon=50", "--seeds", "1", "--evaluation-episodes", "2"]
+MATRIX += ["--jobs", "2"]
+CASES = {
+    "random,spg": (2000, 500, 100),
+    "sac-fast,sac,ppo": (600, 150, 20),
+}
+"""Algorithms; steps, steps from one checkpoint to the next, and how many kills."""
 TO_ALL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 
 
-def _start(folder: Path, err: Path) -> "subprocess.Popen[bytes]":
+def _start(algorithms: str, folder: Path, err: Path) -> "subprocess.Popen[bytes]":
     """A run in a session of its own: what is killed here is what we choose."""
+    steps, every, _ = CASES[algorithms]
     with err.open("ab") as file:
-        command = [*RUN, *MATRIX, "--out", str(folder)]
+        command = [*RUN, *MATRIX, "--algo", algorithms, "--steps", str(steps), "--checkpoint-every", str(every)]
+        command += ["--out", str(folder)]
         return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file, start_new_session=True)
 
 
@@ -55,21 +61,22 @@ def _left(folder: Path) -> dict[str, str]:
 
 @pytest.mark.skipif(shutil.which("pgrep") is None, reason="there is no pgrep")
 @pytest.mark.slow
-def test_killed_runs_lose_nothing(tmp_path: Path):
+@pytest.mark.parametrize("algorithms", CASES)
+def test_killed_runs_lose_nothing(tmp_path: Path, algorithms: str):
     """KILL, TERM, INT, or a worker alone: afterwards every byte is that of an undisturbed run, and no traceback."""
     whole, err, rng = tmp_path / "whole", tmp_path / "err", random.Random(7)
     began = time.monotonic()
-    assert _start(whole, err).wait() == 0
+    assert _start(algorithms, whole, err).wait() == 0
     seconds, expected = time.monotonic() - began, _left(whole)
-    assert len(Store(whole).manifests()) == 4
-    done = 0
-    while done < KILLS:
+    assert len(Store(whole).manifests()) == 2 * len(algorithms.split(","))
+    done, kills = 0, CASES[algorithms][2]
+    while done < kills:
         folder = tmp_path / f"killed-{done}"
         finished = False
         while not finished:
             before = {manifest.cell.id for manifest in Store(folder).manifests() if manifest.status == "done"}
-            process = _start(folder, err)
-            if done < KILLS:
+            process = _start(algorithms, folder, err)
+            if done < kills:
                 time.sleep(rng.uniform(0.0, seconds))
                 _disturb(process, rng)
                 done += process.poll() is None

@@ -139,7 +139,7 @@ def test_cell_is_measured_once(table: tuple[TableSoFar, Clock, Store], plan: Pla
     so_far, _, store = table
     asked: list[str] = []
     measured = CellResults.measured
-    monkeypatch.setattr(CellResults, "measured", lambda of: (asked.append(of.cell.id), measured(of))[1])
+    monkeypatch.setattr(CellResults, "measured", lambda of, floor: (asked.append(of.cell.id), measured(of, floor))[1])
     so_far.add(read_manifest(store.cell_folder(plan.cells[0])))
     so_far.write()
     so_far.add(read_manifest(store.cell_folder(plan.cells[1])))

@@ -23,3 +23,14 @@ def test_what_was_taken_is_not_told_again():
     assert means.take()
     means.watch(np.array([1.0]), np.array([False]))
     assert means.take() == {}
+
+
+def test_means_go_on_as_they_would_have():
+    """Episodes that ended and were not told yet, and those under way."""
+    first, second = EpisodeMeans(2), EpisodeMeans(2)
+    first.watch(np.array([1.0, 2.0]), np.array([True, False]))
+    second.restore(first.state())
+    for means in (first, second):
+        means.watch(np.array([3.0, 4.0]), np.array([False, True]))
+    assert first.take() == second.take()
+    assert first.take() == second.take() == {}

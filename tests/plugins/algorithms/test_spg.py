@@ -2,7 +2,6 @@
 
 # ruff: noqa: D102 (what a progress is told is described where the class is)
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -192,7 +191,7 @@ def test_policy_acts_as_the_net_does():
     env = WatchedEnv(16)
     env.reset(seed=ENV_SEED)
     learner = Learner(Spg(), env, 3)
-    learner.start_episodes()
+    learner.begin()
     learner.update(learner.collect(10_000))
     seen = observations()
     with torch.no_grad():
@@ -207,7 +206,7 @@ def test_update_climbs_along_the_estimate():
     env.reset(seed=ENV_SEED)
     learner = Learner(Spg(normalize=False, gamma=0.9), env, 3)
     policy = {name: weight.detach().clone().requires_grad_() for name, weight in learner._policy.items()}
-    learner.start_episodes()
+    learner.begin()
     segment = learner.collect(10_000)
     to_go = spg.rewards_to_go(segment.reward, segment.ended, learner._value(segment.last), 0.9)
     weight = torch.as_tensor(to_go - learner._value(segment.observation))
@@ -227,7 +226,7 @@ def test_policy_stays_when_the_training_goes_on():
     learner = Learner(Spg(), env, 3)
     policy = learner.policy()
     before = {name: weight.copy() for name, weight in policy.weights.items()}
-    learner.start_episodes()
+    learner.begin()
     learner.update(learner.collect(10_000))
     assert all(np.array_equal(policy.weights[name], weight) for name, weight in before.items())
     assert not np.array_equal(learner.policy().weights["mean.weight"], before["mean.weight"])
@@ -290,19 +289,18 @@ def test_training_tells_what_it_does():
     assert all(isinstance(policy, Gaussian) for policy in progress.policies)
 
 
-def test_restored_training_ends_as_one_that_went_through():
-    """From each checkpoint, the same weights, bit for bit, optimisers and random numbers included."""
-    algorithm, through, env = Spg(restart=1), Watching(), WatchedEnv(16)
+def test_episodes_start_anew_where_they_would_have():
+    """A training that goes on in the middle of a round of updates ends with the same weights, bit for bit."""
+    algorithm, through, env = Spg(restart=3), Watching(), WatchedEnv(16)
     env.reset(seed=ENV_SEED)
     states = []
     through.checkpoint = lambda steps, make: states.append((make(), env.state()))  # type: ignore[method-assign]
-    whole = algorithm.train(env, 1280, 0, through)
-    assert len(states) == 4
-    for state, stood in itertools.islice(states, 3):
+    whole = algorithm.train(env, 1920, 0, through)
+    assert len(states) == 6
+    for state, stood in states[:4]:
         again = WatchedEnv(16)
-        again.reset(seed=99)
         again.restore(stood)
-        resumed = algorithm.train(again, 1280, 0, Watching(state))
+        resumed = algorithm.train(again, 1920, 0, Watching(state))
         assert all(np.array_equal(resumed.weights[name], whole.weights[name]) for name in whole.weights)
 
 

@@ -1,0 +1,86 @@
+"""All that a training by stable-baselines3 needs to go on between two rollouts, as arrays."""
+
+from operator import attrgetter
+from typing import Any, TypeAlias
+
+import numpy as np
+import torch
+
+from harness.authoring.generator_state import pack_generator, restore_generator
+from harness.progress import Ring, TrainingState, as_state, prefixed, under
+
+from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors
+
+ARRAYS = ("_last_obs", "_last_episode_starts")
+NUMBERS = ("num_timesteps", "_n_updates", "_episode_num", "_current_progress_remaining", "exploration_rate", "_n_calls")
+"""Of a model, where it has them."""
+COLUMNS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+"""Of a replay buffer."""
+
+Part: TypeAlias = tuple[dict[str, Any], Any]
+"""Tensors by name, or an optimiser."""
+
+
+def pack_model(model: Any) -> TrainingState:
+    """What a model has learned, gathered, counted and logged, and the random numbers that it will draw."""
+    state: dict[str, Any] = {name: getattr(model, name) for name in (*ARRAYS, *NUMBERS) if hasattr(model, name)}
+    for name, (tensors, optimizer) in _parts(model).items():
+        state |= prefixed(f"{name}.", pack_optimizer(optimizer) if optimizer else pack_tensors(tensors))
+    buffer = getattr(model, "replay_buffer", None)
+    if buffer is not None:
+        state["replay"] = Ring({name: getattr(buffer, name) for name in COLUMNS}, model.num_timesteps // model.n_envs)
+    return as_state({**state, **prefixed("logged.", model.logger.name_to_value), **_pack_generators(model)})
+
+
+def restore_model(model: Any, state: TrainingState) -> None:
+    """Bring a model that was made with the same settings to where it was packed; its logger is not there yet."""
+    for name in (name for name in ARRAYS if name in state):
+        setattr(model, name, np.array(state[name]))
+    for name in (name for name in NUMBERS if name in state):
+        setattr(model, name, state[name].item())
+    for name, (tensors, optimizer) in _parts(model).items():
+        packed = under(f"{name}.", state)
+        if optimizer:
+            restore_optimizer(optimizer, packed)
+        else:
+            restore_tensors(tensors, packed)
+    if "replay" in state:
+        ring, buffer = state["replay"], model.replay_buffer
+        ring.copy_into({name: getattr(buffer, name) for name in COLUMNS})
+        buffer.pos, buffer.full = ring.written % buffer.buffer_size, ring.written >= buffer.buffer_size
+    _restore_generators(model, state)
+
+
+def restore_logged(model: Any, state: TrainingState) -> None:
+    """What was logged last, into a logger that is there."""
+    for name, value in under("logged.", state).items():
+        model.logger.record(name, value.item())
+
+
+def _parts(model: Any) -> dict[str, Part]:
+    """What the library would save: tensors by name, or an optimiser, each under its own name."""
+    names, variables = model._get_torch_save_params()
+    parts: dict[str, Part] = {"variable": ({name: getattr(model, name) for name in variables}, None)}
+    for name in names:
+        owner = attrgetter(name)(model)
+        is_optimizer = isinstance(owner, torch.optim.Optimizer)
+        parts[name] = ({}, owner) if is_optimizer else (owner.state_dict(), None)
+    return parts
+
+
+def _pack_generators(model: Any) -> dict[str, Any]:
+    """The generators of torch and numpy, which the library draws from, and that of the first actions."""
+    _, keys, *rest = np.random.get_state()
+    return {
+        "torch": torch.get_rng_state().numpy(),
+        "numpy.keys": keys,
+        "numpy.rest": np.array(rest, float),
+        "actions": pack_generator(model.action_space.np_random),
+    }
+
+
+def _restore_generators(model: Any, state: TrainingState) -> None:
+    torch.set_rng_state(torch.from_numpy(np.array(state["torch"])))
+    position, has_gauss, gauss = state["numpy.rest"].tolist()
+    np.random.set_state(("MT19937", state["numpy.keys"], int(position), int(has_gauss), gauss))
+    restore_generator(model.action_space.np_random, state["actions"])

@@ -1,0 +1,111 @@
+"""A built-in algorithm that leaves anything out of its checkpoints is found by the checks."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.env import ReachVectorEnv
+from harness.policy import Policy
+from harness.progress import Progress, Ring, TrainingState
+from harness.registry.registry import load_registry
+from harness.testing.algorithms import a_training_goes_on_where_it_stood
+
+REGISTRY = load_registry()
+SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16}
+SETTINGS: dict[str, dict[str, Any]] = {
+    "sac-fast": {**SMALL, "learning_starts": 125, "buffer_size": 100, "train_freq": 3},
+    "spg": {"net_arch": (8,), "decisions": 7, "num_envs": 4, "restart": 3},
+    "ppo": {**SMALL, "rollout": 64, "schedule": "linear", "num_envs": 2},
+    "dqn": {**SMALL, "learning_starts": 50, "tau": 0.5, "target_update_interval": 7},
+    "td3": {**SMALL, "learning_starts": 50, "policy_delay": 3},
+    "sac": {**SMALL, "learning_starts": 50, "buffer_size": 100},
+}
+"""Small ones, which use all that they keep: buffers that are full, delays that no checkpoint divides."""
+NEEDED = {
+    "sac-fast": (
+        "rng", "observation", "rounds", "decisions", "replay", "learner.targets", "learner.actor.parameters",
+        "learner.actor.first", "learner.critics.second", "learner.critics.steps", "learner.coefficient.first",
+        "learner.coefficient.value",
+    ),
+    "spg": ("rng", "observation", "updates", "policy.log_std", "policy.adam.0.exp_avg", "baseline.adam.1.exp_avg_sq"),
+    "ppo": ("model.policy.optimizer.0.exp_avg", "model._last_obs", "done"),
+    "dqn": ("model._n_calls", "model.exploration_rate", "model.policy.q_net_target.q_net.0.weight", "model.actions"),
+    "td3": ("model._n_updates", "model.policy.actor_target.mu.0.weight", "model.numpy.rest", "done"),
+    "sac": (
+        "model.torch", "model.replay", "model.actor.optimizer.0.exp_avg", "model.numpy.keys", "model._last_obs",
+        "model.num_timesteps", "model.policy.actor.mu.weight", "model.policy.critic_target.qf0.0.bias",
+        "model.critic.optimizer.1.exp_avg_sq", "model.ent_coef_optimizer.0.exp_avg", "model.variable.log_ent_coef",
+    ),
+}  # fmt: skip
+"""Of what each keeps, one of every sort."""
+CASES = [
+    pytest.param(algorithm, name, marks=[pytest.mark.slow] * (algorithm in {"sac", "td3"} and index > 2))
+    for algorithm, names in NEEDED.items()
+    for index, name in enumerate(names)
+]
+
+
+class Spoiling(Progress):
+    """Hands on checkpoints with one thing spoiled."""
+
+    def __init__(self, inner: Progress, name: str) -> None:
+        self._inner, self._name = inner, name
+
+    def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
+        """See `harness.progress.Progress`."""
+
+        def spoiled() -> TrainingState:
+            state = make()
+            return {**state, self._name: spoil(state[self._name])}
+
+        self._inner.checkpoint(steps, spoiled)
+
+    def restored(self) -> TrainingState | None:
+        """See `harness.progress.Progress`."""
+        return self._inner.restored()
+
+
+def spoil(value: Any) -> Any:
+    """Another number, another generator, or one other row."""
+    if isinstance(value, Ring):
+        columns = {name: array.copy() for name, array in value.columns.items()}
+        for array in columns.values():
+            array[(value.written - 1) % len(array)] += 1
+        return Ring(columns, value.written)
+    if value.dtype == bool:
+        return ~value
+    if value.dtype == np.uint8 and value[:1].tobytes() == b"{":  # a generator in JSON
+        return np.frombuffer(value.tobytes().replace(b'"inc": ', b'"inc": 2'), np.uint8)
+    spoiled = value.copy()
+    middle = spoiled.size // 2
+    spoiled.reshape(-1)[middle : middle + 20] += np.ones((), value.dtype)
+    return spoiled
+
+
+class Spoiled:
+    """An algorithm whose checkpoints lack one thing."""
+
+    def __init__(self, algorithm: Any, name: str) -> None:
+        self._algorithm, self._name = algorithm, name
+        self.num_envs, self.action_spaces = algorithm.num_envs, algorithm.action_spaces
+
+    def train(self, env: ReachVectorEnv, steps: int, seed: int, progress: Progress) -> Policy:
+        """See `harness.algorithm.Algorithm`."""
+        policy: Policy = self._algorithm.train(env, steps, seed, Spoiling(progress, self._name))
+        return policy
+
+
+@pytest.mark.parametrize(("algorithm", "name"), CASES)
+def test_whatever_a_checkpoint_lacks_is_found(algorithm: str, name: str):
+    """A weight, a moment, a generator, a counter, an observation, one row of the replay buffer."""
+    built: Any = REGISTRY.get("algorithms", algorithm).load()(**SETTINGS[algorithm])
+    with pytest.raises(AssertionError, match="something is not in the checkpoint"):
+        a_training_goes_on_where_it_stood(Spoiled(built, name))
+
+
+@pytest.mark.parametrize("algorithm", SETTINGS)
+def test_nothing_is_found_where_nothing_is_lacking(algorithm: str):
+    """With the same settings."""
+    a_training_goes_on_where_it_stood(REGISTRY.get("algorithms", algorithm).load()(**SETTINGS[algorithm]))

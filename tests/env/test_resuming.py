@@ -1,0 +1,166 @@
+"""An env that is put where another stood goes on as that one does, bit for bit, whatever the simulator."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.env import ReachVectorEnv
+from harness.env.make import World
+from harness.errors import SchemaError, UsageError
+from harness.reach import ReachTask
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness.simulator import State
+from harness.testing import IdealSimulator
+from harness.testing.ideal import IdealSimulation
+from harness.testing.trainings import NegativeDistance
+
+REGISTRY = load_registry()
+ROBOT = harness.load_robot("fd100", REGISTRY)
+SHORT: dict[str, Any] = {"name": "fd100-reach", "horizon": 23}
+UNITY: dict[str, Any] = {"name": "unity-reach", "horizon": 60, "decision_period": 5}
+TASKS: dict[str, dict[str, Any]] = {
+    "joints": SHORT,
+    "poses": {**SHORT, "action": "set-joints"},
+    "arcs": {**SHORT, "action": "movea"},
+    "long decisions": {**UNITY, "action": "movej"},
+    "next targets": UNITY,
+    "choices": {**SHORT, "action": "discrete"},
+}
+MOMENTS = (1, 7, 22, 23, 40, 61)
+"""Decisions after which the env's state is taken: early and late in episodes, and where one has just begun."""
+
+
+def _open(simulator: str, task: dict[str, Any], num_envs: int, reward: str = "baseline") -> ReachVectorEnv:
+    def build(kind: str, given: Any) -> Any:
+        return choose(REGISTRY, kind, given).build(REGISTRY, kind)
+
+    goal = build("tasks", task)
+    robot = harness.load_robot(goal.robot, REGISTRY)
+    world = World(build("simulators", simulator), robot, goal, build("rewards", reward))
+    return world.open(num_envs, resumable=True)
+
+
+def _actions(env: ReachVectorEnv, count: int) -> list[Any]:
+    """Mostly down: the arms come near the ground, and touch it."""
+    env.action_space.seed(3)
+    actions = [env.action_space.sample() for _ in range(count)]
+    if actions[0].dtype != np.float32:
+        return actions
+    way = np.array([0.1, 0.9, 0.6, 0.3, 0.3, 0.0], np.float32)[: actions[0].shape[1]]
+    return [np.clip(way[: action.shape[1]] + 0.4 * action, -1.0, 1.0) for action in actions]
+
+
+def _told(env: ReachVectorEnv, actions: list[Any]) -> list[Any]:
+    """Everything that an env tells, and where its episodes stand, action by action."""
+    told: list[Any] = []
+    for action in actions:
+        *arrays, infos = env.step(action)
+        told += [*arrays, *(infos[name] for name in sorted(infos)), env.episodes.matrix.copy()]
+    return told
+
+
+@pytest.mark.parametrize("num_envs", [1, 3])
+@pytest.mark.parametrize(
+    ("simulator", "task"),
+    [*((simulator, "joints") for simulator in REGISTRY.names("simulators")), *(("kinematic", task) for task in TASKS),
+     ("mujoco", "next targets"), ("mujoco", "arcs"), ("pybullet", "long decisions"), ("pybullet", "poses")],
+)  # fmt: skip
+def test_restored_env_goes_on_as_the_other(simulator: str, task: str, num_envs: int):
+    """Observations, rewards, ends, infos and the whole record, in the middle of episodes and where they end."""
+    env = _open(simulator, TASKS[task], num_envs)
+    env.reset(seed=5)
+    actions, states = _actions(env, 80), {}
+    for number, action in enumerate(actions):
+        if number in MOMENTS:
+            states[number] = env.state()
+        env.step(action)
+    for number, state in states.items():
+        again = _open(simulator, TASKS[task], num_envs)
+        again.restore(state)
+        last = again.state()
+        # What an arm was told before its last reset is told no more.
+        assert all(np.array_equal(last[name], state[name]) for name in state if name != "simulation.targets")
+        straight = _open(simulator, TASKS[task], num_envs)
+        straight.reset(seed=5)
+        _told(straight, actions[:number])
+        first, second = _told(straight, actions[number:]), _told(again, actions[number:])
+        assert all(np.array_equal(one, other) for one, other in zip(first, second, strict=True))
+        assert again.environment_steps == straight.environment_steps
+        for opened in (again, straight):
+            opened.close()
+    env.close()
+
+
+@pytest.mark.parametrize("simulator", REGISTRY.names("simulators"))
+def test_the_ground_was_touched_in_these_episodes(simulator: str):
+    """The test above says something about contact too."""
+    env = _open(simulator, SHORT, 3)
+    env.reset(seed=5)
+    assert any(env.step(action)[2].any() for action in _actions(env, 80))
+    env.close()
+
+
+@pytest.mark.parametrize("reward", ["arp", "aarp", "scaled", "potential", "sparse"])
+def test_what_a_reward_remembers_is_kept(reward: str):
+    """Whatever the form of its carry."""
+    env, again = (_open("kinematic", SHORT, 3, reward) for _ in range(2))
+    env.reset(seed=5)
+    actions = _actions(env, 40)
+    _told(env, actions[:15])
+    again.restore(env.state())
+    first, second = _told(env, actions[15:]), _told(again, actions[15:])
+    assert all(np.array_equal(one, other) for one, other in zip(first, second, strict=True))
+
+
+def test_log_is_no_longer_than_the_episodes_under_way():
+    """What came before the last resets is forgotten."""
+    env = _open("kinematic", SHORT, 3)
+    env.reset(seed=5)
+    for action in _actions(env, 200):
+        env.step(action)
+        assert len(env.state()["simulation.targets"]) <= SHORT["horizon"]
+
+
+def test_state_of_an_env_that_keeps_no_log_is_refused():
+    """With what to do."""
+    env = ReachVectorEnv(IdealSimulator(), ROBOT, ReachTask(), NegativeDistance())
+    env.reset(seed=0)
+    with pytest.raises(UsageError, match="open it with resumable=True"):
+        env.state()
+
+
+class Drifting(IdealSimulation):
+    """Each of these moves a little differently."""
+
+    made = 0
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        type(self).made += 1
+        self.error = 1e-9 * self.made
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        """Not quite there."""
+        return super().drive(qpos + self.error, duration)
+
+
+class DriftingSimulator(IdealSimulator):
+    """See `Drifting`."""
+
+    def open(self, robot: Any, num_envs: int, control_period: float) -> Drifting:
+        """See `harness.simulator.Simulator`."""
+        return Drifting(robot, num_envs)
+
+
+def test_simulator_that_does_something_else_is_noticed():
+    """The env is not where it stood: whoever restores it hears that, and what differs."""
+    env, again = (
+        ReachVectorEnv(DriftingSimulator(), ROBOT, ReachTask(), NegativeDistance(), 2, resumable=True) for _ in range(2)
+    )
+    env.reset(seed=0)
+    env.step(np.ones((2, 6), np.float32))
+    with pytest.raises(SchemaError, match="the simulator does not do the same again: qpos differs"):
+        again.restore(env.state())

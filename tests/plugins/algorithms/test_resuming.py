@@ -1,0 +1,61 @@
+"""Every algorithm goes on from its checkpoints as if nothing had happened, whatever the simulator."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import harness
+from harness.env import ReachVectorEnv
+from harness.env.make import World
+from harness.registry.choice import build_defaults, choose
+from harness.registry.registry import load_registry
+from harness.testing.checkpoints import differences, train_with_checkpoints
+
+REGISTRY = load_registry()
+SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16, "learning_starts": 40}
+ALGORITHMS: dict[str, dict[str, Any]] = {
+    "sac-fast": {**SMALL, "buffer_size": 60},
+    "sac": SMALL,
+    "td3": SMALL,
+    "dqn": SMALL,
+    "ddqn": SMALL,
+    "ppo": {"net_arch": (8,), "batch_size": 16, "rollout": 48},
+    "spg": {"net_arch": (8,), "decisions": 9},
+    "random": {},
+    "ik": {},
+}
+STEPS, EVERY = 198, 70
+CASES = [
+    pytest.param(algorithm, simulator, num_envs, marks=[pytest.mark.slow] * (algorithm != "sac-fast"))
+    for algorithm in ALGORITHMS
+    for simulator in REGISTRY.names("simulators")
+    for num_envs in (1, 3)
+]
+
+
+@pytest.mark.parametrize(("algorithm", "simulator", "num_envs"), CASES)
+def test_training_goes_on_as_if_nothing_had_happened(tmp_path: Path, algorithm: str, simulator: str, num_envs: int):
+    """From the middle of episodes: the same steps, weights and scalars as one that made no checkpoints."""
+
+    def open_env(learner: Any) -> ReachVectorEnv:
+        task = {"name": "fd100-reach", "horizon": 25}
+        if learner.action_spaces == {"discrete"}:
+            task["action"] = "discrete"
+        built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
+        simulators, rewards = (build_defaults(REGISTRY, kind) for kind in ("simulators", "rewards"))
+        robot = harness.load_robot("fd100", REGISTRY)
+        world = World(simulators[simulator], robot, built, rewards["baseline"])
+        return world.open(learner.num_envs, resumable=True)
+
+    def train(name: str, every: int = EVERY, start: Any = None) -> Any:
+        return train_with_checkpoints(learner, STEPS, every, tmp_path / name, start, open_env)
+
+    learner: Any = REGISTRY.get("algorithms", algorithm).load()(**ALGORITHMS[algorithm], num_envs=num_envs)
+    plain, whole = train("plain", 2 * STEPS), train("whole")
+    assert differences(plain, whole) == ""
+    assert len(whole.left) == 2
+    for left in whole.left:
+        again = train(f"from-{left.steps}", start=left)
+        assert differences(plain, again, left) == ""
+        assert again.scalars == [told for told in plain.scalars if told[0] > left.steps]
