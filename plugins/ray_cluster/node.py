@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from harness.executor import Job
-from harness.experiment.installation import describe_installation
+from harness.experiment.installation import describe_workers
 from harness.experiment.jobs import events_of
 from harness.experiment.workers import Pool
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder
 from harness.record.parts import Part, add_parts, parts_of
-from harness.registry.registry import load_registry
 
 TELL_EVERY: Final = 0.5
 """Seconds from one word of progress to the next."""
@@ -36,7 +35,7 @@ class Found(NamedTuple):
     """What a node has."""
 
     installed: dict[str, str]
-    """See `describe_installation`."""
+    """See `describe_workers`."""
     sees_folder: bool
     """Whether it can write where the cells' folders have to be."""
 
@@ -48,8 +47,7 @@ def look_around(cells: Sequence[Mapping[str, Any]], token: str) -> Found:
         cells: Whose plugins matter.
         token: A file that is in the experiment's folder.
     """
-    installed = describe_installation([Cell.from_json(cell) for cell in cells], load_registry())
-    return Found(installed, Path(token).is_file())
+    return Found(describe_workers(map(Cell.from_json, cells)), Path(token).is_file())
 
 
 class Slot:
