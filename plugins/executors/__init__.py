@@ -18,3 +18,10 @@ def register_executors(register: harness.Register) -> None:
         requires=("ray",),
         extra="ray",
     )
+    register(
+        "slurm",
+        "harness_plugins.executors.slurm:Slurm",
+        summary="an array of Slurm jobs",
+        requires=("submitit",),
+        extra="slurm",
+    )

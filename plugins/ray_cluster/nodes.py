@@ -93,7 +93,7 @@ class Nodes:
         """
         if at_once or time.monotonic() - self._looked >= LOOK_EVERY:
             self._looked = time.monotonic()
-            for told in ray.nodes():  # type: ignore[no-untyped-call]
+            for told in ray.nodes():
                 if told["NodeID"] in self.known:
                     self.known[told["NodeID"]].alive = told["Alive"]
                 elif told["Alive"]:
