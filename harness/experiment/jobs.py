@@ -1,16 +1,17 @@
 """What authors of executors build with: a job done in this process, or in processes of this machine.
 
-An executor for another machine sends `Job.to_json` there, calls `run_jobs` on it with that one job, and hands the
-events on. An executor that starts processes itself writes `order_of(job).line()` to the standard input of ``python -m
-harness.experiment.worker``, whose answers that module describes.
+An executor for another machine sends `Job.to_json` there, calls `run_jobs` on it with that one job (`events_of`, where
+one process is to do several jobs), and hands the events on. An executor that starts processes itself writes
+`order_of(job).line()` to the standard input of ``python -m harness.experiment.worker``, whose answers that module
+describes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from harness.executor import Event, Job, OnEvent
 from harness.experiment.order import Order, Report
 from harness.experiment.run_cell import TrainCell, run_cell
-from harness.experiment.workers import News, run_orders
+from harness.experiment.workers import Pool
 from harness.record.manifest import Manifest
 
 
@@ -37,9 +38,16 @@ def run_job(job: Job, report: Report = lambda steps: None) -> Manifest:
 
 def run_jobs(jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
     """Do jobs in processes of this machine, at most `at_once` at a time; see `harness.executor.Executor.run`."""
+    with Pool() as pool:
+        for event in events_of(jobs, at_once, pool):
+            on_event(event)
+
+
+def events_of(jobs: Sequence[Job], at_once: int, pool: Pool) -> Iterator[Event]:
+    """Do jobs in the processes of a pool, which may do other jobs before and after; tells what happens as it does.
+
+    When the caller stops asking, the cells run on until the pool ends.
+    """
     cells = {job.folder: job.cell for job in jobs}
-
-    def tell(news: News) -> None:
-        on_event(Event(news.kind, cells[news.folder], news.steps, news.reason))
-
-    run_orders([order_of(job) for job in jobs], at_once, tell)
+    for news in pool.run([order_of(job) for job in jobs], at_once):
+        yield Event(news.kind, cells[news.folder], news.steps, news.reason)

@@ -8,10 +8,10 @@ import os
 import queue
 import signal
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, Self, TypeAlias
 
 from harness.errors import UsageError
 from harness.experiment.limits import LOOK_EVERY, Clock, Watchdog
@@ -68,17 +68,9 @@ def run_orders(orders: Sequence[Order], at_once: int, on_news: OnNews) -> None:
         at_once: How many processes.
         on_news: Called in this thread: ``started``, any number of ``progress``, then ``ended``, once for every order.
     """
-    waiting, pool = deque(orders), _Pool()
-    try:
-        while waiting or pool.busy:
-            while waiting and len(pool.busy) < at_once:
-                order = waiting.popleft()
-                on_news(News("started", order.folder))
-                pool.give(order)
-            for news in pool.look():
-                on_news(news)
-    finally:
-        pool.stop()
+    with Pool() as pool:
+        for news in pool.run(orders, at_once):
+            on_news(news)
 
 
 @dataclass
@@ -92,14 +84,33 @@ class _Task:
 
 
 @dataclass
-class _Pool:
-    """The processes, and one queue of what they tell: some do an order, some wait for one, some leave."""
+class Pool:
+    """The processes, and one queue of what they tell: some do an order, some wait for one, some leave.
+
+    They are ended when the ``with`` block of the pool ends.
+    """
 
     busy: dict[WorkerProcess, _Task] = field(default_factory=dict)
     idle: list[WorkerProcess] = field(default_factory=list)
     leaving: list[WorkerProcess] = field(default_factory=list)
     told: "queue.SimpleQueue[Told]" = field(default_factory=queue.SimpleQueue)
     clock: Clock = field(default_factory=Clock)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def run(self, orders: Sequence[Order], at_once: int) -> Iterator[News]:
+        """Have every order done, and tell what happens; see `run_orders`. The pool may do more orders after these."""
+        waiting = deque(orders)
+        while waiting or self.busy:
+            while waiting and len(self.busy) < at_once:
+                order = waiting.popleft()
+                yield News("started", order.folder)
+                self.give(order)
+            yield from self.look()
 
     def give(self, order: Order) -> None:
         """Have an order done by a process that waits, or by a new one."""

@@ -1,4 +1,4 @@
-"""The contract kit: what a simulator, a task, a reward, an algorithm and a metric must satisfy.
+"""The contract kit: what simulators, tasks, rewards, algorithms, metrics and executors must satisfy.
 
 In the tests of a plugin::
 
@@ -13,6 +13,7 @@ first one that fails. `IdealSimulator` is a simulator for tests that need none o
 """
 
 from harness.testing.algorithms import ALGORITHM_CHECKS, check_algorithm
+from harness.testing.executors import EXECUTOR_CHECKS, check_executor
 from harness.testing.ideal import IdealSimulator
 from harness.testing.metrics import METRIC_CHECKS, check_metric
 from harness.testing.rewards import REWARD_CHECKS, check_reward
@@ -22,12 +23,14 @@ from harness.testing.violations import violations
 
 __all__ = [
     "ALGORITHM_CHECKS",
+    "EXECUTOR_CHECKS",
     "METRIC_CHECKS",
     "REWARD_CHECKS",
     "SIMULATOR_CHECKS",
     "TASK_CHECKS",
     "IdealSimulator",
     "check_algorithm",
+    "check_executor",
     "check_metric",
     "check_reward",
     "check_simulator",

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,12 +16,14 @@ from harness.reach import ReachTask
 from harness.registry.registry import load_registry
 from harness.testing import (
     ALGORITHM_CHECKS,
+    EXECUTOR_CHECKS,
     METRIC_CHECKS,
     REWARD_CHECKS,
     SIMULATOR_CHECKS,
     TASK_CHECKS,
     IdealSimulator,
     check_algorithm,
+    check_executor,
     check_metric,
     check_reward,
     check_simulator,
@@ -37,7 +40,11 @@ FRAME_CHECKS = (render_gives_a_frame_or_says_why_not, frames_show_the_target)
 OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
 SLOW = {(name, the_return_rises) for name in ("sac", "td3", "dqn", "ddqn", "ppo")}
 """Whole trainings of up to half a minute; the other algorithms' show in every run that the check is able to fail."""
-CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS, *TASK_CHECKS]
+SLOW |= {("ray", check) for check in EXECUTOR_CHECKS}
+"""Each starts a cluster; the other executors' show the checks in every run."""
+NEED_A_CLUSTER = ("slurm",)
+"""Executors that start none themselves; `tests/plugins/executors` does, and runs the checks there."""
+CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS, *TASK_CHECKS, *EXECUTOR_CHECKS]
 
 
 def registered(kind: str, checks: tuple[Callable[..., None], ...]) -> pytest.MarkDecorator:
@@ -111,6 +118,15 @@ def test_metric(check: Callable[..., None], name: str):
     check(build("metrics", name))
 
 
+@registered("executors", EXECUTOR_CHECKS)
+def test_executor(check: Callable[..., None], name: str, tmp_path: Path):
+    """Every registered executor keeps the contract, where the library that it needs is installed."""
+    missing = REGISTRY.get("executors", name).missing
+    if missing or name in NEED_A_CLUSTER:
+        pytest.skip(f"{', '.join(missing)} is not installed" if missing else "needs a cluster")
+    check(build("executors", name), tmp_path)
+
+
 @pytest.mark.parametrize("check", SIMULATOR_CHECKS)
 def test_ideal_simulator(check: Callable[..., None]):
     """The kit's own simulator keeps the contract."""
@@ -129,7 +145,9 @@ def test_every_check_says_what_it_holds(check: Callable[..., None]):
     assert len(check.__doc__ or "") > 40
 
 
-@pytest.mark.parametrize("check", [check_simulator, check_reward, check_algorithm, check_metric, check_task])
+@pytest.mark.parametrize(
+    "check", [check_simulator, check_reward, check_algorithm, check_metric, check_task, check_executor]
+)
 def test_first_violation_is_raised(check: Callable[..., None]):
     """Something that is no plugin at all fails at the first check, which the error names."""
     with pytest.raises(ContractViolation, match="settings_are_frozen: object is no dataclass") as caught:

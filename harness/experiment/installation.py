@@ -1,0 +1,103 @@
+"""What a machine has installed, as far as it decides results: told there, compared here."""
+
+import json
+import platform
+import tempfile
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Final, Self
+
+from harness.errors import HarnessError, UsageError, one_line
+from harness.experiment.order import Order, Report
+from harness.experiment.provenance import specs_of, versions_behind
+from harness.experiment.workers import News, run_orders
+from harness.hookspecs import NOUNS
+from harness.record.cell import Cell
+from harness.record.folder import partial_folder, publish
+from harness.registry.registry import Registry, load_registry
+from harness.registry.sources import digest_of_modules, source_hash
+from harness.robot.load import load_robot
+
+DIGITS: Final = 8
+"""Of a digest, as it is told and compared."""
+ANSWER: Final = "installation.json"
+PROBLEM: Final = "problem"
+
+
+def describe_installation(cells: Iterable[Cell], registry: Registry) -> dict[str, str]:
+    """Versions of Python and of the distributions behind some cells, digests of the sources and the robots.
+
+    Raises:
+        UsageError: A plugin, a library or a robot of the cells is not there.
+        PluginError: A plugin cannot be imported.
+    """
+    cells = list(cells)
+    specs = {(kind, spec.name): spec for cell in cells for kind, spec in specs_of(cell, registry).items()}
+    plugins = {f"source of {NOUNS[kind]} '{name}'": source_hash(spec.load()) for (kind, name), spec in specs.items()}
+    robots = {f"robot '{robot}'": load_robot(robot, registry).digest for robot in {cell.robot: None for cell in cells}}
+    digests = {"source of harness": digest_of_modules(["harness"]), **plugins, **robots}
+    return {
+        "python": platform.python_version(),
+        **versions_behind(specs.values()),
+        **{name: digest[:DIGITS] for name, digest in digests.items() if digest},
+    }
+
+
+def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
+    """What two machines do not have in common, ``numpy 2.4.6 here, 2.3.0 there``."""
+    return [
+        f"{name} {here.get(name, 'none')} here, {there.get(name, 'none')} there"
+        for name in {**here, **there}
+        if here.get(name) != there.get(name)
+    ]
+
+
+def describe_workers(cells: Iterable[Cell]) -> dict[str, str]:
+    """`describe_installation`, of a worker process that is started here: it may find other modules than this one.
+
+    Raises:
+        UsageError: A plugin, a library or a robot of the cells is not there, or the process cannot start.
+    """
+    reasons: list[str] = []
+
+    def hear(news: News) -> None:
+        reasons.append(news.reason)
+
+    with tempfile.TemporaryDirectory(prefix="harness-") as place:
+        folder = Path(place) / "answer"
+        run_orders([Order(folder, Describe(tuple(cells)), fresh=True)], 1, hear)
+        if any(reasons):
+            raise UsageError("".join(reasons))
+        told: dict[str, str] = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
+    if PROBLEM in told:
+        raise UsageError(told[PROBLEM])
+    return told
+
+
+@dataclass(frozen=True)
+class Describe:
+    """`describe_installation`, as a worker is told to do it; what is missing is told too."""
+
+    cells: tuple[Cell, ...]
+
+    noun: ClassVar[str] = "description"
+
+    def to_json(self) -> dict[str, Any]:
+        """See `harness.experiment.order.Work`."""
+        return {"cells": [cell.to_json() for cell in self.cells]}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """See `harness.experiment.order.Work`."""
+        return cls(tuple(Cell.from_json(cell) for cell in data["cells"]))
+
+    def do(self, folder: Path, report: Report) -> bool:
+        """See `harness.experiment.order.Work`."""
+        try:
+            told = describe_installation(self.cells, load_registry())
+        except HarnessError as error:
+            told = {PROBLEM: one_line(error)}
+        (partial_folder(folder) / ANSWER).write_text(json.dumps(told), encoding="utf-8")
+        publish(partial_folder(folder), folder)
+        return True

@@ -1,0 +1,44 @@
+"""A folder's files in parts that fit into messages: how a cell's folder gets from one machine to another."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+PART_BYTES = 4 * 2**20
+
+
+class Part(NamedTuple):
+    """Some of a file's bytes; the parts of a file come one after the other."""
+
+    path: str
+    """In the folder, with slashes."""
+    content: bytes
+
+
+def parts_of(folder: Path) -> Iterator[Part]:
+    """All files in a folder, in parts; links are left out, and so are folders without a file."""
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and not path.is_symlink():
+            yield from _parts_of_file(path, path.relative_to(folder).as_posix())
+
+
+def _parts_of_file(path: Path, name: str) -> Iterator[Part]:
+    with path.open("rb") as file:
+        content = file.read(PART_BYTES)
+        yield Part(name, content)  # of an empty file too
+        while content := file.read(PART_BYTES):
+            yield Part(name, content)
+
+
+def add_part(folder: Path, part: Part) -> None:
+    """Append a part to its file in a folder."""
+    path = folder / part.path
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("ab") as file:
+        file.write(part.content)
+
+
+def add_parts(folder: Path, parts: Iterable[Part]) -> None:
+    """Append parts to their files in a folder."""
+    for part in parts:
+        add_part(folder, part)

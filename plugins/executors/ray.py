@@ -1,0 +1,43 @@
+"""Runs cells on the nodes of a Ray cluster."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.executor import Job, OnEvent
+
+LOCAL = "local"
+
+
+@dataclass(frozen=True)
+class Ray:
+    """Cells on the nodes of a Ray cluster, in processes that are like those of ``processes``."""
+
+    address: Annotated[
+        str, Field(min_length=1, description="of the cluster, 'auto' for the one of this machine; 'local' starts one")
+    ] = LOCAL
+    cpus: Annotated[float, Field(gt=0, description="CPUs that a cell reserves on its node")] = 1.0
+    gpus: Annotated[float, Field(ge=0, description="GPUs that a cell reserves on its node")] = 0.0
+    retries: Annotated[int, Field(ge=0, description="how often a cell is begun again whose node was lost")] = 3
+    fetch: Annotated[
+        bool, Field(description="send each cell's files back, also from nodes that see the experiment's folder")
+    ] = False
+    runtime_env: Annotated[str, Field(description="TOML file with Ray's runtime environment of the cells")] = ""
+
+    def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
+        """See `harness.executor.Executor`."""
+        if not jobs:
+            return
+        # Imported here: the settings above are checked before anything runs, and Ray takes a second.
+        from harness.registry.toml_file import read_toml
+
+        from ..ray_cluster.connection import connected
+        from ..ray_cluster.fleet import Fleet, Needs
+
+        environment = read_toml(Path(self.runtime_env), "runtime environment") if self.runtime_env else {}
+        cpus = self.cpus * at_once if self.address == LOCAL else None
+        with connected(self.address, cpus, environment):
+            Fleet(jobs, Needs(self.cpus, self.gpus, self.retries, self.fetch), at_once, on_event).run()

@@ -1,0 +1,66 @@
+"""A Ray cluster, for as long as it is needed."""
+
+import logging
+import math
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import ray
+
+from harness.errors import UsageError, one_line
+from harness.experiment.workers import core_count
+
+QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
+"""Environment variables of Ray: nothing is reported to its makers, and no warning about a later change of defaults."""
+
+
+@contextmanager
+def connected(address: str, cpus: float | None, environment: Mapping[str, Any]) -> Iterator[None]:
+    """Within the block this process belongs to a cluster; one that it belonged to before is used, and stays.
+
+    Args:
+        address: As ``ray.init`` takes it; ``local`` starts a cluster of this machine, which ends with the block.
+        cpus: That a new cluster offers, at least; those of the machine at least. None where there is a cluster.
+        environment: Ray's runtime environment of what runs on the nodes.
+
+    Raises:
+        UsageError: There is no such cluster, or it does not fit this process.
+    """
+    if ray.is_initialized():
+        yield
+        return
+    if address.startswith("ray://"):
+        raise UsageError(f"address={address}: Ray clients are not supported, run harness on a node of the cluster")
+    with _environment(QUIET):
+        try:
+            ray.init(
+                address=address,
+                num_cpus=None if cpus is None else max(math.ceil(cpus), core_count()),
+                include_dashboard=None if cpus is None else False,
+                runtime_env=dict(environment) or None,
+                log_to_driver=False,
+                logging_level=logging.ERROR,
+            )
+        except (ConnectionError, RuntimeError, ValueError) as error:
+            raise UsageError(
+                f"No Ray cluster at address={address} that fits: {one_line(error)}. 'ray start --head' starts one on "
+                "this machine, 'ray start --address=HOST:6379' adds this machine to one"
+            ) from error
+        try:
+            yield
+        finally:
+            ray.shutdown()
+
+
+@contextmanager
+def _environment(values: Mapping[str, str]) -> Iterator[None]:
+    """Environment variables for the processes that start within the block; those that are set stay as they are."""
+    added = [name for name in values if name not in os.environ]
+    os.environ.update({name: values[name] for name in added})
+    try:
+        yield
+    finally:
+        for name in added:
+            os.environ.pop(name, None)

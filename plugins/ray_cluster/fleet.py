@@ -1,0 +1,189 @@
+"""Cells on the nodes of a cluster: who does which, and what becomes of those whose node is lost."""
+
+import shutil
+import sys
+import time
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import ray
+from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
+
+from harness.errors import one_line
+from harness.executor import Event, Job, OnEvent
+from harness.record.folder import partial_folder, publish
+from harness.record.parts import Part, add_part, parts_of
+
+from .node import Ended, Slot, Told
+from .nodes import Node, Nodes
+
+WAIT: Final = 0.5
+"""Seconds that are waited for news before the cluster is looked at again."""
+UNHEARD: Final = 16
+"""Parts of a cell's files that wait to be fetched, at most."""
+
+
+class Needs(NamedTuple):
+    """What a cell needs, and what is done for it."""
+
+    cpus: float
+    gpus: float
+    retries: int
+    fetch: bool
+
+
+@dataclass(eq=False)
+class _Task:
+    """A job that is not done yet."""
+
+    job: Job
+    losses: int = 0
+    """How many nodes or processes were lost that did it."""
+
+
+@dataclass(eq=False)
+class _Seat:
+    """A slot on a node, as it is seen from here."""
+
+    node: Node
+    slot: Any
+    heard: Any
+    """What is waited for: the reference that tells that it is ready, or the stream of what it tells; None if idle."""
+    task: _Task | None = None
+
+
+class Fleet:
+    """Does jobs on the nodes of the cluster to which this process belongs."""
+
+    def __init__(self, jobs: Sequence[Job], needs: Needs, at_once: int, on_event: OnEvent) -> None:
+        self._waiting = deque(_Task(job) for job in jobs)
+        self._needs, self._at_once, self._on_event = needs, at_once, on_event
+        folder = jobs[0].folder.parent
+        folder.mkdir(parents=True, exist_ok=True)
+        self._nodes = Nodes([job.cell for job in jobs], folder, needs.cpus, needs.gpus)
+        self._seats: list[_Seat] = []
+
+    def run(self) -> None:
+        """Do them all.
+
+        Raises:
+            UsageError: No node of the cluster can.
+        """
+        try:
+            while self._waiting or any(seat.task for seat in self._seats):
+                self._nodes.look()
+                self._take_seats()
+                self._hand_out()
+                self._listen()
+        finally:
+            for seat in self._seats:
+                ray.kill(seat.slot)  # its worker process ends with it
+            self._nodes.close()
+
+    def _take_seats(self) -> None:
+        """As many slots as there is work for, on the nodes with most room left."""
+        work = len(self._waiting) + sum(seat.task is not None for seat in self._seats)
+        while len(self._seats) < min(self._at_once, work):
+            taken = {node: sum(seat.node is node for seat in self._seats) for node in self._nodes.usable}
+            free = {node: node.slots - count for node, count in taken.items() if count < node.slots}
+            if not free:
+                return
+            self._seats.append(self._seat_on(max(free, key=lambda node: free[node])))
+
+    def _seat_on(self, node: Node) -> _Seat:
+        options = {"num_cpus": self._needs.cpus, "num_gpus": self._needs.gpus}
+        here = NodeAffinitySchedulingStrategy(node.id, soft=False)
+        slot: Any = ray.remote(Slot).options(**options, scheduling_strategy=here).remote()
+        return _Seat(node, slot, slot.ready.remote())
+
+    def _hand_out(self) -> None:
+        for seat in self._seats:
+            if seat.heard is None and self._waiting:
+                self._begin(seat, self._waiting.popleft())
+
+    def _begin(self, seat: _Seat, task: _Task) -> None:
+        job, seat.task = task.job, task
+        partial = partial_folder(job.folder)
+        partial.mkdir(parents=True, exist_ok=True)
+        options = {"num_returns": "streaming", "_generator_backpressure_num_objects": UNHEARD}
+        if self._sends(seat):
+            shutil.rmtree(_arrivals(job.folder), ignore_errors=True)  # of a node that was lost as it sent them
+            left = list(parts_of(partial))
+            seat.heard = seat.slot.do_and_send.options(**options).remote(job.to_json(), sys.argv, left)
+        else:
+            seat.heard = seat.slot.do.options(**options).remote(job.to_json(), sys.argv)
+        if not task.losses:
+            self._on_event(Event("started", job.cell))
+
+    def _sends(self, seat: _Seat) -> bool:
+        return self._needs.fetch or not seat.node.sees_folder
+
+    def _listen(self) -> None:
+        """Hear those who have something to say."""
+        speakers = {seat.heard: seat for seat in self._seats if seat.heard is not None}
+        waited_for = list(speakers)
+        if not waited_for:
+            waited_for = [node.answer for node in self._nodes.known.values() if node.answer is not None]
+        if not waited_for:  # no node is left; others may come
+            time.sleep(WAIT)
+            return
+        first, others = ray.wait(waited_for, timeout=WAIT, fetch_local=False)
+        more = ray.wait(others, num_returns=len(others), timeout=0, fetch_local=False)[0] if first and others else []
+        for speaker in (*first, *more):
+            if speaker in speakers:
+                self._hear(speakers[speaker])
+
+    def _hear(self, seat: _Seat) -> None:
+        try:
+            told = ray.get(next(seat.heard) if seat.task else seat.heard)
+        except (ray.exceptions.RayError, StopIteration) as error:
+            self._lose(seat, error)
+            return
+        if seat.task is None:
+            seat.heard = None  # it is ready
+        else:
+            self._follow(seat, seat.task, told)
+
+    def _follow(self, seat: _Seat, task: _Task, told: Told) -> None:
+        job = task.job
+        if isinstance(told, Ended):
+            seat.task = seat.heard = None
+            if self._sends(seat):
+                _receive(job.folder, is_complete=not told.reason)
+            self._on_event(Event("ended", job.cell, reason=told.reason))
+        elif isinstance(told, Part):
+            add_part(_arrivals(job.folder), told)
+        else:
+            self._on_event(Event("progress", job.cell, told))
+
+    def _lose(self, seat: _Seat, error: Exception) -> None:
+        """The slot of a cell is no more: another one does it, unless that happens again and again."""
+        self._seats.remove(seat)
+        ray.kill(seat.slot)
+        self._nodes.look(at_once=True)
+        task = seat.task
+        if task is None:
+            return
+        task.losses += 1
+        if task.losses <= self._needs.retries:
+            self._waiting.appendleft(task)
+            return
+        reason = f"lost {task.losses} times, the last time on node {seat.node.name}: {one_line(error)}"
+        self._on_event(Event("ended", task.job.cell, reason=reason))
+
+
+def _arrivals(folder: Path) -> Path:
+    """Where a cell's files are put as they come from a node."""
+    return partial_folder(folder.with_name(f"{folder.name}.arrivals"))
+
+
+def _receive(folder: Path, is_complete: bool) -> None:
+    """All files of a cell have come: they take the place of its partial folder, and of its folder if it is complete."""
+    partial = partial_folder(folder)
+    shutil.rmtree(partial)
+    _arrivals(folder).rename(partial)
+    if is_complete:
+        publish(partial, folder)

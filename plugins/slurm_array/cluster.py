@@ -1,0 +1,99 @@
+"""The cluster that jobs are submitted to."""
+
+import shutil
+import subprocess
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+import submitit
+
+from harness.errors import UsageError, one_line
+
+from .task import CellTask
+
+MOST: Final = 1000
+"""Jobs of an array: clusters allow 1,001 where nobody has set another number."""
+OVER: Final = frozenset(
+    ["BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "FAILED", "NODE_FAIL", "OUT_OF_MEMORY", "REVOKED", "TIMEOUT"]
+) | {"FINISHED", "INTERRUPTED"}
+"""States of jobs that do not run again: Slurm's, and those of submitit on this machine."""
+GONE: Final = "not known to the cluster any more"
+
+SubmittedJob: TypeAlias = submitit.Job[None]
+
+
+class Cluster:
+    """Submits jobs, looks after them, and cancels them.
+
+    Attributes:
+        folder: For what jobs leave behind.
+        at_once: How many jobs run at once.
+        is_local: Whether that is this machine.
+    """
+
+    def __init__(self, folder: Path, kind: str, at_once: int, parameters: dict[str, Any]) -> None:
+        self.folder, self.at_once, self.is_local = folder, at_once, kind == "local"
+        timeouts = parameters.pop("slurm_max_num_timeout")
+        self._executor = submitit.AutoExecutor(folder, cluster=kind, slurm_max_num_timeout=timeouts)
+        self._executor.update_parameters(**parameters, slurm_array_parallelism=at_once)
+
+    def room(self, running: int) -> int:
+        """How many jobs may be submitted: the cluster holds back an array's jobs by itself."""
+        return self.at_once - running if self.is_local else (0 if running else MOST)
+
+    def submit(self, tasks: Sequence[CellTask]) -> list[SubmittedJob]:
+        """Submit an array."""
+        return list(self._executor.submit_array(tasks))
+
+    def over(self, jobs: Sequence[SubmittedJob]) -> dict[str, str]:
+        """The state of those that do not run any more, by their id."""
+        if self.is_local:
+            states = {job.job_id: job.state for job in jobs}
+        else:
+            known = self._states(sorted({job.job_id.partition("_")[0] for job in jobs}))
+            states = {job.job_id: known.get(job.job_id, GONE) for job in jobs}
+        return {job: state for job, state in states.items() if state in OVER or state == GONE}
+
+    def cancel(self, jobs: Sequence[SubmittedJob]) -> None:
+        """End them."""
+        if self.is_local:
+            for job in jobs:
+                job.cancel()
+        elif jobs:
+            subprocess.run(["scancel", *{job.job_id.partition("_")[0] for job in jobs}], check=False)
+
+    @staticmethod
+    def _states(arrays: Sequence[str]) -> dict[str, str]:
+        """By squeue: sacct needs a data base, which not every cluster has."""
+        command = ["squeue", "--noheader", "--array", "--states=all", f"--jobs={','.join(arrays)}", "--format=%i %T"]
+        told = subprocess.run(command, capture_output=True, text=True, check=False)
+        return dict(line.split(maxsplit=1) for line in told.stdout.splitlines())
+
+
+@contextmanager
+def open_cluster(folder: Path, kind: str, at_once: int, **parameters: Any) -> Iterator[Cluster]:
+    """A cluster for as long as it is needed; what its jobs left behind is removed then.
+
+    Args:
+        folder: Where the cells' folders have to be.
+        kind: ``slurm``, or ``local`` for jobs on this machine.
+        at_once: How many jobs run at once.
+        **parameters: Of a job, as submitit calls them.
+
+    Raises:
+        UsageError: There is no Slurm here.
+    """
+    place = folder / ".jobs"
+    try:
+        cluster = Cluster(place, kind, at_once, parameters)
+    except RuntimeError as error:
+        raise UsageError(
+            f"No Slurm cluster: {one_line(error)}. Run harness where sbatch works, or with --executor processes"
+        ) from error
+    place.mkdir(parents=True, exist_ok=True)
+    try:
+        yield cluster
+    finally:
+        shutil.rmtree(place, ignore_errors=True)  # a job that is being cancelled may still write there

@@ -1,0 +1,71 @@
+"""What a job of the cluster does, and the file in which it tells what happens."""
+
+import json
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from submitit.helpers import DelayedSubmission
+
+from harness.executor import Event, Job
+from harness.experiment.jobs import run_jobs
+
+TELL_EVERY: Final = 1.0
+"""Seconds from one word of progress to the next."""
+
+
+@dataclass(frozen=True)
+class CellTask:
+    """Does a cell in a process of its own, and tells of it.
+
+    Attributes:
+        job: By `Job.to_json`.
+        command: What the user typed.
+        told: The file, a line of JSON per event.
+    """
+
+    job: dict[str, Any]
+    command: tuple[str, ...]
+    told: Path
+
+    def __call__(self) -> None:
+        """Do it."""
+        sys.argv = list(self.command)  # the manifest records it
+        last = 0.0
+
+        def tell(event: Event) -> None:
+            nonlocal last
+            if event.kind != "progress" or time.monotonic() - last >= TELL_EVERY:
+                last = time.monotonic()
+                with self.told.open("a") as file:  # closed again, so that another machine sees it
+                    file.write(json.dumps([event.kind, event.steps, event.reason]) + "\n")
+
+        run_jobs([Job.from_json(self.job)], 1, tell)
+
+    def checkpoint(self) -> DelayedSubmission:
+        """Called when its time is up, or it has to make room: it is queued again, and goes on from its checkpoint."""
+        return DelayedSubmission(self)
+
+
+@dataclass
+class Told:
+    """What a job tells, read as it grows.
+
+    Attributes:
+        path: The file.
+    """
+
+    path: Path
+    _read: int = field(default=0, init=False)
+
+    def news(self) -> list[tuple[Any, int, str]]:
+        """Kind, steps and reason of each event since the last call; a line that is half written comes later."""
+        if not self.path.exists():
+            return []
+        with self.path.open("rb") as file:
+            file.seek(self._read)
+            whole, newline, _ = file.read().rpartition(b"\n")
+        self._read += len(whole + newline)
+        return [(kind, steps, reason) for kind, steps, reason in map(json.loads, whole.splitlines())]

@@ -1,0 +1,50 @@
+"""What a machine has installed, told and compared."""
+
+import platform
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.experiment.installation import describe_installation, describe_workers, differences
+from harness.record.cell import Cell
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+
+
+def test_versions_sources_and_robots_are_told(toys: Registry, make_cell: Callable[..., Cell]):
+    """Those of the plugins that the cells use, and of no others."""
+    told = describe_installation([make_cell(), make_cell(seed=1)], toys)
+    assert told["python"] == platform.python_version()
+    assert told["toy-arm"] == "1.0"
+    assert {"numpy", "source of harness", "source of algorithm 'wander'", "robot 'fd100'"} <= set(told)
+    assert "source of algorithm 'sweep'" not in told
+
+
+def test_a_worker_tells_what_this_process_tells(toys: Registry, make_cell: Callable[..., Cell]):
+    """Where both find the same modules."""
+    assert describe_workers([make_cell()]) == describe_installation([make_cell()], toys)
+
+
+def test_a_worker_that_finds_other_sources_tells_them(
+    toys: Registry, make_cell: Callable[..., Cell], toy_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """What counts is what a cell would run on."""
+    (tmp_path / "toy_arm.py").write_text((toy_folder / "toy_arm.py").read_text() + "# changed\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
+    (difference, *_) = differences(describe_installation([make_cell()], toys), describe_workers([make_cell()]))
+    assert difference.startswith("source of simulator 'ideal' ")
+
+
+def test_what_a_worker_lacks_is_told(toys: Registry, make_cell: Callable[..., Cell]):
+    """As it would be here."""
+    with pytest.raises(UsageError, match="No algorithm 'wonder'"):
+        describe_workers([make_cell(algorithm=Choice("wonder"))])
+
+
+def test_differences_name_both_sides():
+    """What is the same is not named."""
+    here, there = {"python": "3.11.7", "numpy": "2.4.6", "mujoco": "3.17.0"}, {"python": "3.11.7", "numpy": "2.3.0"}
+    assert differences(here, there) == ["numpy 2.4.6 here, 2.3.0 there", "mujoco 3.17.0 here, none there"]
+    assert differences(there, {**there, "jax": "0.10"}) == ["jax none here, 0.10 there"]

@@ -1,0 +1,187 @@
+"""Cells on the nodes of a Ray cluster."""
+
+import hashlib
+import os
+import random
+import shutil
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+import harness
+from harness.errors import UsageError
+from harness.executor import CellOptions, Event, Job
+from harness.experiment.jobs import run_jobs
+from harness.experiment.plan import Experiment, expand
+from harness.record.cell import Cell
+from harness.record.cell_folder import examine
+from harness.record.folder import LOG, MANIFEST
+from harness.registry.registry import load_registry
+from harness.testing import executors, violations
+from harness.testing.odd_cells import odd_cell
+from harness_plugins.executors.ray import Ray
+
+pytestmark = pytest.mark.slow
+
+KILLED_PROCESSES, KILLED_NODES = 30, 5
+FETCHED = (
+    executors.a_done_cell_leaves_what_run_job_leaves,
+    executors.what_raises_costs_itself_alone,
+    executors.what_is_killed_costs_itself_alone,
+)
+"""Checks of what a cell leaves."""
+
+
+def _run(executor: Ray, cells: Sequence[Cell], folder: Path, at_once: int = 4, on_event: Any = None) -> list[Event]:
+    told: list[Event] = []
+
+    def hear(event: Event) -> None:
+        told.append(event)
+        if on_event:
+            on_event(event)
+
+    jobs = [Job(cell, folder / cell.id, CellOptions(checkpoint_every=500)) for cell in cells]
+    executor.run(jobs, at_once, hear)
+    return told
+
+
+def _left(folder: Path) -> dict[str, str]:
+    paths = [path for path in folder.rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
+
+
+@pytest.mark.parametrize("check", FETCHED)
+def test_files_that_are_sent_back_are_those_of_a_shared_folder(check: Callable[..., None], tmp_path: Path):
+    """A node that does not see the folder leaves the same there, failures and logs included."""
+    assert list(violations([check], Ray(fetch=True), tmp_path)) == []
+
+
+def test_a_cell_whose_process_is_lost_is_begun_again(two_nodes: Any, tmp_path: Path):
+    """It is told to have begun once, and is done; the processes that it had started end with it."""
+    notes = tmp_path / "notes"
+    notes.mkdir()
+    killed: list[psutil.Process] = []
+
+    def kill(event: Event) -> None:
+        if event.kind == "started":
+            while not any(notes.iterdir()):
+                time.sleep(0.05)
+            (slot,) = [slot for slot in two_nodes.slots() if slot.children()]
+            killed.extend(slot.children())
+            slot.kill()
+
+    cell = odd_cell(0, "last", notes)
+    told = _run(Ray(address=two_nodes.address), [cell], tmp_path / "cells", on_event=kill)
+    assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
+    assert examine(tmp_path / "cells" / cell.id, cell).status == "done"
+    assert not any(process.is_running() for process in killed)
+
+
+def test_a_cell_that_is_lost_too_often_fails(two_nodes: Any, tmp_path: Path):
+    """With the number of times, and where; the other cell is done."""
+    notes = tmp_path / "notes"
+    notes.mkdir()
+    lost = odd_cell(0, "hang", notes)
+
+    def kill(event: Event) -> None:
+        if event.cell == lost and event.kind == "started":
+            while not any(notes.iterdir()):
+                time.sleep(0.05)
+            for slot in two_nodes.slots():
+                slot.kill()
+
+    told = _run(Ray(address=two_nodes.address, retries=0), [lost], tmp_path / "cells", 1, on_event=kill)
+    assert told[-1].kind == "ended"
+    assert told[-1].reason.startswith("lost 1 times, the last time on node ")
+
+
+def test_a_node_whose_sources_differ_gets_no_cells(two_nodes: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """It is named, with what differs; where no other node is left, that is an error."""
+    other = tmp_path / "other"
+    shutil.copytree(Path(harness.__file__).parent, other / "harness", ignore=shutil.ignore_patterns("__pycache__"))
+    with (other / "harness" / "reach.py").open("a") as file:
+        file.write("# changed\n")
+    two_nodes.kill_node()
+    two_nodes.add(PYTHONPATH=os.pathsep.join([str(other), os.environ["PYTHONPATH"]]))
+    executor, cells = Ray(address=two_nodes.address), [odd_cell(seed) for seed in range(3)]
+    told = _run(executor, cells, tmp_path / "cells")
+    assert [event.reason for event in told if event.kind == "ended"] == [""] * 3
+    complaint = capsys.readouterr().err
+    assert "gets no cells: source of harness " in complaint
+    assert " here, " in complaint
+    two_nodes.kill_node()
+    with pytest.raises(UsageError, match=r"No node of the Ray cluster can run these cells: .*source of harness"):
+        _run(executor, cells, tmp_path / "again")
+
+
+def test_a_plugin_that_a_node_lacks_is_named(two_nodes: Any, tmp_path: Path, toys: Any, make_cell: Any):
+    """The nodes were started without the toys."""
+    with pytest.raises(UsageError, match="No simulator 'ideal'"):
+        _run(Ray(address=two_nodes.address), [make_cell()], tmp_path / "cells")
+
+
+def test_plugins_come_by_a_runtime_environment(
+    two_nodes: Any, tmp_path: Path, toys: Any, make_cell: Any, toy_folder: Path
+):
+    """Here by a path that the nodes see."""
+    file = tmp_path / "env.toml"
+    file.write_text(f'[env_vars]\nPYTHONPATH = "{toy_folder}{os.pathsep}{os.environ["PYTHONPATH"]}"\n')
+    told = _run(Ray(address=two_nodes.address, runtime_env=str(file)), [make_cell()], tmp_path / "cells")
+    assert (told[-1].kind, told[-1].reason) == ("ended", "")
+
+
+def test_cells_that_no_node_has_room_for_are_refused(two_nodes: Any, tmp_path: Path):
+    """Ray itself would wait for such a node for ever."""
+    with pytest.raises(UsageError, match="it has no room for 64 CPUs"):
+        _run(Ray(address=two_nodes.address, cpus=64), [odd_cell()], tmp_path / "cells")
+
+
+def test_a_cluster_that_is_not_there_is_refused(tmp_path: Path):
+    """The message says how to start one."""
+    pytest.importorskip("ray")
+    with pytest.raises(UsageError, match=r"No Ray cluster at address=auto that fits: .*ray start --head"):
+        _run(Ray(address="auto"), [odd_cell()], tmp_path / "cells")
+
+
+@pytest.mark.parametrize("fetch", [False, True])
+def test_killed_processes_and_nodes_lose_nothing(two_nodes: Any, tmp_path: Path, fetch: bool):
+    """Afterwards every cell is done, and every byte is that of a run in processes of this machine."""
+    matrix = Experiment(
+        sim=["kinematic"], algo=["random"], seeds=20, steps=10_000, evaluation_episodes=2,
+        task="fd100-reach:horizon=50",
+    )  # fmt: skip
+    cells = expand(matrix, load_registry()).cells
+    assert len(cells) == 40
+    run_jobs([Job(cell, tmp_path / "processes" / cell.id) for cell in cells], 2, lambda event: None)
+    ended, rng = threading.Event(), random.Random(7)
+    killed = {"processes": 0, "nodes": 0}
+
+    def disturb() -> None:
+        while not ended.wait(rng.uniform(0.5, 1.5)):
+            if killed["nodes"] < KILLED_NODES and killed["processes"] >= 5 * killed["nodes"] + 5:
+                two_nodes.kill_node()
+                killed["nodes"] += 1
+                two_nodes.add()
+            elif killed["processes"] < KILLED_PROCESSES:
+                busy = [slot for slot in two_nodes.slots() if slot.children()]
+                with suppress(psutil.NoSuchProcess, IndexError):
+                    rng.choice(busy).kill()
+                    killed["processes"] += 1
+
+    thread = threading.Thread(target=disturb)
+    thread.start()
+    try:
+        executor = Ray(address=two_nodes.address, retries=20, fetch=fetch)
+        told = _run(executor, cells, tmp_path / "ray")
+    finally:
+        ended.set()
+        thread.join()
+    assert killed == {"processes": KILLED_PROCESSES, "nodes": KILLED_NODES}
+    assert [event.reason for event in told if event.kind == "ended"] == [""] * len(cells)
+    assert _left(tmp_path / "ray") == _left(tmp_path / "processes")

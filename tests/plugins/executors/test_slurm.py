@@ -1,0 +1,99 @@
+"""Cells as jobs of a Slurm cluster, and of submitit's own stand-in for one."""
+
+import re
+import subprocess
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+
+from harness.errors import UsageError
+from harness.executor import CellOptions, Event, Job
+from harness.record.cell_folder import examine
+from harness.record.folder import LOG, partial_folder
+from harness.testing import EXECUTOR_CHECKS
+from harness.testing.odd_cells import installed, odd_cell
+from harness_plugins.executors.slurm import Slurm
+
+pytestmark = [
+    pytest.mark.slow,
+    # submitit does not wait for the processes that it starts in Slurm's place.
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+
+
+@pytest.fixture(autouse=True)
+def submitit() -> None:
+    """Is an extra."""
+    pytest.importorskip("submitit")
+
+
+@pytest.mark.parametrize("check", EXECUTOR_CHECKS)
+def test_jobs_on_this_machine_keep_the_contract(check: Callable[..., None], tmp_path: Path):
+    """By submitit's local executor."""
+    check(Slurm(cluster="local"), tmp_path)
+
+
+@pytest.mark.usefixtures("slurm")
+@pytest.mark.parametrize("check", EXECUTOR_CHECKS)
+def test_jobs_of_a_cluster_keep_the_contract(check: Callable[..., None], tmp_path: Path):
+    """By sbatch, squeue and scancel."""
+    check(Slurm(memory=0.5), tmp_path)
+
+
+@pytest.mark.usefixtures("slurm")
+def test_a_job_that_can_tell_nothing_more_is_told(tmp_path: Path):
+    """The cell has failed, with what the cluster says; its log is kept, and the jobs' folder is removed."""
+    notes, told = tmp_path / "notes", list[Event]()
+    notes.mkdir()
+    cell = odd_cell(0, "hang", notes)
+
+    def kill() -> None:
+        while not any(notes.iterdir()):
+            time.sleep(0.1)
+        for process in psutil.process_iter(["cmdline"]):
+            if str(tmp_path) in " ".join(process.info["cmdline"] or ()):
+                process.kill()
+
+    thread = threading.Thread(target=kill)
+    with installed(tmp_path / "installed"):
+        thread.start()
+        Slurm(memory=0.5).run([Job(cell, tmp_path / "cells" / cell.id)], 1, told.append)
+    thread.join()
+    assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
+    assert re.fullmatch("its job [0-9]+(_0)? is FAILED", told[-1].reason)
+    assert " is FAILED" in (partial_folder(tmp_path / "cells" / cell.id) / LOG).read_text()
+    assert not (tmp_path / "cells" / ".jobs").exists()
+
+
+@pytest.mark.usefixtures("slurm")
+def test_a_job_that_has_to_make_room_goes_on(tmp_path: Path):
+    """The cluster queues it again, and the cell is told to have begun once."""
+    notes, told = tmp_path / "notes", list[Event]()
+    notes.mkdir()
+    cell = odd_cell(0, "last", notes)
+
+    def make_room() -> None:
+        while not any(notes.iterdir()):
+            time.sleep(0.02)
+        subprocess.run(["scancel", "--signal=USR2", "--name=harness"], check=True)
+
+    thread = threading.Thread(target=make_room)
+    with installed(tmp_path / "installed"):
+        thread.start()
+        job = Job(cell, tmp_path / "cells" / cell.id, CellOptions(checkpoint_every=1))
+        Slurm(memory=0.5).run([job], 1, told.append)
+    thread.join()
+    assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
+    assert examine(tmp_path / "cells" / cell.id, cell).status == "done"
+
+
+def test_without_a_cluster_it_says_what_there_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Nothing is left in the folder."""
+    monkeypatch.setenv("PATH", "/nowhere")
+    with pytest.raises(UsageError, match=r"No Slurm cluster: .* Run harness where sbatch works"):
+        Slurm().run([Job(odd_cell(), tmp_path / "cells" / "one")], 1, lambda event: None)
+    assert not (tmp_path / "cells" / ".jobs").exists()
