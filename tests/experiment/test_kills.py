@@ -25,7 +25,7 @@ MATRIX = ["--sim", "kinematic", "--task", "fd100-reach:horizon=50", "--seeds", "
 MATRIX += ["--jobs", "2"]
 CASES = {
     "random,spg": (2000, 500, 100),
-    "sac-fast,sac,ppo": (600, 150, 20),
+    "sac-fast,sac,ppo": (600, 150, 10),
 }
 """Algorithms; steps, steps from one checkpoint to the next, and how many kills."""
 TO_ALL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)

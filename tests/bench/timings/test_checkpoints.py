@@ -36,7 +36,8 @@ class Standing(Progress):
 def _standing(algorithm: str, steps: int) -> tuple[TrainingState, TrainingState]:
     """What a training and its env hold after half of so many steps."""
     registry = load_registry()
-    cell = expand(Experiment(sim=("mujoco",), algo=(algorithm,), reward=("baseline",)), registry).cells[0]
+    asked = Experiment(sim=["mujoco"], algo=[algorithm], reward=["arp"], steps=4_800)
+    cell = expand(asked, registry).cells[0]
     robot, built = harness.load_robot("fd100", registry), cell.algorithm.build(registry, "algorithms")
     env = build_world(cell, robot, registry).open(built.num_envs, resumable=True)
     env.reset(seed=0)
