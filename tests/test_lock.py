@@ -233,7 +233,8 @@ def test_dependency_of_another_platform_is_found(dev):
 
 def test_new_extra_is_found(dev):
     """One that make installs and the lock was not made for."""
-    assert find_faults(replace(dev, extras=[*dev.extras, "peers"])) == ["gymnasium-robotics is missing", "panda-gym is missing"]
+    faults = find_faults(replace(dev, extras=[*dev.extras, "peers"]))
+    assert faults == ["gymnasium-robotics is missing", "panda-gym is missing"]
 
 
 def test_narrower_range_is_found(dev):

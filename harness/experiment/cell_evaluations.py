@@ -9,6 +9,7 @@ from harness.env.make import World
 from harness.experiment.attempt import Attempt
 from harness.experiment.evaluator import Evaluator
 from harness.experiment.event_log import EventLog
+from harness.experiment.order import Report
 from harness.policy import Policy
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files, other_manner
@@ -18,6 +19,8 @@ from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
 
 SECTION = "Evaluation"
+BEAT_EVERY = 1.0
+"""Seconds from one word of an evaluation to the next."""
 
 
 class CellEvaluations:
@@ -27,7 +30,9 @@ class CellEvaluations:
         seconds: What the evaluations took during training.
     """
 
-    def __init__(self, cell: Cell, world: World, registry: Registry, attempt: Attempt, events: EventLog) -> None:
+    def __init__(
+        self, cell: Cell, world: World, registry: Registry, attempt: Attempt, events: EventLog, report: Report
+    ) -> None:
         """Go on after the last evaluation that the attempt's checkpoint knows of; later ones are made again.
 
         Args:
@@ -36,9 +41,11 @@ class CellEvaluations:
             registry: The plugins, for the metrics.
             attempt: Where the training begins.
             events: Gets the results.
+            report: Told the steps done so far, now and then while an evaluation goes on.
         """
+        self._report, self._steps, self._told = report, attempt.begun_from, time.monotonic()
         self._cell, self._registry, self._events = cell, registry, events
-        self._evaluator = Evaluator(world, cell.evaluation_episodes)
+        self._evaluator = Evaluator(world, cell.evaluation_episodes, self._beat)
         self._folder = attempt.folder
         self.seconds = 0.0
         self._due = cell.evaluate_every
@@ -53,6 +60,7 @@ class CellEvaluations:
         if not self._cell.evaluate_every or not self._due <= steps < self._cell.steps:
             return
         clock = time.perf_counter()
+        self._steps = steps
         self._due = self._next_after(steps)
         path = self._folder / EVALUATIONS / f"{steps}.parquet"
         path.parent.mkdir(exist_ok=True)
@@ -64,10 +72,17 @@ class CellEvaluations:
     def finish(self, policy: Policy, floor: bool) -> None:
         """Evaluate the trained policy, as the cell says and in the other manner; for a `floor` random actions too."""
         deterministic = self._cell.deterministic
+        self._steps = self._cell.steps
         self._evaluate(self._cell.steps, policy, self._folder / EVALUATION)
         self._evaluator.record(policy, not deterministic, self._folder / other_manner(deterministic))
         if floor:
             self._evaluator.record_random(policy, self._folder / RANDOM)
+
+    def _beat(self) -> None:
+        """The evaluation gets on: who watches the cell should not take it for one that hangs."""
+        if time.monotonic() >= self._told + BEAT_EVERY:
+            self._told = time.monotonic()
+            self._report(self._steps)
 
     def _next_after(self, steps: int) -> int:
         every = self._cell.evaluate_every

@@ -31,6 +31,7 @@ def evaluate(
     path: Path,
     seed: int = EVALUATION_SEED,
     ik_steps: Sequence[int | None] | None = None,
+    on_step: Callable[[], None] = lambda: None,
 ) -> None:
     """Let `act` do so many episodes, one in each env of a batch, and record them.
 
@@ -41,6 +42,7 @@ def evaluate(
         path: The trace to write: one episode of each env.
         seed: Of the starts and targets.
         ik_steps: What `harness.experiment.ik_steps` says of them, or of more episodes; None where it is not asked.
+        on_step: Called after every step of the batch.
     """
     env = world.open(episodes, autoreset_mode=AutoresetMode.DISABLED)
     facts = replace(facts_of(world.task), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes]))
@@ -53,6 +55,7 @@ def evaluate(
                 observations, _, terminated, truncated, _ = env.step(act(observations))
                 running &= ~(terminated | truncated)
                 env.rest(~running)
+                on_step()
             writer.facts = replace(facts, work=meter.work())
     finally:
         env.close()

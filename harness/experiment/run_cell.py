@@ -19,6 +19,7 @@ from harness.experiment.draft import Draft, draft_of
 from harness.experiment.evaluate import facts_of
 from harness.experiment.event_log import EventLog
 from harness.experiment.order import Report
+from harness.experiment.peak_memory import forget_peak, peak_memory
 from harness.experiment.provenance import describe_environment
 from harness.experiment.stored_rings import discard_rings
 from harness.experiment.trace_parts import TraceParts, discard_parts
@@ -50,9 +51,11 @@ def run_cell(
         watch: Looks on.
     """
     with draft_of(folder, Manifest(cell, status="done")) as draft:
+        forget_peak()
         try:
             _Run(cell, load_registry(), report, options, watch).leave(draft)
         finally:
+            draft.note(peak_memory=peak_memory())
             (draft.partial / CHECKPOINT).unlink(missing_ok=True)
             discard_rings(draft.partial)
             discard_parts(draft.partial / TRACE)
@@ -104,7 +107,7 @@ class _Run:
             attempt = begin_attempt(cell, draft.partial, environment, self.options.checkpoint_every, env.restore)
             draft.note(resumed_from=attempt.begun_from, note=attempt.note)
             with EventLog(draft.partial / TENSORBOARD if self.options.tensorboard else None) as events:
-                evaluations = CellEvaluations(cell, world, registry, attempt, events)
+                evaluations = CellEvaluations(cell, world, registry, attempt, events, self.report)
                 policy = self._train(algorithm, env, attempt, evaluations, events)
                 draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
                 policy.save(draft.partial / POLICY, cell.to_json())

@@ -102,6 +102,7 @@ class ManifestForm(EndingForm):
     training_seconds: Seconds
     resumed_from: NotRequired[Whole]
     note: NotRequired[Line]
+    peak_memory: NotRequired[Whole]
 
 
 @with_config(EXACT)

@@ -70,12 +70,14 @@ class Manifest(Ending):
         training_seconds: Of the training alone, up to the checkpoint it was resumed from included, [s].
         resumed_from: Environment steps that an earlier process, which was killed, left in a checkpoint; 0 if none did.
         note: After such a process: where the training went on, or why it started over.
+        peak_memory: The most that the cell's process had in memory at once, in bytes; 0 if it is not known.
     """
 
     cell: Cell
     training_seconds: float = 0.0
     resumed_from: int = 0
     note: str = ""
+    peak_memory: int = 0
 
     FORMAT: ClassVar[int] = 2
 

@@ -227,6 +227,16 @@ def envs_do_not_touch_one_another(simulator: Simulator, robot: Robot) -> None:
     require(same(*runs), "env 1 moves otherwise when the others do")
 
 
+def resting_arms_change_nothing(simulator: Simulator, robot: Robot) -> None:
+    """Where there is a `rest`: the other arms do what they do without, and a reset wakes an arm."""
+    with opened(simulator, robot) as simulation:
+        if getattr(simulation, "rest", None) is None:
+            return
+    alone, beside = (_driven_with_rest(simulator, robot, rests) for rests in (False, True))
+    require(same(alone[0], beside[0]), "an arm moves in another way while others rest")
+    require(same(alone[1], beside[1]), "an arm that has rested and is reset does not move as one that has not")
+
+
 def render_gives_a_frame_or_says_why_not(simulator: Simulator, robot: Robot) -> None:
     """`render` gives RGB frames, each of the size asked for, or raises UsageError; the state stays as it was."""
     with opened(simulator, robot) as simulation:
@@ -279,6 +289,7 @@ SIMULATOR_CHECKS = (
     the_same_way_leads_to_the_same_place,
     an_env_in_a_batch_is_as_one_alone,
     envs_do_not_touch_one_another,
+    resting_arms_change_nothing,
     render_gives_a_frame_or_says_why_not,
     frames_show_the_target,
     close_can_be_called_twice,
@@ -336,6 +347,19 @@ def _driven_beside(simulator: Simulator, robot: Robot, share: float) -> list[Sta
         home = start_at_home(simulation, robot).qpos
         targets = [home + shares * (target - home) for target in ramps(robot, NUM_ENVS)]
         return [part(copied(simulation.drive(target, PERIOD)), np.array([1])) for target in targets]
+
+
+def _driven_with_rest(simulator: Simulator, robot: Robot, rests: bool) -> tuple[list[State], list[State]]:
+    """The states of env 1 while the others may rest, then of all envs after a reset of those others."""
+    one = np.arange(NUM_ENVS) == 1
+    with opened(simulator, robot) as simulation:
+        home = start_at_home(simulation, robot).qpos.copy()
+        if rests:
+            simulation.rest(~one)  # type: ignore[attr-defined]
+        targets = ramps(robot, NUM_ENVS)
+        beside = [part(copied(simulation.drive(target, PERIOD)), np.array([1])) for target in targets]
+        simulation.reset(home, ~one)
+        return beside, [part(copied(simulation.drive(target, PERIOD)), ~one) for target in targets]
 
 
 def _called_with_changing_arrays(simulator: Simulator, robot: Robot, change: float) -> list[State]:

@@ -220,6 +220,20 @@ class PushesItsNeighbour(IdealSimulation):
         return super().drive(qpos + 1e-9 * (qpos - np.roll(qpos, 1, axis=0)), duration)
 
 
+class SleepsOn(IdealSimulation):
+    """An arm that has rested stays where it is, whatever is reset."""
+
+    def __init__(self, robot: Robot, num_envs: int) -> None:
+        super().__init__(robot, num_envs)
+        self.asleep = np.zeros(num_envs, bool)
+
+    def rest(self, mask: np.ndarray) -> None:
+        self.asleep = mask.copy()
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(np.where(self.asleep[:, None], self.qpos, qpos), duration)
+
+
 class Renders(IdealSimulation):
     """It renders frames of one colour, which depends on where the target is: nothing is wrong with it."""
 
@@ -352,6 +366,7 @@ MUTANTS = {
     CountsItsEnvs: simulators.an_env_in_a_batch_is_as_one_alone,
     PrefersTheFirst: simulators.an_env_in_a_batch_is_as_one_alone,
     PushesItsNeighbour: simulators.envs_do_not_touch_one_another,
+    SleepsOn: simulators.resting_arms_change_nothing,
     RendersSideways: simulators.render_gives_a_frame_or_says_why_not,
     RendersFloats: simulators.render_gives_a_frame_or_says_why_not,
     MovesToRender: simulators.render_gives_a_frame_or_says_why_not,
