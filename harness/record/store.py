@@ -5,7 +5,8 @@
     experiment.toml                the newest experiment, resolved; reads as an experiment file
     plan.json                      the cells of all experiments that were run here, and the baseline
     cells/<id>/                    one folder per cell, there only when the cell has ended
-        manifest.json trace.parquet evaluation.parquet random.parquet policy/ log.txt
+        manifest.json trace.parquet evaluation.parquet policy/ log.txt
+        random.parquet                 in one cell of each simulator, task and robot
         stochastic.parquet or deterministic.parquet: the other manner than that of evaluation.parquet
         evaluations/<steps>.parquet tensorboard/  where they were asked for
     transfer/<id>/<simulator id>/  policies evaluated in other simulators; see `harness.transfer.record`
