@@ -11,6 +11,7 @@ from harness.record.folder import DERIVED
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.cell_results import CellResults
+from harness.results.measured import Values
 
 GIVEN: dict[str, Any] = {
     "sim": "ideal", "algo": "wander", "task": "fd100-reach:horizon=5", "seeds": 1, "steps": 12,
@@ -44,7 +45,7 @@ def test_metric_that_raises_stops_no_run(
 ):
     """The cells are done; whoever reports meets the error."""
 
-    def fail(self: CellResults) -> None:
+    def fail(self: CellResults, floor: Values) -> None:
         raise ZeroDivisionError("a metric's own fault")
 
     monkeypatch.setattr(CellResults, "measured", fail)

@@ -75,7 +75,22 @@ def test_simulation_that_diverges_tells_nothing(make_cell: MakeCell, toys: Regis
         raise SimulationDiverged("the end effector is nowhere")
 
     monkeypatch.setattr(module, "_play", diverge)
-    assert ik_steps(_world(make_cell, toys, "fd100-reach"), 5, EVALUATION_SEED) is None
+    seed_of_no_other_test = EVALUATION_SEED + 1
+    assert ik_steps(_world(make_cell, toys, "fd100-reach"), 5, seed_of_no_other_test) is None
+
+
+def test_a_process_asks_once(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+    """It does several cells of one simulator, task and robot; another seed is another question."""
+    asked: list[int] = []
+
+    def play(_: World, episodes: int, seed: int) -> tuple[int, ...]:
+        asked.append(seed)
+        return (1,) * episodes
+
+    monkeypatch.setattr(module, "_play", play)
+    for seed in (1001, 1001, 1002):
+        ik_steps(_world(make_cell, toys, "fd100-reach"), 2, seed)
+    assert asked == [1001, 1002]
 
 
 def test_first_target_counts_where_episodes_go_on(make_cell: MakeCell, toys: Registry):
