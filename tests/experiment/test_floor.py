@@ -1,0 +1,90 @@
+"""Random actions are evaluated by one cell for all that share simulator, task and robot."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.floor import Floor, floors_in
+from harness.record.folder import RANDOM
+from harness.record.store import Store
+from harness.registry.choice import Choice
+from harness.results import Results
+
+ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
+SLOWER = Choice("fd100-reach", (("horizon", 6),), "fd100-reach:horizon=6")
+
+
+def _with_floor(results: Results) -> list[Cell]:
+    """Cells of the plan that evaluated random actions."""
+    cells = results.plan.cells
+    return [cell for cell in cells if (results.store.cell_folder(cell) / RANDOM).is_file()]
+
+
+def test_the_first_cell_does_it_for_all(
+    make_cell: Callable[..., Cell],
+    make_plan: Callable[..., Plan],
+    run_here: Callable[..., Results],
+    tmp_path: Path,
+):
+    """Of each task one; rewards and seeds share."""
+    cells = [make_cell(seed=seed, reward=reward) for seed in range(2) for reward in (make_cell().reward, ARP)]
+    other = make_cell(task=SLOWER)
+    results = run_here(make_plan(*cells, other), tmp_path / "out")
+    assert _with_floor(results) == [cells[0], other]
+    assert floors_in(results.manifests, results.store) == {Floor.of(cells[0]): cells[0], Floor.of(other): other}
+
+
+def test_every_cell_is_held_against_it(
+    make_cell: Callable[..., Cell],
+    make_plan: Callable[..., Plan],
+    run_here: Callable[..., Results],
+    tmp_path: Path,
+):
+    """What random actions do is told beside each policy."""
+    cells = [make_cell(seed=seed) for seed in range(3)]
+    results = run_here(make_plan(*cells), tmp_path / "out")
+    values = [results.measured(cell).random for cell in cells]
+    assert values[0]["final_distance"] is not None
+    assert values[0] == values[1] == values[2]
+
+
+def test_a_floor_that_is_there_is_not_made_again(
+    make_cell: Callable[..., Cell],
+    make_plan: Callable[..., Plan],
+    run_here: Callable[..., Results],
+    tmp_path: Path,
+):
+    """A later run adds seeds."""
+    first, second = make_cell(), make_cell(seed=1)
+    run_here(make_plan(first), tmp_path / "out")
+    assert _with_floor(run_here(make_plan(first, second), tmp_path / "out")) == [first]
+
+
+def test_a_floor_that_was_lost_is_made_again(
+    make_cell: Callable[..., Cell],
+    make_plan: Callable[..., Plan],
+    run_here: Callable[..., Results],
+    tmp_path: Path,
+):
+    """The cell that had it is damaged: the next run does it again, floor and all."""
+    first, second = make_cell(), make_cell(seed=1)
+    plan = make_plan(first, second)
+    results = run_here(plan, tmp_path / "out")
+    (results.store.cell_folder(first) / RANDOM).unlink()
+    assert results.store.examine(first).status == "damaged"
+    assert _with_floor(run_here(plan, tmp_path / "out")) == [first]
+
+
+def test_without_a_floor_nothing_is_said_of_random_actions(
+    make_cell: Callable[..., Cell],
+    make_plan: Callable[..., Plan],
+    run_here: Callable[..., Results],
+    tmp_path: Path,
+):
+    """The cell that was to do them failed."""
+    breaks = Choice("wander", (("then", "raise"),), "wander:then=raise")
+    cells = [make_cell(algorithm=breaks), make_cell(seed=1)]
+    results = run_here(make_plan(*cells), tmp_path / "out")
+    assert set(results.measured(cells[1]).random.values()) == {None}
+    assert Store(tmp_path / "out").examine(cells[1]).status == "done"
