@@ -85,7 +85,9 @@ class TwoNodes:
 
     def slots(self) -> list[psutil.Process]:
         """The processes on all nodes that do cells."""
-        return [process for process in psutil.process_iter(["name"]) if process.info["name"].startswith("ray::Slot")]
+        here = {int(pid) for name in self.nodes for pid in self._ip(f"netns pids {name}").split()}
+        running = [process for process in psutil.process_iter(["name"]) if process.pid in here]
+        return [process for process in running if process.info["name"].startswith("ray::Slot")]
 
     def stop(self) -> None:
         """End all of it."""

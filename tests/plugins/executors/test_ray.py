@@ -173,15 +173,17 @@ def test_killed_processes_and_nodes_lose_nothing(two_nodes: Any, tmp_path: Path,
                 killed["nodes"] += 1
                 two_nodes.add()
             elif killed["processes"] < KILLED_PROCESSES:
-                busy = [slot for slot in two_nodes.slots() if slot.children()]
                 with suppress(psutil.NoSuchProcess, IndexError):
+                    busy = [slot for slot in two_nodes.slots() if slot.children()]
                     rng.choice(busy).kill()
                     killed["processes"] += 1
 
     thread = threading.Thread(target=disturb)
     thread.start()
     try:
-        told = _run(Ray(address=two_nodes.address, retries=20), cells, tmp_path / place / "cells")
+        told = _run(
+            Ray(address=two_nodes.address, retries=KILLED_PROCESSES + KILLED_NODES), cells, tmp_path / place / "cells"
+        )
     finally:
         ended.set()
         thread.join()
