@@ -45,8 +45,8 @@ def connected(address: str, cpus: float | None, environment: Mapping[str, Any]) 
             )
         except (ConnectionError, RuntimeError, ValueError) as error:
             raise UsageError(
-                f"No Ray cluster at address={address} that fits: {one_line(error)}. 'ray start --head' starts one on "
-                "this machine, 'ray start --address=HOST:6379' adds this machine to one"
+                f"No Ray cluster at address={address} can be joined: start one with 'ray start --head', add machines "
+                f"with 'ray start --address=HOST:6379', set RAY_AUTH_MODE=token if it asks for one: {one_line(error)}"
             ) from error
         try:
             yield

@@ -12,10 +12,10 @@ from typing import Any, Final, NamedTuple
 import ray
 from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
+from harness.authoring.folder_parts import Part, add_part, parts_of
 from harness.errors import one_line
 from harness.executor import Event, Job, OnEvent
 from harness.record.folder import partial_folder, publish
-from harness.record.parts import Part, add_part, parts_of
 
 from .node import Ended, Slot, Told
 from .nodes import Node, Nodes

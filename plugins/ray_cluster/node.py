@@ -8,13 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
 
+from harness.authoring.folder_parts import Part, add_parts, parts_of
 from harness.executor import Job
 from harness.experiment.installation import describe_workers
 from harness.experiment.jobs import events_of
 from harness.experiment.workers import Pool
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder
-from harness.record.parts import Part, add_parts, parts_of
 
 TELL_EVERY: Final = 0.5
 """Seconds from one word of progress to the next."""

@@ -1,12 +1,16 @@
 """Clusters on this machine: Ray's, of two nodes, and Slurm's, of one."""
 
 import os
+import secrets
 import shutil
+import signal
 import socket
 import subprocess
+import sys
+import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,44 +23,117 @@ from harness.testing.odd_cells import installed
 class TwoNodes:
     """A head without room for cells, which the test belongs to, and nodes that come and go.
 
+    Each node has a network of its own, as another machine has, and its own folder in place of `hidden`.
+
     Attributes:
         address: Of the cluster.
-        nodes: Those that are there.
+        nodes: Names of those that are there.
     """
 
-    def __init__(self) -> None:
-        from ray.cluster_utils import Cluster
+    def __init__(self, hidden: Path) -> None:
+        self._hidden, self._started = hidden, 0
+        self._name = f"ray{secrets.token_hex(3)}"  # a network that was deleted is still there for a moment
+        self._place = Path(tempfile.mkdtemp(prefix="ray-", dir="/tmp"))  # paths of sockets have to be short
+        self._log = (self._place / "log").open("w")
+        self._processes: list[subprocess.Popen[bytes]] = []
+        self.address, self.nodes = "10.77.0.1:6399", []
+        self._ip(f"link add {self._name} type bridge")
+        self._ip(f"addr add 10.77.0.1/24 dev {self._name}")
+        self._ip(f"link set {self._name} up")
 
-        self._cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
-        self.address, self.nodes = self._cluster.address, []
+    def begin(self) -> None:
+        """Start the head, and two nodes."""
+        head = ["--head", "--port=6399", "--node-ip-address=10.77.0.1", "--num-cpus=0", f"--temp-dir={self._place}"]
+        self._processes.append(self._start([*head, "--include-dashboard=false"]))
+        self.wait(1)
+        self.add()
+        self.add()
+        self.wait(3)
 
     def add(self, cpus: int = 2, **env_vars: str) -> None:
         """Start a node, with other environment variables than this process where they are given."""
-        self.nodes.append(self._cluster.add_node(num_cpus=cpus, env_vars=env_vars or None))
+        self._started += 1
+        name, address = f"{self._name}-{self._started}", f"10.77.0.{10 + self._started}"
+        self._ip(f"netns add {name}")
+        self._ip(f"link add {name} type veth peer name eth0 netns {name}")
+        self._ip(f"link set {name} master {self._name} up")
+        self._ip(f"-n {name} addr add {address}/24 dev eth0")
+        self._ip(f"-n {name} link set eth0 up")
+        self._ip(f"-n {name} link set lo up")
+        hide = f'mount -t tmpfs tmpfs {self._hidden} && mount -t tmpfs tmpfs {self._place} && exec "$@"'
+        inside = ["ip", "netns", "exec", name, "sh", "-c", hide, "sh"]
+        node = [f"--address={self.address}", f"--node-ip-address={address}", f"--num-cpus={cpus}"]
+        self._processes.append(self._start([*node], inside, env_vars))
+        self.nodes.append(name)
+
+    def wait(self, count: int) -> None:
+        """Until the cluster has so many nodes, the head included."""
+        code = "import ray, sys, time\n" \
+            f"ray.init('{self.address}', log_to_driver=False, logging_level='ERROR')\n" \
+            f"while sum(node['Alive'] for node in ray.nodes()) < {count}: time.sleep(0.2)"  # fmt: skip
+        until = time.monotonic() + 60.0
+        while subprocess.run([sys.executable, "-c", code], stderr=self._log, check=False, timeout=25).returncode:
+            assert time.monotonic() < until, (self._place / "log").read_text()[-2000:]
 
     def kill_node(self) -> None:
         """The oldest node is gone, all of its processes at once."""
-        self._cluster.remove_node(self.nodes.pop(0), allow_graceful=False)
+        name = self.nodes.pop(0)
+        for pid in self._ip(f"netns pids {name}").split():
+            with suppress(ProcessLookupError):
+                os.kill(int(pid), signal.SIGKILL)
+        self._ip(f"netns del {name}")
 
     def slots(self) -> list[psutil.Process]:
         """The processes on all nodes that do cells."""
-        return [process for process in psutil.process_iter(["name"]) if process.info["name"].startswith("ray::Slot")]
+        here = {int(pid) for name in self.nodes for pid in self._ip(f"netns pids {name}").split()}
+        running = [process for process in psutil.process_iter(["name"]) if process.pid in here]
+        return [process for process in running if process.info["name"].startswith("ray::Slot")]
 
     def stop(self) -> None:
         """End all of it."""
-        self._cluster.shutdown()
+        while self.nodes:
+            self.kill_node()
+        for process in psutil.process_iter(["cmdline"]):  # of the head: some leave the process that started them
+            if str(self._place) in " ".join(process.info["cmdline"] or ()):
+                process.kill()
+        for started in self._processes:
+            started.wait()
+        self._ip(f"link del {self._name}")
+        self._log.close()
+        shutil.rmtree(self._place, ignore_errors=True)
+
+    def _start(
+        self, options: list[str], inside: Sequence[str] = (), env_vars: Mapping[str, str] | None = None
+    ) -> "subprocess.Popen[bytes]":
+        environment = {**os.environ, "RAY_USAGE_STATS_ENABLED": "0", **(env_vars or {})}
+        command = [*inside, sys.executable, "-m", "ray.scripts.scripts", "start", "--block", *options]
+        return subprocess.Popen(command, env=environment, stdout=self._log, stderr=self._log)
+
+    @staticmethod
+    def _ip(words: str) -> str:
+        return subprocess.run(["ip", *words.split()], capture_output=True, text=True, check=True).stdout
+
+
+@pytest.fixture(scope="session", autouse=True)
+def token() -> Iterator[None]:
+    """Ray's clusters ask for a token; read when Ray is imported."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RAY_AUTH_MODE", "token")
+        yield
 
 
 @pytest.fixture
 def two_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """A cluster of two nodes that have the kit's cells, as this process does."""
+    """A cluster of two nodes that have the kit's cells, as this process does, and do not see the folder `hidden`."""
     pytest.importorskip("ray")
+    if os.getuid() != 0 or shutil.which("ip") is None:
+        pytest.skip("needs root and ip: apt-get install iproute2")
     monkeypatch.chdir(tmp_path)  # Python finds modules where it is started: here there are none
+    (tmp_path / "hidden").mkdir()
     with installed(tmp_path / "site-packages"):
-        cluster = TwoNodes()
+        cluster = TwoNodes(tmp_path / "hidden")
         try:
-            cluster.add()
-            cluster.add()
+            cluster.begin()
             yield cluster
         finally:
             cluster.stop()

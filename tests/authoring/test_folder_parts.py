@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.record.parts import PART_BYTES, add_parts, parts_of
+from harness.authoring.folder_parts import PART_BYTES, add_parts, parts_of
 
 
 def test_a_folder_comes_together_again(tmp_path: Path):
