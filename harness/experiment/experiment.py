@@ -267,6 +267,8 @@ def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> Experimen
     registry = load_registry()
     executor = options.build_executor(registry)
     plan = expand(experiment, registry)
+    if options.only:
+        select(plan.cells, options.only)
     store = Store.claim(Path(options.out) if options.out else default_folder(plan))
     return ExperimentRun(plan, store, registry, executor, options)
 

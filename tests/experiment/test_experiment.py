@@ -239,6 +239,13 @@ def test_only_some_cells(toys: Registry, tmp_path: Path):
     assert sorted(manifest.status for manifest in results.manifests) == ["done", "done", "pending", "pending"]
 
 
+def test_a_name_of_nothing_is_refused_before_anything_is_written(toys: Registry, tmp_path: Path):
+    """As any other mistake."""
+    with pytest.raises(UsageError, match="no cell of this experiment has 'nobody'"):
+        run(out=tmp_path / "out", only="nobody", task=TASK, **QUICK)
+    assert not (tmp_path / "out").exists()
+
+
 def test_failed_cells_are_tried_again(toys: Registry, tmp_path: Path):
     """After all others, as often as asked for, and no done one."""
     plan = _plan(toys, algo=["wander", BREAKS], seeds=1, reward=[])
