@@ -10,17 +10,19 @@ from harness.env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import Progress, Ring, TrainingState
 from harness.registry.registry import load_registry
-from harness.testing.algorithms import a_training_goes_on_where_it_stood
+from harness.testing.algorithms import a_training_goes_on_where_it_stood, checkpoints_change_nothing
 
 REGISTRY = load_registry()
 SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16}
+SELDOM: dict[str, Any] = {**SMALL, "learning_starts": 50, "train_freq": 5}
 SETTINGS: dict[str, dict[str, Any]] = {
     "sac-fast": {**SMALL, "learning_starts": 125, "buffer_size": 100, "train_freq": 3},
     "spg": {"net_arch": (8,), "decisions": 7, "num_envs": 4, "restart": 3},
     "ppo": {**SMALL, "rollout": 64, "schedule": "linear", "num_envs": 2},
-    "dqn": {**SMALL, "learning_starts": 50, "tau": 0.5, "target_update_interval": 7},
-    "td3": {**SMALL, "learning_starts": 50, "policy_delay": 3},
-    "sac": {**SMALL, "learning_starts": 50, "buffer_size": 100},
+    "dqn": {**SELDOM, "tau": 0.5, "target_update_interval": 7},
+    "ddqn": SELDOM,
+    "td3": {**SELDOM, "policy_delay": 3},
+    "sac": {**SELDOM, "buffer_size": 100},
 }
 """Small ones, which use all that they keep: buffers that are full, delays that no checkpoint divides."""
 NEEDED = {
@@ -105,7 +107,8 @@ def test_whatever_a_checkpoint_lacks_is_found(algorithm: str, name: str):
         a_training_goes_on_where_it_stood(Spoiled(built, name))
 
 
+@pytest.mark.parametrize("check", [checkpoints_change_nothing, a_training_goes_on_where_it_stood])
 @pytest.mark.parametrize("algorithm", SETTINGS)
-def test_nothing_is_found_where_nothing_is_lacking(algorithm: str):
+def test_nothing_is_found_where_nothing_is_lacking(algorithm: str, check: Callable[..., None]):
     """With the same settings."""
-    a_training_goes_on_where_it_stood(REGISTRY.get("algorithms", algorithm).load()(**SETTINGS[algorithm]))
+    check(REGISTRY.get("algorithms", algorithm).load()(**SETTINGS[algorithm]))

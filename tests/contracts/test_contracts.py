@@ -30,7 +30,12 @@ from harness.testing import (
     check_task,
     violations,
 )
-from harness.testing.algorithms import the_return_rises, the_same_seed_gives_the_same_policy
+from harness.testing.algorithms import (
+    a_training_goes_on_where_it_stood,
+    checkpoints_change_nothing,
+    the_return_rises,
+    the_same_seed_gives_the_same_policy,
+)
 from harness.testing.simulators import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness.testing.trainings import NegativeDistance, Training, train
 
@@ -40,6 +45,12 @@ FRAME_CHECKS = (render_gives_a_frame_or_says_why_not, frames_show_the_target)
 OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
 SLOW = {(name, the_return_rises) for name in ("sac", "td3", "dqn", "ddqn", "ppo")}
 """Whole trainings of up to half a minute; the other algorithms' show in every run that the check is able to fail."""
+SLOW |= {
+    (name, check)
+    for name in ("sac", "td3", "dqn", "ddqn")
+    for check in (checkpoints_change_nothing, a_training_goes_on_where_it_stood)
+}
+"""Several trainings with the default networks; `test_checkpoint_mutants` runs both checks with smaller ones."""
 SLOW |= {("ray", check) for check in EXECUTOR_CHECKS}
 """Each starts a cluster; the other executors' show the checks in every run."""
 NEED_A_CLUSTER = ("slurm",)

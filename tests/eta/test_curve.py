@@ -22,8 +22,8 @@ KINDS = ("accumulated", "per-step")
 STEP = st.one_of(
     st.sampled_from([0.0, 0.1, -0.1, 0.3, -0.3, 1.0, -1.0]), st.floats(-10.0, 10.0).map(lambda value: round(value, 9))
 )
-RUNS = st.lists(st.lists(STEP, min_size=1, max_size=30), min_size=1, max_size=12)
-SQUARES = st.tuples(st.integers(1, 12), st.integers(1, 40)).flatmap(lambda shape: arrays(float, shape, elements=STEP))
+RUNS = st.lists(st.lists(STEP, min_size=1, max_size=15), min_size=1, max_size=6)
+SQUARES = st.tuples(st.integers(1, 6), st.integers(1, 20)).flatmap(lambda shape: arrays(float, shape, elements=STEP))
 ANY_KIND = st.sampled_from(KINDS)
 
 
@@ -198,7 +198,7 @@ def test_resamples_of_nothing_are_zero(kind: Kind):
 # A piece at a time
 
 
-@given(SQUARES, ANY_KIND, st.lists(st.integers(0, 40), max_size=8))
+@given(SQUARES, ANY_KIND, st.lists(st.integers(0, 20), max_size=5))
 @example(np.random.default_rng(0).normal(size=(10, 40)), "accumulated", list(range(40)))
 @example(np.array([[-0.7, 0.3, 0.7, 0.2, 0.3, -0.3, -0.2, 0.2, -0.3, -0.2]] * 3).T, "per-step", [1, 2])
 def test_chunks_do_not_show(rewards: np.ndarray, kind: Kind, cuts: list[int]):
@@ -266,7 +266,7 @@ def test_resampled_sums_of_long_runs_are_close(long_runs: np.ndarray):
     assert (negative[0], positive[0]) == pytest.approx((curve.index.negative_sum, curve.index.positive_sum), rel=1e-3)
 
 
-@given(SQUARES, st.lists(st.integers(0, 40), max_size=8), st.integers(1, 6))
+@given(SQUARES, st.lists(st.integers(0, 20), max_size=5), st.integers(1, 6))
 def test_thinning_does_not_depend_on_chunks(rewards: np.ndarray, cuts: list[int], points: int):
     """What is kept is decided by the length alone."""
     with pytest.MonkeyPatch.context() as patch:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -21,6 +21,8 @@ Curves = dict[Pair, GroupCurve]
 KINDS = ("accumulated", "per-step")
 STEP = st.one_of(st.sampled_from([0.0, 0.1, -0.1, 1.0, -1.0]), st.floats(-10.0, 10.0).map(lambda v: round(v, 6)))
 POWERS = st.integers(-30, 30).map(lambda exponent: 2.0**exponent)
+FEWER = settings(max_examples=50)
+"""Each example is decomposed once or twice, with all ways of swapping its runs."""
 
 
 def groups(most: int = 6) -> st.SearchStrategy[np.ndarray]:
@@ -88,6 +90,7 @@ def dip_and_climb(seeds: int, seed: int = 105, steps: int = 60, noise: float = 1
 # What holds exactly
 
 
+@FEWER
 @given(groups(), POWERS, st.sampled_from(KINDS))
 def test_scaled_baseline_is_all_ruler(runs: np.ndarray, scale: float, kind: Kind):
     """A reward that is c times the baseline, on the same runs: ruler c and behaviour 1 on both paths."""
@@ -100,6 +103,7 @@ def test_scaled_baseline_is_all_ruler(runs: np.ndarray, scale: float, kind: Kind
             assert part.low is None or part.low == about(part.value) == about(part.high)
 
 
+@FEWER
 @given(groups(), st.sampled_from(KINDS))
 def test_reward_against_itself_is_one(runs: np.ndarray, kind: Kind):
     """A/A with the same runs: eta, rulers and behaviours are 1, no way of swapping tells them apart."""
@@ -112,6 +116,7 @@ def test_reward_against_itself_is_one(runs: np.ndarray, kind: Kind):
     assert (found.total.change.mean, found.total.ruler.mean, found.total.behaviour.mean) == (0.0, 0.0, 0.0)
 
 
+@FEWER
 @given(four(), st.sampled_from(KINDS))
 def test_both_paths_multiply_to_eta(scored: list[np.ndarray], kind: Kind):
     """Ruler x behaviour = eta along either path, whatever the rewards, to the last bits."""
@@ -121,6 +126,7 @@ def test_both_paths_multiply_to_eta(scored: list[np.ndarray], kind: Kind):
                 assert ruler.value * behaviour.value == pytest.approx(split.eta.value, rel=1e-12, abs=0.0)
 
 
+@FEWER
 @given(four(), st.sampled_from(KINDS))
 def test_shown_parts_are_geometric_means_of_the_paths(scored: list[np.ndarray], kind: Kind):
     """And multiply to eta as the paths do; the interaction is one path's ruler over the other's."""
@@ -134,6 +140,7 @@ def test_shown_parts_are_geometric_means_of_the_paths(scored: list[np.ndarray], 
         assert split.interaction.value == pytest.approx(r1 / r2, rel=1e-9)
 
 
+@FEWER
 @given(four())
 def test_parts_do_not_know_which_reward_is_the_baseline(scored: list[np.ndarray]):
     """With both swapped every part is 1 over what it was, its interval too; the interaction stays."""
@@ -152,6 +159,7 @@ def test_parts_do_not_know_which_reward_is_the_baseline(scored: list[np.ndarray]
             assert split.p == swapped.p
 
 
+@FEWER
 @given(four(), st.randoms(use_true_random=False))
 def test_order_of_runs_changes_no_value(scored: list[np.ndarray], shuffle: Any):
     """The mean over runs does not know their order: every value stays, but for the last bits of a sum."""
@@ -198,6 +206,7 @@ def test_groups_show_their_own_indices():
 # The sum, split by differences
 
 
+@FEWER
 @given(four(), st.sampled_from(KINDS))
 def test_sum_splits_into_ruler_and_behaviour(scored: list[np.ndarray], kind: Kind):
     """They add up to the change of I_N + I_P, which is always defined."""
@@ -208,6 +217,7 @@ def test_sum_splits_into_ruler_and_behaviour(scored: list[np.ndarray], kind: Kin
     assert total.ruler.mean + total.behaviour.mean == pytest.approx(total.change.mean, abs=1e-9)
 
 
+@FEWER
 @given(four())
 def test_sum_does_not_know_which_reward_is_the_baseline(scored: list[np.ndarray]):
     """With both swapped every part changes its sign."""
@@ -246,6 +256,7 @@ def test_sum_of_two_seeds_has_no_interval():
 # Nothing that is no number
 
 
+@FEWER
 @given(four(), st.sampled_from(KINDS), st.booleans(), st.sampled_from([1.0, 1e-300, 1e100]))
 def test_json_is_strict(scored: list[np.ndarray], kind: Kind, paired: bool, scale: float):
     """Neither infinity nor NaN gets into the JSON, also where sums are zero, tiny or huge; each None has a reason."""

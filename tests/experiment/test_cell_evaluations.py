@@ -128,7 +128,7 @@ def test_time_of_evaluations_is_no_time_of_training(
 def test_killed_cell_evaluates_nothing_twice(train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path):
     """Evaluations before the checkpoint stay as they are; in the end there are those of a cell that nobody killed."""
     cell = make_cell(**SPG, evaluate_every=320)
-    train_in_a_process(cell, tmp_path / "whole", every=640)
+    _run(cell, tmp_path / "whole", checkpoint_every=640)
     train_in_a_process(cell, tmp_path / "killed", every=640, until=1440)
     partial = next(tmp_path.glob(".killed*"))
     before = {steps: path.stat().st_mtime_ns for steps, path in evaluation_files(partial).items()}

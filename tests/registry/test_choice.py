@@ -6,7 +6,7 @@ from importlib.metadata import EntryPoint
 from typing import Any
 
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
@@ -20,6 +20,9 @@ PICKS = st.tuples(NAMES, st.dictionaries(KEYS, VALUES, max_size=3))
 NESTED = st.recursive(
     VALUES, lambda inner: st.tuples(NAMES, st.dictionaries(KEYS, inner, min_size=1, max_size=3)), max_leaves=6
 )
+
+FEWER = settings(max_examples=50)
+"""Texts that match patterns take long to draw."""
 
 
 @pytest.fixture(scope="module")
@@ -97,13 +100,15 @@ def test_comma_starts_a_new_name_unless_key_value_follows(given: Any, names: lis
     assert split_list(given) == names
 
 
-@given(st.lists(PICKS, min_size=1))
+@FEWER
+@given(st.lists(PICKS, min_size=1, max_size=4))
 def test_joined_names_come_apart_again(picks: list[tuple[str, dict[str, str]]]):
     """Whatever names and parameters are joined by commas, they are split and parsed as they were."""
     assert [parse(text) for text in split_list(",".join(map(_write, picks)))] == picks
 
 
-@given(st.lists(st.tuples(NAMES, st.dictionaries(KEYS, NESTED, max_size=3)), min_size=1))
+@FEWER
+@given(st.lists(st.tuples(NAMES, st.dictionaries(KEYS, NESTED, max_size=3)), min_size=1, max_size=4))
 def test_names_inside_names_come_apart_again(picks: list[Any]):
     """Each level of parentheses is one text for the level around it, however deep."""
 
@@ -187,6 +192,7 @@ def test_choice_survives_json(registry: Registry, text: str):
     assert hash(again) == hash(choice)
 
 
+@FEWER
 @given(st.dictionaries(KEYS, st.recursive(st.integers() | st.text() | st.none(), st.lists), max_size=3))
 def test_any_parameters_survive_json(params: dict[str, Any]):
     """Nested tuples come back as tuples."""

@@ -5,6 +5,7 @@ In processes of their own: what MuJoCo renders with is chosen once, and what goe
 
 import subprocess
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -42,6 +43,7 @@ gc.collect()
 sys.stdout.write(told[0])
 """
 
+slow = partial(pytest.param, marks=pytest.mark.slow)  # another case shows the same
 mujoco_engines = pytest.mark.parametrize("simulator", ["dm_control", "mujoco"])
 
 
@@ -79,7 +81,7 @@ def test_two_envs_render_in_a_row_unasked(run: Call):
     run("frames = [make().render()[0] for _ in range(2)]\nassert all(frame.std() > 10.0 for frame in frames)")
 
 
-@mujoco_engines
+@pytest.mark.parametrize("simulator", ["mujoco"])  # the renderer of both
 @pytest.mark.usefixtures("egl")
 def test_who_imported_mujoco_does_not_matter(run: Call):
     """Frames are drawn also where MuJoCo was imported before, without a thought of rendering."""
@@ -95,14 +97,20 @@ def test_rendering_changes_no_environment_variable(run: Call):
 
 @pytest.mark.usefixtures("egl")
 @pytest.mark.parametrize("simulator", ["mujoco"])  # the renderer of both
-@pytest.mark.parametrize("end", ["", "del one, other\ngc.collect()", "one.close()", "one.close()\nother.close()"])
+@pytest.mark.parametrize(
+    "end",
+    ["", slow("del one, other\ngc.collect()"), "one.close()", slow("one.close()\nother.close()")],
+)
 def test_renderers_close_quietly(run: Call, end: str):
     """Nothing is printed, whether envs are closed, forgotten, or left open until the interpreter ends."""
     run(f"one, other = make(), make()\none.render()\nother.render()\n{end}", warnings="error")
 
 
-@mujoco_engines
-@pytest.mark.parametrize("library", UNUSABLE)
+@pytest.mark.parametrize(
+    ("simulator", "library"),
+    [*(("mujoco", library) for library in UNUSABLE), ("dm_control", "glfw"),
+     *(slow("dm_control", library) for library in UNUSABLE if library != "glfw")],
+)  # fmt: skip
 def test_library_that_cannot_render_costs_the_frames_alone(run: Call, library: str):
     """Arms move, and every frame is a UsageError that says in one line what to install; the choice stays the user's."""
     told = run(
