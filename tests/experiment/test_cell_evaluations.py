@@ -36,6 +36,7 @@ MakeCell = Callable[..., Cell]
 Train = Callable[..., None]
 NARRATE = {"algorithm": Choice("narrate", (), "narrate")}
 SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "steps": 1920}
+SAC_FAST = {"algorithm": Choice("sac-fast", (("learning_starts", 50), ("train_freq", 8)), "sac-fast"), "steps": 1920}
 SAC = {"algorithm": Choice("sac", (), "sac"), "steps": 1200}
 WATCHED = (
     "Environment/Cumulative Reward",
@@ -127,7 +128,7 @@ def test_time_of_evaluations_is_no_time_of_training(
 
 def test_killed_cell_evaluates_nothing_twice(train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path):
     """Evaluations before the checkpoint stay as they are; in the end there are those of a cell that nobody killed."""
-    cell = make_cell(**SPG, evaluate_every=320)
+    cell = make_cell(**SAC_FAST, evaluate_every=320)
     _run(cell, tmp_path / "whole", checkpoint_every=640)
     train_in_a_process(cell, tmp_path / "killed", every=640, until=1440)
     partial = next(tmp_path.glob(".killed*"))

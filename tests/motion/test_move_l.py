@@ -36,15 +36,31 @@ def drive_along(motion: Motion, robot: Robot, world: np.ndarray, periods: int) -
     return np.array(tips), np.array(held)
 
 
-@pytest.mark.parametrize("frame", ["wcs", f"ucs,{UCS}", "tcs"])
-def test_the_end_effector_stays_on_the_line(arm: Robot, setting_of, directions, frame: str):
-    """While it is not held it is within 1 mm of the line, in any frame, on every arm, until it is at its limits."""
-    motion, world = build_motion(f"movel:frame={frame}", setting_of(arm)), directions(COUNT)
-    tips, held = drive_along(motion, arm, world, 30)
+@pytest.fixture(scope="module")
+def driven(arm: Robot, setting_of, directions) -> tuple[np.ndarray, np.ndarray]:
+    """What `drive_along` gives for an arm that is told directions in the axes of the world."""
+    return drive_along(build_motion("movel", setting_of(arm)), arm, directions(COUNT), 30)
+
+
+def require_line(tips: np.ndarray, held: np.ndarray, world: np.ndarray) -> None:
+    """Within 1 mm while not held, and of some length."""
     way = tips - tips[0]
     beside = np.linalg.norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
     assert np.where(held, 0.0, beside).max() < 1e-3
     assert np.linalg.norm(way, axis=-1).max() > 0.2
+
+
+def test_the_end_effector_stays_on_the_line(driven, directions):
+    """While it is not held it is within 1 mm of the line, on every arm, until it is at its limits."""
+    require_line(*driven, directions(COUNT))
+
+
+@pytest.mark.parametrize("frame", [f"ucs,{UCS}", "tcs"])
+@pytest.mark.parametrize("arm", ["unity-arm", "elbow"], indirect=True)
+def test_the_line_is_kept_in_any_frame(arm: Robot, setting_of, directions, frame: str):
+    """Axes that the user gives, and the tool's, which turn as the arm moves."""
+    motion, world = build_motion(f"movel:frame={frame}", setting_of(arm)), directions(COUNT)
+    require_line(*drive_along(motion, arm, world, 30), world)
 
 
 def test_the_check_on_the_line_sees_a_fault(fd100: Robot, setting_of, directions, monkeypatch):
@@ -57,11 +73,10 @@ def test_the_check_on_the_line_sees_a_fault(fd100: Robot, setting_of, directions
     assert np.where(held, 0.0, beside).max() > 1e-3
 
 
-def test_it_goes_the_way_it_is_told(arm: Robot, setting_of, directions):
+def test_it_goes_the_way_it_is_told(driven, directions):
     """It does not go back on the line, but for the tenth of a millimetre that it comes too far where its reach ends."""
-    world = directions(COUNT)
-    tips, held = drive_along(build_motion("movel", setting_of(arm)), arm, world, 30)
-    forward_steps = np.vecdot(np.diff(tips, axis=0), world)
+    tips, held = driven
+    forward_steps = np.vecdot(np.diff(tips, axis=0), directions(COUNT))
     assert np.where(held[1:], 0.0, forward_steps).min() > -2e-4
 
 
@@ -121,6 +136,11 @@ def test_random_actions_stay_within_the_limits(arm: Robot, setting_of, course_of
     require_limits(course_of(motion, start, actions), setting_of(arm).limits(4))
 
 
+@pytest.mark.parametrize(
+    "arm",
+    ["fd100", "gantry", *(pytest.param(name, marks=pytest.mark.slow) for name in ("unity-arm", "scara", "elbow"))],
+    indirect=True,
+)
 def test_out_of_reach_it_is_held_and_stands(arm: Robot, setting_of, course_of, directions):
     """Driven on in one direction every arm ends held, at rest, and it stays so."""
     motion = build_motion("movel", setting_of(arm))

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from harness.errors import UsageError
-from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.record.cell import Cell
 from harness.record.folder import DERIVED, MANIFEST, TRACE, TRANSFER
@@ -22,21 +21,19 @@ from harness.record.store import CELLS, LOCK, REPORT, RESULTS, Store
 from harness.record.verify import verify
 from harness.registry.registry import Registry
 from harness.report.document import report_text
-from harness.results import load_results
+from harness.results import Results, load_results
 
 Run = Callable[..., Path]
 
 
 @pytest.fixture
-def run(toys: Registry, tmp_path: Path) -> Run:
-    """Does an experiment with these seeds in a folder of that name."""
+def run(toys: Registry, run_once: Callable[..., Results], tmp_path: Path) -> Run:
+    """Gives a folder of that name with an experiment of these seeds, done; one that was done before is copied."""
 
     def run_into(name: str, seeds: Any, **keys: Any) -> Path:
         asked = {"sim": ["ideal"], "algo": ["wander"], "task": "fd100-reach:horizon=5", "steps": 6, **keys}
         plan = expand(check_experiment({**asked, "evaluation_episodes": 2, "seeds": seeds}), toys)
-        executor = toys.get("executors", "here").load()()
-        ExperimentRun(plan, Store.claim(tmp_path / name), toys, executor).run()
-        return tmp_path / name
+        return run_once(plan, tmp_path / name).folder
 
     return run_into
 
