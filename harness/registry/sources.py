@@ -95,7 +95,7 @@ def _files_behind(module: str) -> list[Path]:
             continue
         found[name] = file = _source_of(name)
         if file is not None:
-            waiting += _imports_of(file, name if file.name == "__init__.py" else name.rpartition(".")[0])
+            waiting += _imports_of(_content(str(file)), name if file.name == "__init__.py" else name.rpartition(".")[0])
     return [file for _, file in sorted(found.items()) if file is not None]
 
 
@@ -107,17 +107,18 @@ def _source_of(module: str) -> Path | None:
     return Path(spec.origin) if spec and spec.origin and spec.origin.endswith(".py") else None
 
 
-def _imports_of(file: Path, package: str) -> list[str]:
+@lru_cache(maxsize=1024)  # to parse a source takes milliseconds, and every cell asks
+def _imports_of(source: bytes, package: str) -> tuple[str, ...]:
     """Whatever the source of a module in `package` imports, also inside functions; names in a module among them."""
     found: list[str] = []
-    for node in ast.walk(ast.parse(_content(str(file)))):
+    for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             parent = package.rsplit(".", node.level - 1)[0] if node.level else ""
             base = ".".join(part for part in (parent, node.module) if part)
             found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
-    return found
+    return tuple(found)
 
 
 def _digest(files: Iterable[Path]) -> str:
