@@ -29,7 +29,7 @@ BAD = [
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=0"], "greater than 0"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=3"], "covers the targets"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:target_center=9x9x9"], "reaches next to no target"),
-    (["--sim", "ideal", "--algo", "wander", "--executor", "slurm"], "No executor 'slurm'"),
+    (["--sim", "ideal", "--algo", "wander", "--executor", "cloud"], "No executor 'cloud'"),
     (["missing.toml"], "No experiment file 'missing.toml'"),
     (["--simulator", "ideal"], "No such option"),
 ]
