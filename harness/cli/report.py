@@ -1,12 +1,15 @@
 """``harness report``: what an experiment's folder says."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from harness.cli.lines import complain, say
 from harness.cli.options import CurveKind
+
+if TYPE_CHECKING:
+    from harness.results import Results
 
 
 def report(
@@ -14,6 +17,9 @@ def report(
     curve: CurveKind = "accumulated",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
+    details: Annotated[
+        bool, typer.Option("--details", help="Print all of every comparison, many screens of a large matrix.")
+    ] = False,
     summary: Annotated[
         Path | None, typer.Option(help="Write small records and figures into this folder.", metavar="FOLDER")
     ] = None,
@@ -40,15 +46,22 @@ def report(
 
         typer.echo(report_text(results))
     elif html is None and summary is None:
-        from harness.cli.terminal import show
-        from harness.report.comparison_table import comparison_table
-        from harness.report.transfer_table import transfer_table
-        from harness.transfer.matrix import load_transfers
-
-        transfers = load_transfers(results)
-        show(comparison_table(results))
-        if transfers.matrices:
-            show(transfer_table(transfers))
+        _show(results, details)
     if results.damaged:
         complain(f"damaged cells: {len(results.damaged)}; harness verify '{folder}' tells of them")
     return 1 if results.damaged else 0
+
+
+def _show(results: "Results", details: bool) -> None:
+    """The overview, or all there is; in both what policies are worth in other simulators."""
+    from harness.cli.terminal import show
+    from harness.report.comparison_table import comparison_table
+    from harness.report.overview_table import overview_table
+    from harness.report.transfer_table import transfer_table
+    from harness.transfer.matrix import load_transfers
+
+    transfers = load_transfers(results)
+    command = f"harness report {results.folder} --details"
+    show(comparison_table(results) if details else overview_table(results, command))
+    if transfers.matrices:
+        show(transfer_table(transfers))

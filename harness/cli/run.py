@@ -149,7 +149,7 @@ def _show(results: "Results") -> None:
     """The comparison on standard output; what was written too."""
     from harness.cli.made import make_table_and_page
     from harness.cli.terminal import show
-    from harness.report.comparison_table import comparison_table
+    from harness.report.overview_table import overview_table
 
-    show(comparison_table(results))
+    show(overview_table(results, f"harness report {results.folder} --details"))
     make_table_and_page(results)

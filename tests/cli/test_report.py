@@ -24,6 +24,14 @@ def test_the_table_is_the_default(harness, experiment):
     assert "eta_N" in harness("report", experiment).out
 
 
+def test_details_are_all_there_is(harness, experiment):
+    """The overview is the short form."""
+    overview, details = (harness("report", experiment, *flags).out for flags in ((), ("--details",)))
+    assert f"harness report {experiment} --details" in overview
+    assert "I_N + I_P" not in overview
+    assert "I_N + I_P" in details
+
+
 def test_per_step_curves_are_read_on_demand(harness, experiment):
     """`--curve per-step` reads the same traces by NOTE eq. 39-42: the same steps, other sums."""
     told = {
@@ -38,10 +46,10 @@ def test_per_step_curves_are_read_on_demand(harness, experiment):
 
 def test_a_run_reads_per_step_curves_too(harness, quick):
     """The flag decides what the table shows, not what is trained."""
-    answer = harness("run", *quick, "--seeds", "1", "--curve", "per-step", "--out", "mine")
-    assert "per-step reward" in answer.out
-    assert "0 of" not in answer.err
-    assert "accumulated reward" in harness("run", *quick, "--seeds", "1", "--out", "mine").out
+    per_step = harness("run", *quick, "--seeds", "1", "--curve", "per-step", "--out", "mine")
+    accumulated = harness("run", *quick, "--seeds", "1", "--out", "mine")
+    assert "0 of" not in per_step.err
+    assert per_step.out != accumulated.out
 
 
 def test_html_goes_where_it_is_told(harness, experiment, tmp_path):

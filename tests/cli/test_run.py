@@ -29,7 +29,7 @@ BAD = [
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=0"], "greater than 0"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=3"], "covers the targets"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:target_center=9x9x9"], "reaches next to no target"),
-    (["--sim", "ideal", "--algo", "wander", "--executor", "slurm"], "No executor 'slurm'"),
+    (["--sim", "ideal", "--algo", "wander", "--executor", "grid"], "No executor 'grid'"),
     (["missing.toml"], "No experiment file 'missing.toml'"),
     (["--simulator", "ideal"], "No such option"),
 ]
@@ -71,8 +71,8 @@ def test_tensorboard_leaves_event_files(harness, quick, tmp_path):
 def test_evaluation_is_told_by_flags(harness, quick, tmp_path):
     """`--evaluate-every` and `--stochastic` are part of the cells, and the report says how policies acted."""
     flags = ("--algo", "narrate", "--seeds", "1", "--evaluate-every", "5", "--stochastic")
-    answer = harness("run", *quick[:2], *quick[4:], *flags, "--out", "mine")
-    assert "trained policies, stochastic" in answer.out
+    harness("run", *quick[:2], *quick[4:], *flags, "--out", "mine")
+    assert "trained policies, stochastic" in harness("report", "mine", "--details").out
     data = json.loads(harness("report", "mine", "--json").out)
     assert data["combinations"][0]["deterministic"] is False
     curve = data["combinations"][0]["learning"]["metrics"]["success_rate"]["proposed"]

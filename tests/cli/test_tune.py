@@ -27,7 +27,7 @@ BAD = [
     ([*QUICK, "--pruner", "some"], "'median' or 'none'"),
     ([*QUICK, "--seed", "-1"], "greater than or equal to 0"),
     ([*QUICK, "--jobs", "0"], "jobs=0: must be at least 1"),
-    ([*QUICK, "--executor", "slurm"], "No executor 'slurm'"),
+    ([*QUICK, "--executor", "grid"], "No executor 'grid'"),
     (["missing.toml"], "No tuning file 'missing.toml'"),
 ]
 

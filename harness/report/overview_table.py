@@ -1,0 +1,156 @@
+"""All comparisons of an experiment at a glance, one line each, as a terminal shows it first."""
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.console import Group as Together
+from rich.text import Text
+
+from harness.eta.headline import Answer, count_seeds
+from harness.eta.index import Ratio
+from harness.report.grid_table import divide_columns, show_grid
+from harness.report.rows import (
+    NEAR_ZERO,
+    NOTHING,
+    Grid,
+    advice,
+    answer_text,
+    count_cells,
+    unfinished_cells,
+)
+from harness.results import Results
+from harness.results.combination import Combination
+
+HEADINGS = ("", "the robot", "success", "eta_N", "eta_P", "ruler")
+STYLES = {Answer.HELPS.value.upper(): "bold green", Answer.HURTS.value.upper(): "bold red"}
+"""The words say it all without a colour."""
+READING = (
+    "success: baseline > proposed. eta = proposed / baseline, with a 95% interval where the window has room; below 1 "
+    "counts as better for eta_N, above 1 for eta_P. ruler: the part of eta_P that comes from counting the same runs "
+    "otherwise; no robot moved differently for it."
+)
+
+
+def overview_table(results: Results, details: str) -> RenderableType:
+    """What is the same in all comparisons, then a line for each; of a single one what it comes to, in sentences.
+
+    Args:
+        results: The experiment.
+        details: The command that shows all that this rests on.
+    """
+    combinations = results.combinations
+    parts: list[RenderableType] = []
+    if combinations:
+        parts.append(Text(_shared(combinations), style="bold"))
+        parts += [_Overview(combinations), Text(), Text(READING, style="dim")]
+    parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
+    if len(combinations) == 1:
+        parts += _sentences(results, combinations[0])
+    parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, unfinished_cells(results))]
+    return Together(*parts, *([Text(f"Everything that this rests on: {details}")] if combinations else []))
+
+
+class _Overview:
+    """A line per comparison, with intervals if all then still stand in one line."""
+
+    def __init__(self, combinations: Sequence[Combination]) -> None:
+        self._combinations = combinations
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
+        """Called by rich, which knows how wide the terminal is."""
+        grids = overview_grids(self._combinations, with_intervals=True)
+        if any(len(divide_columns(grid, options.max_width)) > 1 for grid in grids):
+            grids = overview_grids(self._combinations, with_intervals=False)
+        for grid in grids:
+            yield from show_grid(grid, STYLES)
+
+
+def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool) -> list[Grid]:
+    """A line per comparison; where both groups and rewards vary, a grid for each group."""
+    varying = _varying(combinations)
+    if not varying or len({it.proposed for it in combinations}) == 1:
+        names = [_group_name(it, varying) if varying else it.names.proposed for it in combinations]
+        rows = [_row(name, it, with_intervals) for name, it in zip(names, combinations, strict=True)]
+        return [Grid(HEADINGS, rows, [])]
+    return [
+        Grid(HEADINGS, [_row(it.names.proposed, it, with_intervals) for it in members], [], name)
+        for name, members in groupby(combinations, key=lambda it: _group_name(it, varying))
+    ]
+
+
+def _shared(combinations: Sequence[Combination]) -> str:
+    """What is the same in all of them, said once."""
+    varying = _varying(combinations)
+    told = [label for kind, label in combinations[0].group.labels.items() if kind not in varying]
+    rewards, baselines = ({getattr(it, name) for it in combinations} for name in ("proposed", "baseline"))
+    if varying and len(rewards) == 1:
+        told += rewards
+    told += [f"against {baseline}" for baseline in baselines]
+    if "steps" not in varying:
+        told.append(f"{combinations[0].group.steps:,} steps")
+    seeds = {it.seeds for it in combinations}
+    return " · ".join([*told, *(count_seeds(len(them)) for them in seeds)] if len(seeds) == 1 else told)
+
+
+def _varying(combinations: Sequence[Combination]) -> list[str]:
+    """Kinds of labels that differ between groups, and ``steps`` where the trainings are not equally long."""
+    kinds = [kind for kind in combinations[0].group.labels if len({it.group.labels[kind] for it in combinations}) > 1]
+    return [*kinds, *(["steps"] if len({it.group.steps for it in combinations}) > 1 else [])]
+
+
+def _group_name(combination: Combination, varying: Sequence[str]) -> str:
+    told = {**combination.group.labels, "steps": f"{combination.group.steps:,} steps"}
+    return " · ".join(told[kind] for kind in varying)
+
+
+def _row(name: str, combination: Combination, with_intervals: bool) -> tuple[str, ...]:
+    splits = combination.splits
+    etas = (splits["eta_N"].eta, splits["eta_P"].eta)
+    return (
+        name,
+        answer_text(combination.headline),
+        _success(combination),
+        *(_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas),
+        _value(splits["eta_P"].ruler),
+    )
+
+
+def _success(combination: Combination) -> str:
+    change = combination.success
+    if change is None or change.baseline is None or change.proposed is None:
+        return NOTHING
+    return f"{100 * change.baseline:.0f}>{100 * change.proposed:.0f}%"
+
+
+def _value(ratio: Ratio) -> str:
+    """Three digits of it."""
+    if ratio.near_zero is not None or ratio.value is None:
+        return NEAR_ZERO if ratio.near_zero is not None else NOTHING
+    return _digits(ratio.value, 3)
+
+
+def _interval(ratio: Ratio) -> str:
+    """Two digits of each end; empty where there is none to show."""
+    if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
+        return ""
+    return f" [{_short(ratio.low)}, {_short(ratio.high)}]"
+
+
+def _short(end: float) -> str:
+    """Two digits, without the zero before a point."""
+    text = _digits(end, 2)
+    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
+
+
+def _digits(value: float, count: int) -> str:
+    """So many significant digits, trailing zeros included; an exponent from a million on."""
+    text = f"{value:#.{count}g}".rstrip(".")
+    return f"{value:.0f}" if "e" in text and 1.0 <= abs(value) < 1e6 else text
+
+
+def _sentences(results: Results, combination: Combination) -> list[RenderableType]:
+    """Both answers, and how to get one where there is none."""
+    headline = combination.headline
+    lines = [headline.robot, headline.number, advice(results, combination)]
+    return [part for line in lines if line for part in (Text(), Text(line))]
