@@ -9,6 +9,7 @@ from typer.exceptions import TyperException
 from harness.cli.audit import audit
 from harness.cli.bench import bench
 from harness.cli.commands import add_plugin_commands, names_of
+from harness.cli.demo import demo
 from harness.cli.describe import describe
 from harness.cli.doctor import doctor
 from harness.cli.eta import eta
@@ -51,6 +52,7 @@ def build_app() -> typer.Typer:
     """The command line without what plugins bring."""
     app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
     app.callback()(_root)
+    app.command()(demo)
     app.command()(run)
     app.command()(report)
     app.command()(status)

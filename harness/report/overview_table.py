@@ -40,15 +40,18 @@ def overview_table(results: Results, details: str) -> RenderableType:
         details: The command that shows all that this rests on.
     """
     combinations = results.combinations
-    parts: list[RenderableType] = []
-    if combinations:
-        parts.append(Text(_shared(combinations), style="bold"))
-        parts += [_Overview(combinations), Text(), Text(READING, style="dim")]
+    parts: list[RenderableType] = [comparison_lines(combinations)] if combinations else []
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
     if len(combinations) == 1:
         parts += _sentences(results, combinations[0])
     parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, unfinished_cells(results))]
     return Together(*parts, *([Text(f"Everything that this rests on: {details}")] if combinations else []))
+
+
+def comparison_lines(combinations: Sequence[Combination]) -> RenderableType:
+    """A line for each of at least one comparison, below what is the same in all, and how to read them."""
+    shared = Text(_shared(combinations), style="bold")
+    return Together(shared, _Overview(combinations), Text(), Text(READING, style="dim"))
 
 
 class _Overview:
