@@ -2,6 +2,9 @@
 
 import os
 import sys
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
 
 import typer
 from typer.exceptions import TyperException
@@ -13,6 +16,7 @@ from harness.cli.demo import demo
 from harness.cli.describe import describe
 from harness.cli.doctor import doctor
 from harness.cli.eta import eta
+from harness.cli.examples import EXAMPLES, FIRST_STEPS, epilog_of
 from harness.cli.lines import complain
 from harness.cli.merge import merge
 from harness.cli.names import list_names
@@ -30,6 +34,23 @@ from harness.errors import HarnessError, UsageError
 from harness.registry.registry import load_registry
 
 FAILED, USAGE = 1, 2
+PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
+    {
+        "Run and read": {
+            "demo": demo,
+            "run": run,
+            "report": report,
+            "status": status,
+            "list": list_names,
+            "describe": describe,
+            "doctor": doctor,
+        },
+        "Ask more": {"audit": audit, "eta": eta, "score": score, "transfer": transfer, "tune": tune},
+        "Keep results": {"merge": merge, "verify": verify, "repair": repair},
+        "For who builds": {"plugins": plugins, "parity": parity, "bench": bench},
+    }
+)
+"""Every command by the heading that it stands under in the help: what one needs first comes first."""
 UNFORESEEN = 70
 """As EX_SOFTWARE of sysexits.h."""
 
@@ -50,26 +71,14 @@ def _root(
 
 def build_app() -> typer.Typer:
     """The command line without what plugins bring."""
-    app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
-    app.callback()(_root)
-    app.command()(demo)
-    app.command()(run)
-    app.command()(report)
-    app.command()(status)
-    app.command(context_settings={"allow_extra_args": True})(eta)  # to say what a pattern without quotes becomes
-    app.command()(score)
-    app.command()(transfer)
-    app.command()(tune)
-    app.command()(audit)
-    app.command()(parity)
-    app.command()(bench)
-    app.command()(verify)
-    app.command()(repair)
-    app.command()(merge)
-    app.command("list")(list_names)
-    app.command()(describe)
-    app.command()(plugins)
-    app.command()(doctor)
+    app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+    app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"))(_root)
+    for panel, commands in PANELS.items():
+        for name, command in commands.items():
+            # eta takes more arguments, to say what a pattern without quotes becomes
+            settings = {"allow_extra_args": name == "eta"}
+            examples = epilog_of(EXAMPLES[name])
+            app.command(name, rich_help_panel=panel, epilog=examples, context_settings=settings)(command)
     return app
 
 

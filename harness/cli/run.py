@@ -7,7 +7,17 @@ import typer
 
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import complain
-from harness.cli.options import CurveKind, ExecutorName, Names, RewardNames, RobotName, TaskName
+from harness.cli.options import (
+    ALGORITHMS,
+    REWARDS,
+    SIMULATORS,
+    CurveKind,
+    ExecutorName,
+    Names,
+    RewardNames,
+    RobotName,
+    TaskName,
+)
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -18,11 +28,17 @@ def run(
     experiment: Annotated[
         Path | None, typer.Argument(help="Experiment file (TOML). Its keys are the flags below; a flag wins.")
     ] = None,
-    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...")] = None,
-    algo: Annotated[Names, typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...")] = None,
+    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
+    algo: Annotated[
+        Names,
+        typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
+    ] = None,
     reward: RewardNames = None,
     baseline: Annotated[
-        str | None, typer.Option(help="What they are compared with.", show_default="baseline", metavar="NAME")
+        str | None,
+        typer.Option(
+            help="What they are compared with.", show_default="baseline", metavar="NAME", autocompletion=REWARDS
+        ),
     ] = None,
     task: TaskName = None,
     robot: RobotName = None,
@@ -112,7 +128,10 @@ def run(
         "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
         "evaluate_every": evaluate_every, "deterministic": deterministic,
     }  # fmt: skip
-    ready = prepare(_read(experiment, {key: value for key, value in given.items() if value is not None}), options)
+    flags = {key: value for key, value in given.items() if value is not None}
+    if experiment is None and not flags:
+        raise UsageError(_what_to_type())
+    ready = prepare(_read(experiment, flags), options)
     folder = ready.store.folder
     with (
         kept_when_interrupted("finished cells are kept", folder),
@@ -124,6 +143,22 @@ def run(
     if results.failed:
         complain(f"cells that failed: {len(results.failed)}. The same command tries them again, and no other")
     return 1 if results.failed else 0
+
+
+def _what_to_type() -> str:
+    """For who typed no more than ``harness run``."""
+    from harness.cli.runnable import example_run, usable
+    from harness.registry.registry import load_registry
+
+    registry = load_registry()
+    example = example_run(registry)
+    if not example:
+        return "nothing to run, and no simulator or no algorithm is installed: harness doctor says what is missing"
+    return (
+        f"what is to be run? Type: {example}; or harness run FILE.toml; or harness run --help. "
+        f"Installed simulators: {', '.join(usable(registry, 'simulators'))}; "
+        f"algorithms: {', '.join(usable(registry, 'algorithms'))}. New here: harness demo"
+    )
 
 
 def _read(path: Path | None, flags: dict[str, Any]) -> Any:

@@ -11,7 +11,8 @@ import pytest
 from harness.record.store import Store
 
 BAD = [
-    ([], "names no sim"),
+    ([], "harness run FILE.toml"),
+    (["--algo", "wander"], "names no sim"),
     (["--sim", "ideall", "--algo", "wander"], "Did you mean 'ideal'?"),
     (["--sim", "ideal", "--algo", "wonder"], "Did you mean 'wander'?"),
     (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k2"], "write name or name:key=value"),
