@@ -13,6 +13,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "harness run --sim kinematic --algo ik --reward arp,scaled:factor=3 --seeds 3",
             "harness run --sim mujoco,pybullet --algo sac:learning_rate=3e-4,td3 --reward arp:k1=1,k2=2",
             "harness run experiment.toml --seeds 20 --out my-results",
+            "harness run experiment.toml --out my-results --dry-run",
         ),
         "report": (
             "harness report my-results",

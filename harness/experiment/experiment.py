@@ -177,11 +177,20 @@ class ExperimentRun:
             StorageError: The folder cannot be written, now or while the cells run.
         """
         with storage_errors(self.store.folder), self.store.locked(on_wait if self.options.wait else None):
-            manifests = map(self.store.examine, self.plan.cells)
-            done = {it.cell: it.environment.get("sources", {}) for it in manifests if it.status == "done"}
-            again = self._to_do_again(done)
+            begun = self.look()
             self.store.add(self.plan)
-            yield BegunRun(self, tuple(cell for cell in done if cell not in again), again)
+            yield begun
+
+    def look(self) -> "BegunRun":
+        """What is done, and what will be run. Writes nothing; another run may be changing it.
+
+        Raises:
+            UsageError: Cells were done by other plugins, and the options say neither to keep them nor to do them again.
+        """
+        manifests = map(self.store.examine, self.plan.cells)
+        done = {it.cell: it.environment.get("sources", {}) for it in manifests if it.status == "done"}
+        again = self._to_do_again(done)
+        return BegunRun(self, tuple(cell for cell in done if cell not in again), again)
 
     def _to_do_again(self, done: Mapping[Cell, Sources]) -> dict[Cell, Manifest]:
         """Of the done cells those that other plugins made, if the options say so."""
@@ -264,10 +273,21 @@ def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> Experimen
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
+    ready = check(experiment, options)
+    Store.claim(ready.store.folder)
+    return ready
+
+
+def check(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:
+    """Check everything that an experiment needs. Writes nothing.
+
+    Raises:
+        UsageError: Something given cannot be used.
+    """
     registry = load_registry()
     executor = options.build_executor(registry)
     plan = expand(experiment, registry)
-    store = Store.claim(Path(options.out) if options.out else default_folder(plan))
+    store = Store.at(Path(options.out) if options.out else default_folder(plan))
     return ExperimentRun(plan, store, registry, executor, options)
 
 
