@@ -12,6 +12,7 @@ from typer.exceptions import TyperException
 from harness.cli.audit import audit
 from harness.cli.bench import bench
 from harness.cli.commands import add_plugin_commands, names_of
+from harness.cli.compare import compare
 from harness.cli.demo import demo
 from harness.cli.describe import describe
 from harness.cli.doctor import doctor
@@ -40,6 +41,7 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
             "demo": demo,
             "run": run,
             "report": report,
+            "compare": compare,
             "status": status,
             "list": list_names,
             "describe": describe,

@@ -18,8 +18,10 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "report": (
             "harness report my-results",
             "harness report my-results --details",
+            "harness report my-results more-results",
             "harness report my-results --html page.html --summary records",
         ),
+        "compare": ("harness compare results/before results/after",),
         "status": ("harness status my-results",),
         "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'",),
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),

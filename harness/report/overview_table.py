@@ -7,6 +7,7 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.console import Group as Together
 from rich.text import Text
 
+from harness.eta.behaviour_change import Change
 from harness.eta.headline import Answer, count_seeds
 from harness.eta.index import Ratio
 from harness.report.grid_table import divide_columns, show_grid
@@ -50,7 +51,7 @@ def overview_table(results: Results, details: str) -> RenderableType:
 
 def comparison_lines(combinations: Sequence[Combination]) -> RenderableType:
     """A line for each of at least one comparison, below what is the same in all, and how to read them."""
-    shared = Text(_shared(combinations), style="bold")
+    shared = Text(shared_text(combinations), style="bold")
     return Together(shared, _Overview(combinations), Text(), Text(READING, style="dim"))
 
 
@@ -73,8 +74,8 @@ def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool)
     """A line per comparison; where both groups and rewards vary, a grid for each group."""
     varying = _varying(combinations)
     if not varying or len({it.proposed for it in combinations}) == 1:
-        names = [_group_name(it, varying) if varying else it.names.proposed for it in combinations]
-        rows = [_row(name, it, with_intervals) for name, it in zip(names, combinations, strict=True)]
+        names = zip(line_names(combinations), combinations, strict=True)
+        rows = [_row(name, it, with_intervals) for name, it in names]
         return [Grid(HEADINGS, rows, [])]
     return [
         Grid(HEADINGS, [_row(it.names.proposed, it, with_intervals) for it in members], [], name)
@@ -82,8 +83,8 @@ def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool)
     ]
 
 
-def _shared(combinations: Sequence[Combination]) -> str:
-    """What is the same in all of them, said once."""
+def shared_text(combinations: Sequence[Combination], *, with_seeds: bool = True) -> str:
+    """What is the same in all of at least one, said once."""
     varying = _varying(combinations)
     told = [label for kind, label in combinations[0].group.labels.items() if kind not in varying]
     rewards, baselines = ({getattr(it, name) for it in combinations} for name in ("proposed", "baseline"))
@@ -92,8 +93,18 @@ def _shared(combinations: Sequence[Combination]) -> str:
     told += [f"against {baseline}" for baseline in baselines]
     if "steps" not in varying:
         told.append(f"{combinations[0].group.steps:,} steps")
-    seeds = {it.seeds for it in combinations}
+    seeds = {it.seeds for it in combinations} if with_seeds else set()
     return " · ".join([*told, *(count_seeds(len(them)) for them in seeds)] if len(seeds) == 1 else told)
+
+
+def line_names(combinations: Sequence[Combination]) -> list[str]:
+    """What tells each from the others: what differs between the groups, and the reward where they are several."""
+    varying, rewards = _varying(combinations), {it.proposed for it in combinations}
+    with_reward = not varying or len(rewards) > 1
+    return [
+        " · ".join([*([_group_name(it, varying)] if varying else []), *([it.names.proposed] if with_reward else [])])
+        for it in combinations
+    ]
 
 
 def _varying(combinations: Sequence[Combination]) -> list[str]:
@@ -113,20 +124,20 @@ def _row(name: str, combination: Combination, with_intervals: bool) -> tuple[str
     return (
         name,
         answer_text(combination.headline),
-        _success(combination),
-        *(_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas),
-        _value(splits["eta_P"].ruler),
+        success_text(combination.success),
+        *(short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas),
+        short_value(splits["eta_P"].ruler),
     )
 
 
-def _success(combination: Combination) -> str:
-    change = combination.success
+def success_text(change: Change | None) -> str:
+    """Both rates as whole percentages."""
     if change is None or change.baseline is None or change.proposed is None:
         return NOTHING
     return f"{100 * change.baseline:.0f}>{100 * change.proposed:.0f}%"
 
 
-def _value(ratio: Ratio) -> str:
+def short_value(ratio: Ratio) -> str:
     """Three digits of it."""
     if ratio.near_zero is not None or ratio.value is None:
         return NEAR_ZERO if ratio.near_zero is not None else NOTHING

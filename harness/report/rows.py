@@ -69,7 +69,7 @@ def answer_text(headline: Headline) -> str:
 def advice(results: Results, combination: Combination) -> str:
     """The command that adds the seeds that would tell; empty where none would, or none is needed."""
     needed, seeds = combination.headline.seeds_to_decide, combination.seeds
-    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control:
+    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control or results.is_temporary:
         return ""
     more = next(count for count in needed if count > len(seeds))
     folder = results.folder

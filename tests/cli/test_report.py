@@ -32,6 +32,31 @@ def test_details_are_all_there_is(harness, experiment):
     assert "I_N + I_P" in details
 
 
+def test_several_folders_are_read_as_one(harness, quick, tmp_path):
+    """Nothing is written, and no command names the folder that they were read in."""
+    for name, seeds in (("one", "0,1"), ("two", "2")):
+        harness("run", *quick, "--seeds", f"{seeds},", "--out", name)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    answer = harness("report", "one", "two")
+    assert (answer.status, answer.err) == (0, "")
+    assert "3 seeds" in answer.out
+    assert "harness report one two --details" in answer.out
+    assert "harness-report-" not in answer.out
+    assert len(json.loads(harness("report", "one", "two", "--json").out)["cells"]) == 6
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_damage_in_one_of_several_folders_is_told(harness, quick, tmp_path):
+    """The rest is read; status 1."""
+    for name in ("one", "two"):
+        harness("run", *quick, "--seeds", "1", "--out", name)
+    cell = next((tmp_path / "two" / "cells").iterdir())
+    (cell / "trace.parquet").write_bytes(b"PAR1")
+    answer = harness("report", "one", "two")
+    assert answer.status == 1
+    assert answer.err.startswith(f"harness: left out: two/cells/{cell.name}: ")
+
+
 def test_per_step_curves_are_read_on_demand(harness, experiment):
     """`--curve per-step` reads the same traces by NOTE eq. 39-42: the same steps, other sums."""
     told = {
