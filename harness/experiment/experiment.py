@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
@@ -16,6 +16,7 @@ from harness.experiment.event_log import require_tensorboard
 from harness.experiment.floor import floor_carriers
 from harness.experiment.followed import Followed
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
+from harness.experiment.run_arguments import RunArguments
 from harness.experiment.selection import select
 from harness.experiment.workers import worker_count
 from harness.record.cell import Cell
@@ -124,7 +125,7 @@ class RunOptions:
 DEFAULTS = RunOptions()
 
 
-def run(**given: Any) -> Results:
+def run(**given: Unpack[RunArguments]) -> Results:
     """Run every combination of an experiment that is not done yet.
 
     Args:
@@ -135,10 +136,10 @@ def run(**given: Any) -> Results:
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    names = {field.name for field in fields(RunOptions)}
-    options = RunOptions(**{name: value for name, value in given.items() if name in names})
-    experiment = {name: value for name, value in given.items() if name not in names}
-    return prepare(check_experiment(experiment), options).run()
+    of_options = {field.name for field in fields(RunOptions)}
+    everything: dict[str, Any] = dict(given)
+    options = {name: everything.pop(name) for name in tuple(everything) if name in of_options}
+    return prepare(check_experiment(everything), RunOptions(**options)).run()
 
 
 @dataclass(frozen=True)

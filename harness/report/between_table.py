@@ -7,9 +7,9 @@ from harness.eta.behaviour_change import Change
 from harness.eta.headline import count_seeds
 from harness.report.behaviour_rows import behaviour_row
 from harness.report.grid_table import show_grid
-from harness.report.overview_table import line_names, shared_text, short_value, success_text
 from harness.report.rows import Grid, answer_text
 from harness.results.between import Between, Pair, Verdict
+from harness.results.overview import line_names, shared_text, short_value, success_text
 
 HEADINGS = ("", "the policy", "success", "seeds", "the robot", "eta_N", "eta_P")
 STYLES = {Verdict.BETTER.value.upper(): "bold green", Verdict.WORSE.value.upper(): "bold red"}
