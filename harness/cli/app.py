@@ -98,7 +98,7 @@ def _answer(args: list[str]) -> int:
         return _run(args)
     except TyperException as error:  # what typer refuses: an unknown option, a missing argument
         if error.format_message():  # none where there is no argument at all, which shows the help
-            complain(error.format_message())
+            complain(_with_help(error))
         return error.exit_code
     except UsageError as error:
         complain(str(error))
@@ -113,6 +113,15 @@ def _answer(args: list[str]) -> int:
     except Exception as error:  # nobody's traceback on the screen
         complain(describe_unexpected(error))
         return UNFORESEEN
+
+
+def _with_help(error: TyperException) -> str:
+    """What typer says, and which help has examples of what it would take."""
+    message, context = error.format_message(), getattr(error, "ctx", None)
+    if context is None or not context.help_option_names:
+        return message
+    end = "" if message.endswith((".", "?")) else "."
+    return f"{message}{end} Examples: {context.command_path} {context.help_option_names[0]}"
 
 
 def _run(args: list[str]) -> int:
