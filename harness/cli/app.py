@@ -2,6 +2,9 @@
 
 import os
 import sys
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
 
 import typer
 from typer.exceptions import TyperException
@@ -9,9 +12,12 @@ from typer.exceptions import TyperException
 from harness.cli.audit import audit
 from harness.cli.bench import bench
 from harness.cli.commands import add_plugin_commands, names_of
+from harness.cli.compare import compare
+from harness.cli.demo import demo
 from harness.cli.describe import describe
 from harness.cli.doctor import doctor
 from harness.cli.eta import eta
+from harness.cli.examples import EXAMPLES, FIRST_STEPS, epilog_of
 from harness.cli.lines import complain
 from harness.cli.merge import merge
 from harness.cli.names import list_names
@@ -29,6 +35,24 @@ from harness.errors import HarnessError, UsageError
 from harness.registry.registry import load_registry
 
 FAILED, USAGE = 1, 2
+PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
+    {
+        "Run and read": {
+            "demo": demo,
+            "run": run,
+            "report": report,
+            "compare": compare,
+            "status": status,
+            "list": list_names,
+            "describe": describe,
+            "doctor": doctor,
+        },
+        "Ask more": {"audit": audit, "eta": eta, "score": score, "transfer": transfer, "tune": tune},
+        "Keep results": {"merge": merge, "verify": verify, "repair": repair},
+        "For who builds": {"plugins": plugins, "parity": parity, "bench": bench},
+    }
+)
+"""Every command by the heading that it stands under in the help: what one needs first comes first."""
 UNFORESEEN = 70
 """As EX_SOFTWARE of sysexits.h."""
 
@@ -49,25 +73,14 @@ def _root(
 
 def build_app() -> typer.Typer:
     """The command line without what plugins bring."""
-    app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
-    app.callback()(_root)
-    app.command()(run)
-    app.command()(report)
-    app.command()(status)
-    app.command(context_settings={"allow_extra_args": True})(eta)  # to say what a pattern without quotes becomes
-    app.command()(score)
-    app.command()(transfer)
-    app.command()(tune)
-    app.command()(audit)
-    app.command()(parity)
-    app.command()(bench)
-    app.command()(verify)
-    app.command()(repair)
-    app.command()(merge)
-    app.command("list")(list_names)
-    app.command()(describe)
-    app.command()(plugins)
-    app.command()(doctor)
+    app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+    app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"))(_root)
+    for panel, commands in PANELS.items():
+        for name, command in commands.items():
+            # eta takes more arguments, to say what a pattern without quotes becomes
+            settings = {"allow_extra_args": name == "eta"}
+            examples = epilog_of(EXAMPLES[name])
+            app.command(name, rich_help_panel=panel, epilog=examples, context_settings=settings)(command)
     return app
 
 
@@ -85,7 +98,7 @@ def _answer(args: list[str]) -> int:
         return _run(args)
     except TyperException as error:  # what typer refuses: an unknown option, a missing argument
         if error.format_message():  # none where there is no argument at all, which shows the help
-            complain(error.format_message())
+            complain(_with_help(error))
         return error.exit_code
     except UsageError as error:
         complain(str(error))
@@ -100,6 +113,15 @@ def _answer(args: list[str]) -> int:
     except Exception as error:  # nobody's traceback on the screen
         complain(describe_unexpected(error))
         return UNFORESEEN
+
+
+def _with_help(error: TyperException) -> str:
+    """What typer says, and which help has examples of what it would take."""
+    message, context = error.format_message(), getattr(error, "ctx", None)
+    if context is None or not context.help_option_names:
+        return message
+    end = "" if message.endswith((".", "?")) else "."
+    return f"{message}{end} Examples: {context.command_path} {context.help_option_names[0]}"
 
 
 def _run(args: list[str]) -> int:

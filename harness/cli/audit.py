@@ -4,17 +4,21 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.options import RobotName
+from harness.cli.options import REWARDS, SIMULATORS, RobotName
 from harness.errors import UsageError
 
 
 def audit(
-    reward: Annotated[str, typer.Option(help="The reward, as arp:k2=2.", metavar="NAME")],
+    reward: Annotated[str, typer.Option(help="The reward, as arp:k2=2.", metavar="NAME", autocompletion=REWARDS)],
     task: Annotated[str, typer.Option(help="As fd100-reach:epsilon=0.02.", metavar="NAME")] = "fd100-reach",
     robot: RobotName = None,
     sim: Annotated[
         str | None,
-        typer.Option(help="Simulator; without it no engine: the joints move exactly as told.", metavar="NAME"),
+        typer.Option(
+            help="Simulator; without it no engine: the joints move exactly as told.",
+            metavar="NAME",
+            autocompletion=SIMULATORS,
+        ),
     ] = None,
     against: Annotated[
         str, typer.Option(help="The reward that the distance is measured to.", metavar="NAME")

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.cli.options import Names, RobotName, TaskName
+from harness.cli.options import ALGORITHMS, REWARDS, SIMULATORS, Names, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -14,9 +14,13 @@ if TYPE_CHECKING:
 
 
 def bench(
-    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...")] = None,
-    algo: Annotated[Names, typer.Option(help="Algorithms, as sac:net_arch=256x256.", metavar="NAME,...")] = None,
-    reward: Annotated[Names, typer.Option(help="Rewards.", show_default="baseline", metavar="NAME,...")] = None,
+    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
+    algo: Annotated[
+        Names, typer.Option(help="Algorithms, as sac:net_arch=256x256.", metavar="NAME,...", autocompletion=ALGORITHMS)
+    ] = None,
+    reward: Annotated[
+        Names, typer.Option(help="Rewards.", show_default="baseline", metavar="NAME,...", autocompletion=REWARDS)
+    ] = None,
     task: TaskName = None,
     robot: RobotName = None,
     steps: Annotated[int, typer.Option(help="Environment steps of each training.", metavar="N")] = 2000,

@@ -8,6 +8,7 @@ import typer
 from harness.registry.registry import Registry, conflict
 
 KIND = "commands"
+PANEL = "Of plugins"
 PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Every argument goes to the plugin's function, ``--help`` included."""
 
@@ -19,7 +20,7 @@ def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
         if name not in own:
             specs = registry.specs[KIND, name]
             summary = conflict(specs) if len(specs) > 1 else specs[0].summary
-            app.command(name, help=summary, context_settings=PASS_ON)(_called(registry, name))
+            app.command(name, help=summary, rich_help_panel=PANEL, context_settings=PASS_ON)(_called(registry, name))
 
 
 def names_of(app: typer.Typer) -> list[str]:

@@ -7,6 +7,7 @@ from collections.abc import Collection
 import typer
 
 from harness.cli.commands import hidden_commands
+from harness.cli.runnable import example_run, usable
 from harness.hookspecs import NOUNS
 from harness.registry.registry import Registry, load_registry
 
@@ -35,6 +36,16 @@ def doctor(context: typer.Context) -> None:
         typer.echo(f"commit {commit}")
     for line in _plugin_problems(registry, context.obj) + _missing_libraries(registry) + _rendering(registry):
         typer.echo(line)
+    for line in _what_runs(registry):
+        typer.echo(line)
+
+
+def _what_runs(registry: Registry) -> list[str]:
+    example = example_run(registry)
+    if not example:
+        return ["you can run nothing yet: install a simulator and an algorithm, as the lines above say"]
+    names = (f"{kind} {', '.join(usable(registry, kind))}" for kind in ("simulators", "algorithms"))
+    return [f"you can run: {example}", f"with any of the {'; '.join(names)}"]
 
 
 def _plugin_problems(registry: Registry, own: Collection[str]) -> list[str]:

@@ -9,8 +9,12 @@ if TYPE_CHECKING:
     from harness.results import Results
 
 
-def make_table_and_page(results: "Results") -> None:
+def make_table_and_page(results: "Results", err: bool = False) -> None:
     """Write ``results.parquet`` and ``report.html``, and say where they are.
+
+    Args:
+        results: The experiment.
+        err: Say it on standard error: standard output is for something else.
 
     Raises:
         StorageError: The folder cannot be written.
@@ -22,11 +26,11 @@ def make_table_and_page(results: "Results") -> None:
 
     with storage_errors(results.folder):
         results.write_table()
-    say(f"Results: {results.folder}")
+    say(f"Results: {results.folder}", err)
     try:
         with storage_errors(results.folder):
             write_html(results, results.folder / REPORT)
             note_made(results.folder / REPORT)
-        say(f"Report:  {results.folder / REPORT}")
+        say(f"Report:  {results.folder / REPORT}", err)
     except UsageError as error:  # the extra is missing: the results are there all the same
-        say(f"No {REPORT}: {error}")
+        say(f"No {REPORT}: {error}", err)

@@ -4,17 +4,37 @@ from typing import Annotated, Literal
 
 import typer
 
+from harness.cli.completion import names_of
+
 ROBOT = "Robot: a name, a URDF, or a folder with robot.toml."
 
 Names = list[str] | None
+SIMULATORS, ALGORITHMS, REWARDS = names_of("simulators"), names_of("algorithms"), names_of("rewards")
+"""What a shell offers behind these flags."""
+
 RewardNames = Annotated[
-    Names, typer.Option(help="Proposed rewards, as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...")
+    Names,
+    typer.Option(
+        help="Proposed rewards, as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...", autocompletion=REWARDS
+    ),
 ]
 TaskName = Annotated[
-    str | None, typer.Option(help="As fd100-reach:epsilon=0.02.", show_default="fd100-reach", metavar="NAME")
+    str | None,
+    typer.Option(
+        help="As fd100-reach:epsilon=0.02.",
+        show_default="fd100-reach",
+        metavar="NAME",
+        autocompletion=names_of("tasks"),
+    ),
 ]
-ExecutorName = Annotated[str, typer.Option(help="What runs the cells, as processes.", metavar="NAME")]
-RobotName = Annotated[str | None, typer.Option(help=ROBOT, show_default="the task's", metavar="NAME")]
+ExecutorName = Annotated[
+    str,
+    typer.Option(help="What runs the cells, as processes.", metavar="NAME", autocompletion=names_of("executors")),
+]
+RobotName = Annotated[
+    str | None,
+    typer.Option(help=ROBOT, show_default="the task's", metavar="NAME", autocompletion=names_of("robots")),
+]
 CurveKind = Annotated[
     Literal["accumulated", "per-step"],
     typer.Option(help="Curves of the indices: as published, or NOTE eq. 39-42 read literally."),

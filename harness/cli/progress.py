@@ -7,6 +7,7 @@ from types import TracebackType
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
+from rich.table import Column
 from rich.text import Text
 
 from harness.cli.terminal import Terminal
@@ -35,11 +36,12 @@ class LiveProgress:
         self._log_of = log_of
         self._console = console or Terminal(stderr=True)
         self._progress = Progress(
-            TextColumn("{task.description}", markup=False),
-            BarColumn(),
-            StepSpeed(),
+            TextColumn("{task.description}", markup=False, table_column=Column(ratio=1, no_wrap=True)),
+            BarColumn(bar_width=8),
+            StepSpeed(table_column=Column(no_wrap=True, justify="right")),
             TimeRemainingColumn(),
             console=self._console,
+            expand=True,  # a cell has one line: what is too long for it is its name, at 60 columns
         )
         ended = {cell.id for cell in done}
         steps = sum(cell.steps for cell in cells if cell.id not in ended)
@@ -107,6 +109,6 @@ class StepSpeed(ProgressColumn):
     """Steps done and steps per second."""
 
     def render(self, task: Task) -> Text:
-        """As ``4200/10000 · 155 steps/s``."""
-        speed = f"{task.speed:.0f} steps/s" if task.speed else "starting"
+        """As ``4200/10000 · 155/s``."""
+        speed = f"{task.speed:.0f}/s" if task.speed else "starting"
         return Text(f"{task.completed:.0f}/{task.total:.0f} · {speed}")

@@ -1,19 +1,33 @@
 """``harness report``: what an experiment's folder says."""
 
+import tempfile
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from harness.cli.lines import complain, say
 from harness.cli.options import CurveKind
 
+if TYPE_CHECKING:
+    from harness.eta.curve import Kind
+    from harness.record.merge import LeftOut
+    from harness.results import Results
+
 
 def report(
-    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    folders: Annotated[
+        list[Path],
+        typer.Argument(help="The experiment's folder; several are read as if one run had done them.", metavar="DIR..."),
+    ],
     curve: CurveKind = "accumulated",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
+    details: Annotated[
+        bool, typer.Option("--details", help="Print all of every comparison, many screens of a large matrix.")
+    ] = False,
     summary: Annotated[
         Path | None, typer.Option(help="Write small records and figures into this folder.", metavar="FOLDER")
     ] = None,
@@ -21,13 +35,41 @@ def report(
     """Show the results in an experiment's folder. Trains nothing and imports no engine."""
     from harness.results import load_results
 
-    results = load_results(folder, curve)
+    if len(folders) == 1:
+        results = load_results(folders[0], curve)
+        _leave(results, folders, as_json, html, details, summary)
+        if results.damaged:
+            complain(f"damaged cells: {len(results.damaged)}; harness verify '{folders[0]}' tells of them")
+        return 1 if results.damaged else 0
+    with ExitStack() as stack:
+        together = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="harness-report-")))
+        results, left_out = _read_together(folders, together, curve)
+        _leave(results, folders, as_json, html, details, summary)
+    for path, reason in left_out:
+        complain(f"left out: {path}: {reason}")
+    return 1 if left_out else 0
+
+
+def _read_together(folders: Sequence[Path], out: Path, curve: "Kind") -> "tuple[Results, list[LeftOut]]":
+    """All folders as one, in a folder that is soon gone; and what is damaged."""
+    from harness.record.merge import merge
+    from harness.registry.registry import load_registry
+    from harness.results import Results
+
+    merged = merge(folders, out)
+    return Results(out, load_registry(), curve, is_temporary=True), merged.left_out
+
+
+def _leave(
+    results: "Results", folders: Sequence[Path], as_json: bool, html: Path | None, details: bool, summary: Path | None
+) -> None:
+    """Write and print what is asked for; by default the table."""
     if html is not None:
         from harness.files.sums import note_made
         from harness.report.html import write_html
 
         write_html(results, html)
-        if html.absolute().parent == folder.absolute():
+        if html.absolute().parent == results.folder.absolute():
             note_made(html)  # in place of the page that the run made, as the folder's SHA256SUMS tells
         say(f"Report: {html}", err=True)
     if summary is not None:
@@ -40,15 +82,19 @@ def report(
 
         typer.echo(report_text(results))
     elif html is None and summary is None:
-        from harness.cli.terminal import show
-        from harness.report.comparison_table import comparison_table
-        from harness.report.transfer_table import transfer_table
-        from harness.transfer.matrix import load_transfers
+        command = f"harness report {' '.join(map(str, folders))} --details"
+        _show(results, details, command)
 
-        transfers = load_transfers(results)
-        show(comparison_table(results))
-        if transfers.matrices:
-            show(transfer_table(transfers))
-    if results.damaged:
-        complain(f"damaged cells: {len(results.damaged)}; harness verify '{folder}' tells of them")
-    return 1 if results.damaged else 0
+
+def _show(results: "Results", details: bool, command: str) -> None:
+    """The overview, or all there is; in both what policies are worth in other simulators."""
+    from harness.cli.terminal import show
+    from harness.report.comparison_table import comparison_table
+    from harness.report.overview_table import overview_table
+    from harness.report.transfer_table import transfer_table
+    from harness.transfer.matrix import load_transfers
+
+    transfers = load_transfers(results)
+    show(comparison_table(results) if details else overview_table(results, command))
+    if transfers.matrices:
+        show(transfer_table(transfers))

@@ -6,11 +6,22 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import complain
-from harness.cli.options import CurveKind, ExecutorName, Names, RewardNames, RobotName, TaskName
+from harness.cli.lines import complain, say
+from harness.cli.options import (
+    ALGORITHMS,
+    REWARDS,
+    SIMULATORS,
+    CurveKind,
+    ExecutorName,
+    Names,
+    RewardNames,
+    RobotName,
+    TaskName,
+)
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
+    from harness.experiment.foresee import Foreseen
     from harness.results import Results
 
 
@@ -18,11 +29,17 @@ def run(
     experiment: Annotated[
         Path | None, typer.Argument(help="Experiment file (TOML). Its keys are the flags below; a flag wins.")
     ] = None,
-    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...")] = None,
-    algo: Annotated[Names, typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...")] = None,
+    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
+    algo: Annotated[
+        Names,
+        typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
+    ] = None,
     reward: RewardNames = None,
     baseline: Annotated[
-        str | None, typer.Option(help="What they are compared with.", show_default="baseline", metavar="NAME")
+        str | None,
+        typer.Option(
+            help="What they are compared with.", show_default="baseline", metavar="NAME", autocompletion=REWARDS
+        ),
     ] = None,
     task: TaskName = None,
     robot: RobotName = None,
@@ -95,13 +112,20 @@ def run(
         float, typer.Option(help="Memory that a cell may use.", show_default="no limit", metavar="GIB")
     ] = 0.0,
     fresh: Annotated[bool, typer.Option("--fresh", help="A process of its own for every cell.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, the results alone.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would be run, and what it would take. Writes nothing.")
+    ] = False,
 ) -> int:
     """Train every simulator x algorithm x reward x seed and compare the rewards.
 
     A cell that is done is not run again: the same command goes on where it stopped.
     """
     from harness.cli.progress import LiveProgress
-    from harness.experiment.experiment import RunOptions, prepare
+    from harness.cli.terminal import Terminal
+    from harness.experiment.experiment import RunOptions, check, prepare
+    from harness.experiment.foresee import foresee
 
     options = RunOptions(
         out, jobs, executor, checkpoint_every, tensorboard, curve, wait, changed, only, limit, retry_failed, fail_fast,
@@ -112,18 +136,42 @@ def run(
         "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
         "evaluate_every": evaluate_every, "deterministic": deterministic,
     }  # fmt: skip
-    ready = prepare(_read(experiment, {key: value for key, value in given.items() if value is not None}), options)
+    flags = {key: value for key, value in given.items() if value is not None}
+    if experiment is None and not flags:
+        raise UsageError(_what_to_type())
+    asked = _read(experiment, flags)
+    if dry_run:
+        _show_foreseen(foresee(check(asked, options)), as_json)
+        return 0
+    ready = prepare(asked, options)
     folder = ready.store.folder
+    console = Terminal(stderr=True, quiet=quiet)
     with (
         kept_when_interrupted("finished cells are kept", folder),
         ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
-        LiveProgress((*begun.done, *begun.waiting), begun.done, log_of=ready.store.log_of) as progress,
+        LiveProgress((*begun.done, *begun.waiting), begun.done, console, ready.store.log_of) as progress,
     ):
         results = begun.run(progress)
-    _show(results)
+    _show(results, as_json)
     if results.failed:
         complain(f"cells that failed: {len(results.failed)}. The same command tries them again, and no other")
     return 1 if results.failed else 0
+
+
+def _what_to_type() -> str:
+    """For who typed no more than ``harness run``."""
+    from harness.cli.runnable import example_run, usable
+    from harness.registry.registry import load_registry
+
+    registry = load_registry()
+    example = example_run(registry)
+    if not example:
+        return "nothing to run, and no simulator or no algorithm is installed: harness doctor says what is missing"
+    return (
+        f"what is to be run? Type: {example}; or harness run FILE.toml; or harness run --help. "
+        f"Installed simulators: {', '.join(usable(registry, 'simulators'))}; "
+        f"algorithms: {', '.join(usable(registry, 'algorithms'))}. New here: harness demo"
+    )
 
 
 def _read(path: Path | None, flags: dict[str, Any]) -> Any:
@@ -145,11 +193,27 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
     return numbers if "," in text else numbers[0]
 
 
-def _show(results: "Results") -> None:
-    """The comparison on standard output; what was written too."""
+def _show(results: "Results", as_json: bool) -> None:
+    """The comparison on standard output; what was written too, unless JSON is to stand there alone."""
     from harness.cli.made import make_table_and_page
     from harness.cli.terminal import show
-    from harness.report.comparison_table import comparison_table
+    from harness.report.document import report_text
+    from harness.report.overview_table import overview_table
 
-    show(comparison_table(results))
-    make_table_and_page(results)
+    if as_json:
+        typer.echo(report_text(results))
+    else:
+        show(overview_table(results, f"harness report {results.folder} --details"))
+    make_table_and_page(results, err=as_json)
+
+
+def _show_foreseen(found: "Foreseen", as_json: bool) -> None:
+    import json
+
+    from harness.cli.foreseen import foreseen_lines
+
+    if as_json:
+        typer.echo(json.dumps(found.to_json(), indent=1))
+        return
+    for line in foreseen_lines(found):
+        say(line)

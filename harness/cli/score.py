@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.lines import say
+from harness.cli.options import REWARDS
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ def score(
         list[str], typer.Argument(help="An experiment's folder, or recorded files.", metavar="DIR|FILES")
     ],
     reward: Annotated[
-        list[str] | None, typer.Option(help="The rewards that score, as arp:k2=2.", metavar="NAME,...")
+        list[str] | None,
+        typer.Option(help="The rewards that score, as arp:k2=2.", metavar="NAME,...", autocompletion=REWARDS),
     ] = None,
     every: Annotated[bool, typer.Option("--all", help="Also every reward that the experiment trained with.")] = False,
     out: Annotated[

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from harness.cli.foreseen import about
 from harness.cli.lines import say
 
 if TYPE_CHECKING:
@@ -46,9 +47,4 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
 
 def _time_left(seconds: float | None) -> str:
     """As ``; about 12 min left``."""
-    if seconds is None:
-        return ""
-    for size, unit in ((3600, "h"), (60, "min")):
-        if seconds >= 2 * size:
-            return f"; about {seconds / size:.0f} {unit} left"
-    return f"; about {seconds:.0f} s left"
+    return "" if seconds is None else f"; {about(seconds)} left"

@@ -9,7 +9,7 @@ import typer
 
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import say
-from harness.cli.options import ExecutorName, Names, RewardNames, RobotName, TaskName
+from harness.cli.options import ALGORITHMS, SIMULATORS, ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -24,9 +24,12 @@ def tune(
     file: Annotated[
         Path | None, typer.Argument(help="Tuning file (TOML). Its keys are the flags below; a flag wins.")
     ] = None,
-    sim: Annotated[Names, typer.Option(help="The simulator.", metavar="NAME")] = None,
+    sim: Annotated[Names, typer.Option(help="The simulator.", metavar="NAME", autocompletion=SIMULATORS)] = None,
     algo: Annotated[
-        Names, typer.Option(help="The algorithm, with what is not searched, as sac:tau=0.01.", metavar="NAME")
+        Names,
+        typer.Option(
+            help="The algorithm, with what is not searched, as sac:tau=0.01.", metavar="NAME", autocompletion=ALGORITHMS
+        ),
     ] = None,
     reward: RewardNames = None,
     baseline: Annotated[

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
@@ -16,6 +16,7 @@ from harness.experiment.event_log import require_tensorboard
 from harness.experiment.floor import floor_carriers
 from harness.experiment.followed import Followed
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
+from harness.experiment.run_arguments import RunArguments
 from harness.experiment.selection import select
 from harness.experiment.workers import worker_count
 from harness.record.cell import Cell
@@ -124,7 +125,7 @@ class RunOptions:
 DEFAULTS = RunOptions()
 
 
-def run(**given: Any) -> Results:
+def run(**given: Unpack[RunArguments]) -> Results:
     """Run every combination of an experiment that is not done yet.
 
     Args:
@@ -135,10 +136,10 @@ def run(**given: Any) -> Results:
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    names = {field.name for field in fields(RunOptions)}
-    options = RunOptions(**{name: value for name, value in given.items() if name in names})
-    experiment = {name: value for name, value in given.items() if name not in names}
-    return prepare(check_experiment(experiment), options).run()
+    of_options = {field.name for field in fields(RunOptions)}
+    everything: dict[str, Any] = dict(given)
+    options = {name: everything.pop(name) for name in tuple(everything) if name in of_options}
+    return prepare(check_experiment(everything), RunOptions(**options)).run()
 
 
 @dataclass(frozen=True)
@@ -177,11 +178,20 @@ class ExperimentRun:
             StorageError: The folder cannot be written, now or while the cells run.
         """
         with storage_errors(self.store.folder), self.store.locked(on_wait if self.options.wait else None):
-            manifests = map(self.store.examine, self.plan.cells)
-            done = {it.cell: it.environment.get("sources", {}) for it in manifests if it.status == "done"}
-            again = self._to_do_again(done)
+            begun = self.look()
             self.store.add(self.plan)
-            yield BegunRun(self, tuple(cell for cell in done if cell not in again), again)
+            yield begun
+
+    def look(self) -> "BegunRun":
+        """What is done, and what will be run. Writes nothing; another run may be changing it.
+
+        Raises:
+            UsageError: Cells were done by other plugins, and the options say neither to keep them nor to do them again.
+        """
+        manifests = map(self.store.examine, self.plan.cells)
+        done = {it.cell: it.environment.get("sources", {}) for it in manifests if it.status == "done"}
+        again = self._to_do_again(done)
+        return BegunRun(self, tuple(cell for cell in done if cell not in again), again)
 
     def _to_do_again(self, done: Mapping[Cell, Sources]) -> dict[Cell, Manifest]:
         """Of the done cells those that other plugins made, if the options say so."""
@@ -264,12 +274,23 @@ def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> Experimen
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
+    ready = check(experiment, options)
+    Store.claim(ready.store.folder)
+    return ready
+
+
+def check(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:
+    """Check everything that an experiment needs. Writes nothing.
+
+    Raises:
+        UsageError: Something given cannot be used.
+    """
     registry = load_registry()
     executor = options.build_executor(registry)
     plan = expand(experiment, registry)
     if options.only:
         select(plan.cells, options.only)
-    store = Store.claim(Path(options.out) if options.out else default_folder(plan))
+    store = Store.at(Path(options.out) if options.out else default_folder(plan))
     return ExperimentRun(plan, store, registry, executor, options)
 
 

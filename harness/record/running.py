@@ -1,7 +1,7 @@
 """What a run writes down of the cells that it is doing, for who looks from another process: ``running.json``.
 
 The file says nothing that lasts: it is not synced to the disk, and it is gone when the run has ended. A run that was
-killed leaves it; `harness.record.store.Store.is_locked` tells the two apart.
+killed leaves it; `harness.record.store.Store.is_in_use` tells the two apart.
 """
 
 import json

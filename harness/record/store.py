@@ -58,19 +58,29 @@ class Store:
         return (folder / PLAN).is_file() or bool(cls(folder)._left_manifests())
 
     @classmethod
-    def claim(cls, folder: Path) -> "Store":
-        """A folder for an experiment, new or to go on with. Nothing is written but the folder itself.
+    def at(cls, folder: Path) -> "Store":
+        """A folder for an experiment, new or to go on with. Nothing is written.
 
         Raises:
-            UsageError: It cannot be written, or holds something else.
+            UsageError: It holds something else, or a link.
         """
         if folder.exists() and not folder.is_dir():
             raise UsageError(f"--out '{folder}' is a file: name a folder")
         if folder.is_dir() and not _is_usable(folder):
             raise UsageError(f"--out '{folder}' holds something else than an experiment: name a new or empty folder")
         refuse_links(folder)
-        make_folder(folder, CELLS)
         return cls(folder)
+
+    @classmethod
+    def claim(cls, folder: Path) -> "Store":
+        """The same, and the folder is made if it is not there.
+
+        Raises:
+            UsageError: As `at`, or the folder cannot be written.
+        """
+        store = cls.at(folder)
+        make_folder(folder, CELLS)
+        return store
 
     @classmethod
     def create(cls, folder: Path, plan: "Plan") -> "Store":

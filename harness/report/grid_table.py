@@ -1,7 +1,8 @@
 """A grid as a terminal shows it: every value whole, every name readable, however narrow the window is."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
+from types import MappingProxyType
 
 from rich import box
 from rich.cells import cell_len
@@ -17,9 +18,17 @@ GAP = 2
 """Characters between two columns."""
 
 
-def show_grid(grid: Grid) -> list[RenderableType]:
-    """The grid with its notes, an empty line before it; nothing if it is empty."""
-    parts: list[RenderableType] = [GridTable(grid)] if grid.rows else []
+NO_STYLES: Mapping[str, str] = MappingProxyType({})
+
+
+def show_grid(grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> list[RenderableType]:
+    """The grid with its notes, an empty line before it; nothing if it is empty.
+
+    Args:
+        grid: What to show.
+        styles: By value, rich's styles for those that are to stand out.
+    """
+    parts: list[RenderableType] = [GridTable(grid, styles)] if grid.rows else []
     parts = [Text(grid.title, style="bold"), *parts] if grid.rows and grid.title else parts
     parts += map(Text, grid.notes)
     return [Text(), *parts] if parts else []
@@ -28,15 +37,15 @@ def show_grid(grid: Grid) -> list[RenderableType]:
 class GridTable:
     """A grid as a table; where that is too wide, as several below one another, each with the names to its left."""
 
-    def __init__(self, grid: Grid) -> None:
-        self._grid = grid
+    def __init__(self, grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> None:
+        self._grid, self._styles = grid, styles
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         """Called by rich, which knows how wide the terminal is."""
         for number, columns in enumerate(divide_columns(self._grid, options.max_width)):
             if number:
                 yield Text()
-            yield _table(self._grid, columns, options.max_width)
+            yield _table(self._grid, columns, options.max_width, self._styles)
 
 
 def divide_columns(grid: Grid, width: int) -> list[range]:
@@ -65,7 +74,7 @@ def _column_width(grid: Grid, column: int) -> int:
     return max(cell_len(line) for row in (grid.headings, *grid.rows) for line in row[column].split("\n"))
 
 
-def _table(grid: Grid, columns: range, width: int) -> Table:
+def _table(grid: Grid, columns: range, width: int, styles: Mapping[str, str]) -> Table:
     """Names to the left, which may wrap; values to the right, which may not unless one alone is too wide."""
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column(Text(grid.headings[0]), overflow="fold")
@@ -73,5 +82,5 @@ def _table(grid: Grid, columns: range, width: int) -> Table:
     for column in columns:
         table.add_column(Text(grid.headings[column]), justify="right", no_wrap=fits, overflow="fold")
     for row in grid.rows:  # Text, not str: "[m]" is no markup
-        table.add_row(Text(row[0]), *(Text(row[column]) for column in columns))
+        table.add_row(Text(row[0]), *(Text(row[column], styles.get(row[column], "")) for column in columns))
     return table

@@ -13,11 +13,11 @@ from harness.eta.seed_mean import SeedMean
 from harness.eta.swaps import smallest_p
 from harness.record.forms import Status
 from harness.record.plan_file import EXPERIMENT
-from harness.results import Results
+from harness.results import Results, overview
 from harness.results.combination import Combination
 
-NOTHING = "n/a"
-NEAR_ZERO = "near zero"
+NOTHING = overview.NOTHING
+NEAR_ZERO = overview.NEAR_ZERO
 SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the robot behaves."
 SPLIT = (
     "eta = ruler x behaviour: the ruler is the same runs scored by the two rewards, "
@@ -69,7 +69,7 @@ def answer_text(headline: Headline) -> str:
 def advice(results: Results, combination: Combination) -> str:
     """The command that adds the seeds that would tell; empty where none would, or none is needed."""
     needed, seeds = combination.headline.seeds_to_decide, combination.seeds
-    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control:
+    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control or results.is_temporary:
         return ""
     more = next(count for count in needed if count > len(seeds))
     folder = results.folder

@@ -26,13 +26,16 @@ from harness.score.scored_runs import Payer
 class Records:
     """An experiment's cells as its folder tells them."""
 
-    def __init__(self, folder: Path, registry: Registry, kind: Kind = "accumulated") -> None:
+    def __init__(
+        self, folder: Path, registry: Registry, kind: Kind = "accumulated", *, is_temporary: bool = False
+    ) -> None:
         """Read the plan and all manifests.
 
         Args:
             folder: The experiment's.
             registry: The plugins, for metrics and rewards.
             kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
+            is_temporary: Whether the folder is soon gone, so that no command may name it.
 
         Raises:
             UsageError: The folder is no experiment's.
@@ -42,6 +45,7 @@ class Records:
         self.store = Store.open(folder)
         self.registry = registry
         self.kind: Kind = kind
+        self.is_temporary = is_temporary
         self.plan = self.store.read_plan()
         self.baseline = self.plan.baseline
         self.manifests = [self.store.examine(cell) for cell in self.plan.cells]

@@ -1,16 +1,22 @@
 """What an experiment's folder says: combinations compared, cells, behaviour. Reads results only."""
 
+import html
+import importlib.util
+from collections import Counter
+from collections.abc import Iterator
 from functools import cached_property
 from itertools import repeat
 from pathlib import Path
 from typing import Any
 
+from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.registry.registry import load_registry
 from harness.results.combination import Combination
 from harness.results.combine import combine
+from harness.results.overview import overview_html
 from harness.results.records import Records
-from harness.results.table import cell_to_json, row_of, write_table
+from harness.results.table import Row, cell_to_json, row_of, table_of, write_table
 
 
 class Results(Records):
@@ -31,9 +37,30 @@ class Results(Records):
 
     def write_table(self) -> Path:
         """Write ``results.parquet``, one row per cell: every metric of its policy and of random actions."""
+        return write_table(self.folder, self._rows(), self.metrics)
+
+    def to_pandas(self) -> Any:
+        """The same table as a `pandas.DataFrame`: one row per cell, every metric of its policy and of random actions.
+
+        Raises:
+            UsageError: pandas is not installed.
+        """
+        if importlib.util.find_spec("pandas") is None:
+            raise UsageError("to_pandas needs pandas: pip install pandas")
+        return table_of(self._rows(), self.metrics).to_pandas()
+
+    def __repr__(self) -> str:
+        counts = Counter(manifest.status for manifest in self.manifests)
+        ended = ", ".join(f"{count} {status}" for status, count in counts.items())
+        return f"<Results of '{self.folder}': {len(self.manifests)} cells ({ended})>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a line per comparison."""
+        return overview_html(self.combinations) + f"<p>{html.escape(repr(self))}</p>"
+
+    def _rows(self) -> Iterator[Row]:
         measured = [self.measured(it.cell) if it.status == "done" else None for it in self.manifests]
-        rows = map(row_of, self.manifests, measured, repeat(self.metrics))
-        return write_table(self.folder, rows, self.metrics)
+        return map(row_of, self.manifests, measured, repeat(self.metrics))
 
 
 def load_results(folder: str | Path, kind: Kind = "accumulated") -> Results:

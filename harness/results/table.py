@@ -34,6 +34,21 @@ def row_of(manifest: Manifest, measured: Measured | None, metrics: Iterable[str]
     }
 
 
+def table_of(rows: Iterable[Row], metrics: Iterable[str]) -> pa.Table:
+    """Rows as a table; see `row_of`.
+
+    Args:
+        rows: Of the cells.
+        metrics: The names of all metrics.
+    """
+    names = list(metrics)
+    table = pa.Table.from_pylist(list(rows))
+    for name in (prefix + name for prefix in ("", "random_") for name in names):
+        # a column without a value would have no type
+        table = table.set_column(table.schema.get_field_index(name), name, table.column(name).cast(pa.float64()))
+    return table
+
+
 def write_table(folder: Path, rows: Iterable[Row], metrics: Iterable[str]) -> Path:
     """Write the table of an experiment in place of an earlier one; who reads finds either of them, whole.
 
@@ -45,12 +60,7 @@ def write_table(folder: Path, rows: Iterable[Row], metrics: Iterable[str]) -> Pa
     Raises:
         OSError: It cannot be written.
     """
-    names = list(metrics)
-    table = pa.Table.from_pylist(list(rows))
-    for name in (prefix + name for prefix in ("", "random_") for name in names):
-        # a column without a value would have no type
-        table = table.set_column(table.schema.get_field_index(name), name, table.column(name).cast(pa.float64()))
-    path = folder / RESULTS
+    table, path = table_of(rows, metrics), folder / RESULTS
     with making(path), whole_file(path) as partial:
         pq.write_table(table, partial)
     return path

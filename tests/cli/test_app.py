@@ -47,6 +47,14 @@ def test_where_no_log_can_be_written_the_traceback_is_shown(harness, logs, monke
     assert "KeyError" in answer.err.splitlines()[-1]
 
 
+def test_what_typer_refuses_names_the_help_with_examples(harness):
+    """In the same line."""
+    assert harness("compare", "one").err == "harness: Missing argument 'AFTER'. Examples: harness compare --help\n"
+    told = harness("comapre").err
+    assert told.endswith("? Examples: harness --help\n")
+    assert "Did you mean 'compare'" in told
+
+
 def test_a_long_message_is_cut(harness):
     """To what fits on a screen, its end included."""
     answer = harness("run", "--seeds", "x" * 13_000)

@@ -37,3 +37,12 @@ def test_broken_plugins_are_told(harness, rendering, install):
     out = harness("doctor").out
     assert "plugin 'broken' of broken is broken: ModuleNotFoundError" in out
     assert "versions" in out
+
+
+def test_what_can_be_run_is_told_last(harness, rendering):
+    """With what is installed."""
+    rendering("true")
+    last = harness("doctor").out.splitlines()[-2:]
+    assert last[0].startswith("you can run: harness run --sim ")
+    assert "ideal" in last[1]
+    assert "wander" in last[1]

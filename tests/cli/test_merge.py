@@ -11,7 +11,7 @@ def test_two_folders_become_one(harness, quick):
     assert (answer.status, answer.err) == (0, "")
     assert answer.out == "Merged:  6 of 6 cells have ended\nResults: all\nReport:  all/report.html\n"
     assert harness("verify", "all").status == 0
-    assert "3 seeds (0, 1, 2) compared" in harness("report", "all").out
+    assert "3 seeds (0, 1, 2) compared" in harness("report", "all", "--details").out
 
 
 def test_damaged_cell_is_named(harness, quick, tmp_path):

@@ -81,3 +81,16 @@ def test_many_cells_begin_quickly(make_cell, pipe, monkeypatch):
     cells = [make_cell(seed=seed) for seed in range(200)]
     LiveProgress(cells, cells[:100], pipe)
     assert hashed <= 2 * len(cells)
+
+
+def test_a_cell_has_one_line_at_80_columns(make_cell):
+    """Name, bar, steps, speed and the time left."""
+    terminal = Console(file=io.StringIO(), force_terminal=True, width=80, color_system=None)
+    cell = make_cell()
+    with LiveProgress([cell], [], terminal) as progress:
+        progress(Event("started", cell))
+        progress(Event("progress", cell, steps=6))
+    last = terminal.file.getvalue().split("\r")[-1].split("\n")
+    (line,) = [line for line in last if cell.title in line]
+    assert "6/12 · " in line
+    assert "-:--:--" in line

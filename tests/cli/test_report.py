@@ -24,6 +24,39 @@ def test_the_table_is_the_default(harness, experiment):
     assert "eta_N" in harness("report", experiment).out
 
 
+def test_details_are_all_there_is(harness, experiment):
+    """The overview is the short form."""
+    overview, details = (harness("report", experiment, *flags).out for flags in ((), ("--details",)))
+    assert f"harness report {experiment} --details" in overview
+    assert "I_N + I_P" not in overview
+    assert "I_N + I_P" in details
+
+
+def test_several_folders_are_read_as_one(harness, quick, tmp_path):
+    """Nothing is written, and no command names the folder that they were read in."""
+    for name, seeds in (("one", "0,1"), ("two", "2")):
+        harness("run", *quick, "--seeds", f"{seeds},", "--out", name)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    answer = harness("report", "one", "two")
+    assert (answer.status, answer.err) == (0, "")
+    assert "3 seeds" in answer.out
+    assert "harness report one two --details" in answer.out
+    assert "harness-report-" not in answer.out
+    assert len(json.loads(harness("report", "one", "two", "--json").out)["cells"]) == 6
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_damage_in_one_of_several_folders_is_told(harness, quick, tmp_path):
+    """The rest is read; status 1."""
+    for name in ("one", "two"):
+        harness("run", *quick, "--seeds", "1", "--out", name)
+    cell = next((tmp_path / "two" / "cells").iterdir())
+    (cell / "trace.parquet").write_bytes(b"PAR1")
+    answer = harness("report", "one", "two")
+    assert answer.status == 1
+    assert answer.err.startswith(f"harness: left out: two/cells/{cell.name}: ")
+
+
 def test_per_step_curves_are_read_on_demand(harness, experiment):
     """`--curve per-step` reads the same traces by NOTE eq. 39-42: the same steps, other sums."""
     told = {
@@ -38,10 +71,10 @@ def test_per_step_curves_are_read_on_demand(harness, experiment):
 
 def test_a_run_reads_per_step_curves_too(harness, quick):
     """The flag decides what the table shows, not what is trained."""
-    answer = harness("run", *quick, "--seeds", "1", "--curve", "per-step", "--out", "mine")
-    assert "per-step reward" in answer.out
-    assert "0 of" not in answer.err
-    assert "accumulated reward" in harness("run", *quick, "--seeds", "1", "--out", "mine").out
+    per_step = harness("run", *quick, "--seeds", "1", "--curve", "per-step", "--out", "mine")
+    accumulated = harness("run", *quick, "--seeds", "1", "--out", "mine")
+    assert "0 of" not in per_step.err
+    assert per_step.out != accumulated.out
 
 
 def test_html_goes_where_it_is_told(harness, experiment, tmp_path):

@@ -11,7 +11,8 @@ import pytest
 from harness.record.store import Store
 
 BAD = [
-    ([], "names no sim"),
+    ([], "harness run FILE.toml"),
+    (["--algo", "wander"], "names no sim"),
     (["--sim", "ideall", "--algo", "wander"], "Did you mean 'ideal'?"),
     (["--sim", "ideal", "--algo", "wonder"], "Did you mean 'wander'?"),
     (["--sim", "ideal", "--algo", "wander", "--reward", "arp:k2"], "write name or name:key=value"),
@@ -71,8 +72,8 @@ def test_tensorboard_leaves_event_files(harness, quick, tmp_path):
 def test_evaluation_is_told_by_flags(harness, quick, tmp_path):
     """`--evaluate-every` and `--stochastic` are part of the cells, and the report says how policies acted."""
     flags = ("--algo", "narrate", "--seeds", "1", "--evaluate-every", "5", "--stochastic")
-    answer = harness("run", *quick[:2], *quick[4:], *flags, "--out", "mine")
-    assert "trained policies, stochastic" in answer.out
+    harness("run", *quick[:2], *quick[4:], *flags, "--out", "mine")
+    assert "trained policies, stochastic" in harness("report", "mine", "--details").out
     data = json.loads(harness("report", "mine", "--json").out)
     assert data["combinations"][0]["deterministic"] is False
     curve = data["combinations"][0]["learning"]["metrics"]["success_rate"]["proposed"]
@@ -249,3 +250,41 @@ def test_cells_of_other_plugins_are_not_mixed_in_silence(harness, quick, tmp_pat
     assert (kept.status, "1 of 4 cells was made by another wander (9340a572; the others " in kept.out) == (0, True)
     again = harness(*asked, "--changed", "again")
     assert (again.status, "another wander" in again.out) == (0, False)
+
+
+def test_dry_run_says_what_it_would_do_and_writes_nothing(harness, quick, tmp_path):
+    """Where, which cells, and that nobody knows how long it takes."""
+    answer = harness("run", *quick, "--seeds", "2", "--out", "mine", "--dry-run")
+    assert (answer.status, answer.err) == (0, "")
+    assert "Folder: mine (new)\n4 cells: 4 to do\n" in answer.out
+    assert "to do: ideal · wander · arp: 2 seeds: 0, 1\n" in answer.out
+    assert "Time: n/a: no cell of ideal · wander is done in the folder" in answer.out
+    assert answer.out.endswith("Nothing is written.\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_dry_run_knows_what_is_done(harness, quick):
+    """Time and disk follow from it; as JSON too."""
+    harness("run", *quick, "--seeds", "1", "--out", "mine")
+    asked = ("run", *quick, "--seeds", "2", "--out", "mine", "--dry-run")
+    out = harness(*asked).out
+    assert "done: ideal · wander · arp: seed 0\n" in out
+    assert "to do: ideal · wander · arp: seed 1\n" in out
+    assert "Time: about " in out
+    assert "Disk: about " in out
+    data = json.loads(harness(*asked, "--json").out)
+    assert (len(data["done"]), len(data["to_do"]), data["left"], data["unknown"]) == (2, 2, 0, "")
+
+
+def test_quiet_shows_the_results_alone(harness, quick):
+    """Nothing on standard error."""
+    answer = harness("run", *quick, "--seeds", "1", "--out", "mine", "--quiet")
+    assert (answer.status, answer.err) == (0, "")
+    assert "eta_P" in answer.out
+
+
+def test_json_stands_alone_on_standard_output(harness, quick):
+    """What `harness report --json` prints; where it was written is told on standard error."""
+    answer = harness("run", *quick, "--seeds", "1", "--out", "mine", "--quiet", "--json")
+    assert json.loads(answer.out) == json.loads(harness("report", "mine", "--json").out)
+    assert answer.err == "Results: mine\nReport:  mine/report.html\n"

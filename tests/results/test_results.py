@@ -151,3 +151,42 @@ def test_reading_results_imports_no_engine_and_unpickles_nothing(experiment: Sto
     command = [sys.executable, "-c", script, str(experiment.folder)]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr
+
+
+def test_repr_says_where_and_how_many(experiment: Store, registry: Registry):
+    """In one line, without computing anything."""
+    assert repr(Results(experiment.folder, registry)) == f"<Results of '{experiment.folder}': 6 cells (6 done)>"
+
+
+def test_notebook_gets_a_table(experiment: Store, registry: Registry):
+    """A row per comparison under the headings; no name is markup."""
+    results = Results(experiment.folder, registry)
+    shown = results._repr_html_()
+    assert shown.count("<tr>") == 1 + len(results.combinations)
+    assert "<th>eta_P</th>" in shown
+    assert "<Results" not in shown
+
+
+def test_notebook_gets_no_table_of_nothing(
+    make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path
+):
+    """The one line stands there alone."""
+    Store.create(tmp_path, make_plan(make_cell()))
+    assert Results(tmp_path, registry)._repr_html_().startswith("<p>&lt;Results of ")
+
+
+def test_pandas_that_is_missing_is_told(experiment: Store, registry: Registry, monkeypatch: pytest.MonkeyPatch):
+    """In one line, with what to type."""
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(UsageError, match="pip install pandas"):
+        Results(experiment.folder, registry).to_pandas()
+
+
+def test_pandas_gets_a_row_per_cell(experiment: Store, registry: Registry):
+    """The columns are those of the file."""
+    pytest.importorskip("pandas", reason="pandas is not installed")
+    results = Results(experiment.folder, registry)
+    frame = results.to_pandas()
+    results.write_table()
+    assert list(frame.columns) == pq.read_table(experiment.folder / RESULTS).column_names
+    assert list(frame["status"]) == ["done"] * 6

@@ -1,0 +1,35 @@
+"""``harness compare``: what changed from one experiment to another."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.cli.lines import complain
+
+REGRESSION = 1
+
+
+def compare(
+    before: Annotated[Path, typer.Argument(help="The folder of the first experiment.", metavar="BEFORE")],
+    after: Annotated[Path, typer.Argument(help="The folder of the second.", metavar="AFTER")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> int:
+    """Say what changed from one experiment to another that trained the same, as after an edit of a plugin.
+
+    Ends with status 1 if a test finds that policies of a proposed reward succeed less often than before.
+    """
+    from harness.cli.terminal import show
+    from harness.report.between_table import between_table
+    from harness.results import load_results
+    from harness.results.between import between
+
+    found = between(load_results(before), load_results(after))
+    if as_json:
+        typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
+    else:
+        show(between_table(found))
+    if found.regressions:
+        complain(f"regressions: {len(found.regressions)}; these policies succeed less often than before")
+    return REGRESSION if found.regressions else 0

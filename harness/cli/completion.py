@@ -1,0 +1,25 @@
+"""What a shell offers behind a flag that takes names of plugins."""
+
+from collections.abc import Callable, Iterator
+from typing import TypeAlias
+
+Complete: TypeAlias = Callable[[str], list[tuple[str, str]]]
+
+
+def names_of(kind: str) -> Complete:
+    """Offers the names of one kind, after a comma too, each with its summary."""
+
+    def complete(incomplete: str) -> list[tuple[str, str]]:
+        return list(_offers(kind, incomplete))
+
+    return complete
+
+
+def _offers(kind: str, incomplete: str) -> Iterator[tuple[str, str]]:
+    from harness.registry.registry import load_registry
+
+    before, comma, begun = incomplete.rpartition(",")
+    registry = load_registry()
+    for name in registry.names(kind):
+        if name.startswith(begun):
+            yield f"{before}{comma}{name}", registry.specs[kind, name][0].summary

@@ -1,0 +1,127 @@
+"""``harness demo``: in a few seconds, why a larger number need not be a better robot."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from harness.cli.lines import say
+from harness.errors import HarnessError, UsageError
+
+if TYPE_CHECKING:
+    from harness.executor import Job, OnEvent
+    from harness.results import Results
+
+SEEDS, STEPS, EPISODES = 3, 200, 20
+ASKED = {
+    "sim": "kinematic",
+    "algo": "ik",
+    "reward": "arp",
+    "seeds": SEEDS,
+    "steps": STEPS,
+    "evaluation_episodes": EPISODES,
+}
+BEFORE = (
+    "An arm reaches for targets. Its own geometry steers it and it learns nothing, so it cannot care what it is paid. "
+    "It is paid twice: by the reward 'baseline', then by the reward 'arp', which was proposed as a better one. "
+    f"{SEEDS} repetitions of {STEPS} steps each; no physics engine, no learning library.\n"
+)
+AFTER = (
+    "\nIn {same} of {all} recorded steps every joint stands at the same angle under both rewards. Yet eta_P, the "
+    "number that says how much better 'arp' is, comes out at {eta}. All of that is ruler: 'arp' counts the same "
+    "movements with larger numbers. The harness keeps the two apart.\n"
+)
+ANSWER = (
+    "CANNOT TELL stands there because {seeds} repetitions prove nothing to a test. With enough of them the answer is "
+    "HELPS, HURTS or NO DIFFERENCE.\n"
+)
+ONWARD = """
+Where to go on:
+  harness report {folder} --details
+      all that was measured here
+  harness audit --reward arp
+      what does this reward pay for?
+  harness doctor
+      what is installed, what you can run
+  harness run --sim mujoco --algo sac
+      the same question with physics and learning, after
+      pip install 'fd100-harness[mujoco,sb3,report]'"""
+
+
+def demo(
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Leave the experiment in this folder.", show_default="a temporary one", metavar="DIR"),
+    ] = None,
+) -> None:
+    """Show in a few seconds, without any extra, how a number gets better while the robot does the same."""
+    import tempfile
+
+    from rich.text import Text
+
+    from harness.cli.terminal import show
+    from harness.experiment.experiment import RunOptions, prepare
+    from harness.experiment.plan import check_experiment
+
+    if out is not None and out.is_dir() and any(out.iterdir()):
+        raise UsageError(f"--out '{out}' is not empty: name a new or empty folder")
+    folder = out or Path(tempfile.mkdtemp(prefix="harness-demo-"))
+    ready = prepare(check_experiment(ASKED), RunOptions(out=folder))
+    show(Text(BEFORE))
+    results = replace(ready, executor=_HereAndNow()).run()
+    for failed in results.failed:
+        raise HarnessError(f"The demo's {failed.cell.title} failed: {failed.reason}")
+    _show(results)
+
+
+@dataclass(frozen=True)
+class _HereAndNow:
+    """Runs the cells in this process: starting others would take longer than all of the demo."""
+
+    def run(self, jobs: Sequence["Job"], at_once: int, on_event: "OnEvent") -> None:
+        """See `harness.executor.Executor`."""
+        from harness.executor import Event
+        from harness.experiment.jobs import run_job
+
+        for job in jobs:
+            on_event(Event("started", job.cell))
+            run_job(job)
+            on_event(Event("ended", job.cell))
+
+
+def _show(results: "Results") -> None:
+    from rich.text import Text
+
+    from harness.cli.made import make_table_and_page
+    from harness.cli.terminal import show
+    from harness.report.overview_table import comparison_lines
+    from harness.report.rows import format_number
+
+    show(comparison_lines(results.combinations))
+    (combination,) = results.combinations
+    same, recorded = _same_steps(results)
+    eta = format_number(combination.eta_p.value)
+    show(Text(AFTER.format(same=f"{same:,}", all=f"{recorded:,}", eta=eta)))
+    show(Text(ANSWER.format(seeds=SEEDS)))
+    make_table_and_page(results)
+    say(ONWARD.format(folder=results.folder))
+
+
+def _same_steps(results: "Results") -> tuple[int, int]:
+    """How many recorded steps find every joint at the same angle under both rewards, and how many there are."""
+    import numpy as np
+
+    from harness.record.folder import EVALUATION, TRACE
+    from harness.record.trace import read_trace
+
+    cells = {(cell.seed, cell.reward.name): results.store.cell_folder(cell) for cell in results.done_cells}
+    pairs = [(cells[seed, "baseline"], cells[seed, "arp"]) for seed in range(SEEDS)]
+    same = recorded = 0
+    for pair in pairs:
+        for file in (TRACE, EVALUATION):
+            one, other = (read_trace(folder / file, ["qpos"])["qpos"] for folder in pair)
+            recorded += len(one)
+            same += len(one) if np.array_equal(one, other) else 0
+    return same, recorded

@@ -1,0 +1,46 @@
+"""What one may type: examples of every command, shown at the end of its help."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+FIRST_STEPS = ("harness demo", "harness doctor", "harness run --sim mujoco --algo sac", "harness run --help")
+
+EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "demo": ("harness demo", "harness demo --out my-first"),
+        "run": (
+            "harness run --sim mujoco --algo sac",
+            "harness run --sim kinematic --algo ik --reward arp,scaled:factor=3 --seeds 3",
+            "harness run --sim mujoco,pybullet --algo sac:learning_rate=3e-4,td3 --reward arp:k1=1,k2=2",
+            "harness run experiment.toml --seeds 20 --out my-results",
+            "harness run experiment.toml --out my-results --dry-run",
+        ),
+        "report": (
+            "harness report my-results",
+            "harness report my-results --details",
+            "harness report my-results more-results",
+            "harness report my-results --html page.html --summary records",
+        ),
+        "compare": ("harness compare results/before results/after",),
+        "status": ("harness status my-results",),
+        "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'",),
+        "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
+        "transfer": ("harness transfer my-results --to pybullet",),
+        "tune": ("harness tune --sim mujoco --algo sac --reward arp",),
+        "audit": ("harness audit --reward arp", "harness audit --reward arp:k2=3 --against dense"),
+        "parity": ("harness parity --sim mujoco,pybullet",),
+        "bench": ("harness bench --sim mujoco --algo sac",),
+        "verify": ("harness verify my-results",),
+        "repair": ("harness repair my-results",),
+        "merge": ("harness merge from-one from-another --out all",),
+        "list": ("harness list", "harness list rewards"),
+        "describe": ("harness describe arp", "harness describe sac:gamma=0.9", "harness describe fd100-reach"),
+        "plugins": ("harness plugins",),
+        "doctor": ("harness doctor",),
+    }
+)
+
+
+def epilog_of(examples: tuple[str, ...], title: str = "Examples:") -> str:
+    """The lines as typer takes them: an empty line between two keeps them apart."""
+    return "\n\n".join([title, *(f"  {example}" for example in examples)])

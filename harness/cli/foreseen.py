@@ -1,0 +1,63 @@
+"""What a run would do, as a terminal shows it."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from harness.text import LONGEST_MESSAGE
+
+if TYPE_CHECKING:
+    from harness.experiment.foresee import Foreseen
+    from harness.record.cell import Cell
+
+UNITS = ("B", "KB", "MB", "GB", "TB")
+SHOWN_SEEDS = LONGEST_MESSAGE // 10
+
+
+def foreseen_lines(found: "Foreseen") -> Iterator[str]:
+    """The plan: where, how many, what is not run and why, what is, and what it takes."""
+    yield f"Folder: {found.folder} ({'new' if found.is_new else 'is there, goes on'})"
+    total = len(found.done) + len(found.to_do) + found.left + len(found.skipped)
+    counts = {"done": len(found.done), "to do": len(found.to_do), "left": found.left, "skipped": len(found.skipped)}
+    yield f"{total} cells: " + ", ".join(f"{count} {noun}" for noun, count in counts.items() if count)
+    for reason, count in Counter(reason for _, reason in found.skipped).items():
+        yield f"skipped: {count}: {reason}"
+    yield from (f"done: {line}" for line in _by_combination(found.done))
+    yield from (f"to do: {line}" for line in _by_combination(found.to_do))
+    if found.to_do:
+        yield f"Time: {_time(found)}"
+        yield f"Disk: {_size(found.cost.bytes) if found.cost else f'n/a: {found.unknown}'}"
+    yield "Nothing is written."
+
+
+def _by_combination(cells: Sequence["Cell"]) -> Iterator[str]:
+    """A line for each simulator, algorithm and reward, with its seeds."""
+    seeds: dict[str, list[int]] = {}
+    for cell in cells:
+        title = " · ".join((cell.simulator.label, cell.algorithm.label, cell.reward.label))
+        seeds.setdefault(title, []).append(cell.seed)
+    for title, these in seeds.items():
+        shown = ", ".join(map(str, these[:SHOWN_SEEDS])) + (" ..." if len(these) > SHOWN_SEEDS else "")
+        yield f"{title}: {'seed' if len(these) == 1 else f'{len(these)} seeds:'} {shown}"
+
+
+def _time(found: "Foreseen") -> str:
+    if found.seconds is None:
+        return f"n/a: {found.unknown}"
+    return f"{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, as the done cells took"
+
+
+def about(seconds: float) -> str:
+    """As ``about 12 min``."""
+    for size, unit in ((3600, "h"), (60, "min")):
+        if seconds >= 2 * size:
+            return f"about {seconds / size:.0f} {unit}"
+    return f"about {seconds:.0f} s"
+
+
+def _size(count: float) -> str:
+    """As ``about 1.2 MB``."""
+    power = 0
+    while count >= 1000.0 and power < len(UNITS) - 1:
+        count, power = count / 1000.0, power + 1
+    return f"about {count:.3g} {UNITS[power]}"

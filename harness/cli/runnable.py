@@ -1,0 +1,24 @@
+"""What can be run with what is installed here."""
+
+from collections.abc import Sequence
+
+from harness.registry.registry import Registry
+
+FAVOURITES = {"simulators": ("mujoco", "kinematic"), "algorithms": ("sac", "ik")}
+"""What an example names, the first of them that is installed; else whatever is."""
+
+
+def usable(registry: Registry, kind: str) -> list[str]:
+    """Names of one kind that lack no library and that one plugin alone claims."""
+    claims = {name: registry.specs[kind, name] for name in registry.names(kind)}
+    return [name for name, specs in claims.items() if len(specs) == 1 and not specs[0].missing]
+
+
+def example_run(registry: Registry) -> str:
+    """A command that runs here; empty where there is no simulator, or no algorithm."""
+    names = [_favourite(usable(registry, kind), wanted) for kind, wanted in FAVOURITES.items()]
+    return "harness run --sim {} --algo {}".format(*names) if all(names) else ""
+
+
+def _favourite(names: Sequence[str], wanted: Sequence[str]) -> str:
+    return next((name for name in (*wanted, *names) if name in names), "")

@@ -1,0 +1,185 @@
+"""Two experiments that trained the same, one before something was changed and one after: what do their policies do?
+
+A seed is trained in both, so its two trainings are a pair: the tests are those that compare two rewards. See
+``docs/statistics.md``.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+from harness.errors import UsageError
+from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.headline import SUCCESS, margin_of
+from harness.eta.swaps import Swaps, corrected_p, swaps_of
+from harness.metric import is_share
+from harness.record.cell import Cell
+from harness.results.combination import Combination, Group
+from harness.results.measured import Measured
+from harness.results.results import Results
+
+
+class Verdict(StrEnum):
+    """What became of the proposed reward's policies, by their success."""
+
+    SAME = "the same"
+    BETTER = "better"
+    WORSE = "worse"
+    NO_DIFFERENCE = "no difference"
+    CANNOT_TELL = "cannot tell"
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """One combination in both experiments.
+
+    Attributes:
+        before: In the first.
+        after: In the second.
+        changes: Of the proposed reward's policies, from the first to the second; baseline and proposed of each `Change`
+            are before and after.
+    """
+
+    before: Combination
+    after: Combination
+    changes: tuple[Change, ...]
+
+    @property
+    def success(self) -> Change | None:
+        """Of the success rate; None where no seed is done in both."""
+        return next((change for change in self.changes if change.name == SUCCESS and change.seeds), None)
+
+    @property
+    def moved(self) -> tuple[Change, ...]:
+        """Measures that a corrected test finds better or worse."""
+        return tuple(change for change in self.changes if change.direction)
+
+    @property
+    def verdict(self) -> Verdict:
+        """About the policies' success; the same only where every value of every measure is."""
+        if self.success is None:
+            return Verdict.CANNOT_TELL
+        if all(one == other for change in self.changes for one, other in change.values):
+            return Verdict.SAME
+        if self.success.direction:
+            return Verdict(self.success.direction)
+        return Verdict.NO_DIFFERENCE if self.success.is_within(margin_of(self.success)) else Verdict.CANNOT_TELL
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            **self.before.group.to_json(),
+            "proposed": self.before.proposed,
+            "verdict": self.verdict.value,
+            "before": _side_to_json(self.before),
+            "after": _side_to_json(self.after),
+            "behaviour": [change.to_json() for change in self.changes],
+        }
+
+
+class Between(NamedTuple):
+    """Two experiments."""
+
+    pairs: tuple[Pair, ...]
+    """Combinations that are in both."""
+    only_before: tuple[Combination, ...]
+    only_after: tuple[Combination, ...]
+
+    @property
+    def regressions(self) -> tuple[Pair, ...]:
+        """Where a test finds that the proposed reward's policies succeed less often."""
+        return tuple(pair for pair in self.pairs if pair.verdict == Verdict.WORSE)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "format": 1,
+            "regressions": len(self.regressions),
+            "combinations": [pair.to_json() for pair in self.pairs],
+            "only_before": [_name(one) for one in self.only_before],
+            "only_after": [_name(one) for one in self.only_after],
+        }
+
+
+def between(before: Results, after: Results) -> Between:
+    """What changed from one experiment to the other. Null controls are left out.
+
+    Raises:
+        UsageError: The experiments share no combination.
+    """
+    one, other = ({_key(it): it for it in results.combinations if not it.is_control} for results in (before, after))
+    shared = [key for key in one if key in other]
+    if not shared:
+        raise UsageError(
+            f"'{before.folder}' and '{after.folder}' have no comparison in common: name two experiments that trained "
+            "the same simulators, algorithms and rewards on the same task for as many steps"
+        )
+    trained = [(_policies(before, one[key]), _policies(after, other[key])) for key in shared]
+    swaps = swaps_of(sorted({seed for first, second in trained for seed in first.keys() & second.keys()}))
+    changes = [
+        _changes(before, one[key].manner, first, second, swaps)
+        for key, (first, second) in zip(shared, trained, strict=True)
+    ]
+    pairs = zip(shared, _correct(changes), strict=True)
+    return Between(
+        tuple(Pair(one[key], other[key], found) for key, found in pairs),
+        tuple(it for key, it in one.items() if key not in other),
+        tuple(it for key, it in other.items() if key not in one),
+    )
+
+
+Key = tuple[Group, str, str]
+
+
+def _key(combination: Combination) -> Key:
+    return combination.group, combination.baseline, combination.proposed
+
+
+def _policies(results: Results, combination: Combination) -> dict[int, Measured]:
+    """What every metric says of the proposed reward's cells, by seed."""
+    cells: Iterable[Cell] = results.groups.get(combination.group, [])
+    return {cell.seed: results.measured(cell) for cell in cells if cell.reward.label == combination.proposed}
+
+
+def _changes(
+    results: Results, manner: str, before: dict[int, Measured], after: dict[int, Measured], swaps: Swaps
+) -> tuple[Change, ...]:
+    """Of every metric in one manner, over the seeds that have been measured so in both."""
+    seeds = [seed for seed in sorted(before) if seed in after and _has(manner, before[seed], after[seed])]
+    if not seeds:
+        return ()
+    episodes = min(it[seed].episodes[manner] for it in (before, after) for seed in seeds)
+    found = []
+    for name, metric in results.metrics.items():
+        measure = Measure(name, metric.unit, metric.better, manner, episodes if is_share(metric) else None)
+        one, other = ({seed: it[seed].manners[manner][name] for seed in seeds} for it in (before, after))
+        found.append(change_of(measure, one, other, swaps))
+    return tuple(found)
+
+
+def _has(manner: str, *measured: Measured) -> bool:
+    return all(manner in it.manners for it in measured)
+
+
+def _correct(families: Sequence[tuple[Change, ...]]) -> list[tuple[Change, ...]]:
+    """With p-values that hold for all changes of all combinations together."""
+    outcomes = [change.outcomes for changes in families for change in changes if change.outcomes is not None]
+    p_values = iter(corrected_p(outcomes))
+    return [
+        tuple(replace(it, corrected=None if it.outcomes is None else next(p_values)) for it in changes)
+        for changes in families
+    ]
+
+
+def _side_to_json(combination: Combination) -> dict[str, Any]:
+    etas = {"eta_N": combination.eta_n, "eta_P": combination.eta_p}
+    return {
+        "seeds": list(combination.seeds),
+        "answer": combination.headline.answer.value,
+        **{name: eta.to_json() for name, eta in etas.items()},
+    }
+
+
+def _name(combination: Combination) -> str:
+    return f"{combination.group.title} · {combination.proposed} against {combination.baseline}"

@@ -1,0 +1,117 @@
+"""Comparisons at a glance, as text: a line for each, and what is the same in all."""
+
+from collections.abc import Sequence
+from html import escape
+
+from harness.eta.behaviour_change import Change
+from harness.eta.headline import count_seeds
+from harness.eta.index import Ratio
+from harness.results.combination import Combination
+from harness.text import visible
+
+NOTHING = "n/a"
+NEAR_ZERO = "near zero"
+HEADINGS = ("", "the robot", "success", "eta_N", "eta_P", "ruler")
+"""Of `overview_row`."""
+READING = (
+    "success: baseline > proposed. eta = proposed / baseline, with a 95% interval where the window has room; below 1 "
+    "counts as better for eta_N, above 1 for eta_P. ruler: the part of eta_P that comes from counting the same runs "
+    "otherwise; no robot moved differently for it."
+)
+
+
+def shared_text(combinations: Sequence[Combination], *, with_seeds: bool = True) -> str:
+    """What is the same in all of at least one, said once."""
+    varying = varying_kinds(combinations)
+    told = [label for kind, label in combinations[0].group.labels.items() if kind not in varying]
+    rewards, baselines = ({getattr(it, name) for it in combinations} for name in ("proposed", "baseline"))
+    if varying and len(rewards) == 1:
+        told += rewards
+    told += [f"against {baseline}" for baseline in baselines]
+    if "steps" not in varying:
+        told.append(f"{combinations[0].group.steps:,} steps")
+    seeds = {it.seeds for it in combinations} if with_seeds else set()
+    return " · ".join([*told, *(count_seeds(len(them)) for them in seeds)] if len(seeds) == 1 else told)
+
+
+def line_names(combinations: Sequence[Combination]) -> list[str]:
+    """What tells each from the others: what differs between the groups, and the reward where they are several."""
+    varying, rewards = varying_kinds(combinations), {it.proposed for it in combinations}
+    with_reward = not varying or len(rewards) > 1
+    return [
+        " · ".join([*([group_name(it, varying)] if varying else []), *([it.names.proposed] if with_reward else [])])
+        for it in combinations
+    ]
+
+
+def varying_kinds(combinations: Sequence[Combination]) -> list[str]:
+    """Kinds of labels that differ between groups, and ``steps`` where the trainings are not equally long."""
+    kinds = [kind for kind in combinations[0].group.labels if len({it.group.labels[kind] for it in combinations}) > 1]
+    return [*kinds, *(["steps"] if len({it.group.steps for it in combinations}) > 1 else [])]
+
+
+def group_name(combination: Combination, varying: Sequence[str]) -> str:
+    """What differs between the groups, of this one."""
+    told = {**combination.group.labels, "steps": f"{combination.group.steps:,} steps"}
+    return " · ".join(told[kind] for kind in varying)
+
+
+def overview_row(name: str, combination: Combination, with_intervals: bool) -> tuple[str, ...]:
+    """What stands under `HEADINGS`."""
+    splits = combination.splits
+    etas = (splits["eta_N"].eta, splits["eta_P"].eta)
+    return (
+        name,
+        combination.headline.answer.value.upper(),
+        success_text(combination.success),
+        *(short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas),
+        short_value(splits["eta_P"].ruler),
+    )
+
+
+def success_text(change: Change | None) -> str:
+    """Both rates as whole percentages."""
+    if change is None or change.baseline is None or change.proposed is None:
+        return NOTHING
+    return f"{100 * change.baseline:.0f}>{100 * change.proposed:.0f}%"
+
+
+def short_value(ratio: Ratio) -> str:
+    """Three digits of it."""
+    if ratio.near_zero is not None or ratio.value is None:
+        return NEAR_ZERO if ratio.near_zero is not None else NOTHING
+    return _digits(ratio.value, 3)
+
+
+def _interval(ratio: Ratio) -> str:
+    """Two digits of each end; empty where there is none to show."""
+    if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
+        return ""
+    return f" [{_short(ratio.low)}, {_short(ratio.high)}]"
+
+
+def _short(end: float) -> str:
+    """Two digits, without the zero before a point."""
+    text = _digits(end, 2)
+    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
+
+
+def _digits(value: float, count: int) -> str:
+    """So many significant digits, trailing zeros included; an exponent from a million on."""
+    text = f"{value:#.{count}g}".rstrip(".")
+    return f"{value:.0f}" if "e" in text and 1.0 <= abs(value) < 1e6 else text
+
+
+def overview_html(combinations: Sequence[Combination]) -> str:
+    """A table with a row per comparison, for a notebook; empty without any."""
+    if not combinations:
+        return ""
+    names = line_names(combinations)
+    rows = [overview_row(name, it, with_intervals=True) for name, it in zip(names, combinations, strict=True)]
+    lines = [_html_row("th", HEADINGS), *(_html_row("td", row) for row in rows)]
+    shared = escape(visible(shared_text(combinations)))
+    return f"<p><b>{shared}</b></p><table>{''.join(lines)}</table><p>{escape(READING)}</p>"
+
+
+def _html_row(tag: str, texts: Sequence[str]) -> str:
+    return f"<tr>{''.join(f'<{tag}>{escape(visible(text))}</{tag}>' for text in texts)}</tr>"

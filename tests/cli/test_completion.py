@@ -1,0 +1,45 @@
+"""What a shell offers."""
+
+import pytest
+
+from harness.cli.completion import names_of
+
+
+def offered(kind, begun):
+    """Names alone."""
+    return [name for name, _ in names_of(kind)(begun)]
+
+
+def test_names_of_plugins_are_offered(toys):
+    """Those that begin as what is typed, each with its summary."""
+    assert offered("simulators", "ide") == ["ideal"]
+    assert all(summary for _, summary in names_of("rewards")(""))
+
+
+def test_names_are_offered_behind_a_comma(toys):
+    """The list stays as it is."""
+    assert "arp,scaled" in offered("rewards", "arp,sc")
+    assert offered("rewards", "no-such") == []
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        ("run --sim ide", "ideal"),
+        ("run --algo wan", "wander"),
+        ("run --reward scal", "scaled"),
+        ("run --baseline spa", "sparse"),
+        ("run --task fd", "fd100-reach"),
+        ("run --robot fd", "fd100"),
+        ("run --executor pro", "processes"),
+        ("audit --reward ar", "arp"),
+        ("tune --sim ide", "ideal"),
+        ("bench --algo wan", "wander"),
+    ],
+)
+def test_bash_completes(harness, monkeypatch, words, name):
+    """As bash asks, by the environment."""
+    monkeypatch.setenv("_HARNESS_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", f"harness {words}")
+    monkeypatch.setenv("COMP_CWORD", "3")
+    assert name in harness().out.split()

@@ -1,0 +1,42 @@
+"""The examples in every help can be typed."""
+
+import shlex
+
+import pytest
+import typer
+
+from harness.cli.app import build_app
+from harness.cli.commands import names_of
+from harness.cli.examples import EXAMPLES, FIRST_STEPS
+
+LINES = [line for lines in EXAMPLES.values() for line in lines]
+
+
+def test_every_command_has_examples():
+    """And no example is of a command that is gone."""
+    assert sorted(EXAMPLES) == sorted(names_of(build_app()))
+
+
+@pytest.mark.parametrize("line", [*LINES, *FIRST_STEPS])
+def test_example_can_be_typed(line):
+    """Its command, flags and values are those that there are; nothing is run."""
+    program, name, *arguments = shlex.split(line)
+    command = typer.main.get_command(build_app()).commands[name]
+    assert program == "harness"
+    if arguments != ["--help"]:
+        command.make_context(name, arguments)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_help_shows_the_examples(harness, monkeypatch, name):
+    """At its end."""
+    monkeypatch.setenv("COLUMNS", "120")
+    out = harness(name, "--help").out
+    assert all(line in out for line in EXAMPLES[name])
+
+
+def test_commands_stand_in_groups_what_one_needs_first_at_the_top(harness):
+    """Under headings, and what to type first at the end."""
+    out = harness("--help").out
+    places = [out.index(text) for text in ("Run and read", " demo ", " run ", "Ask more", " audit ", "First steps:")]
+    assert places == sorted(places)

@@ -1,0 +1,51 @@
+"""What a run would do, before it does."""
+
+import pytest
+
+from harness.errors import UsageError
+from harness.experiment.experiment import RunOptions, check, prepare
+from harness.experiment.foresee import foresee
+from harness.experiment.plan import check_experiment
+
+ASKED = {"sim": "ideal", "algo": "wander", "seeds": 2, "steps": 12, "evaluation_episodes": 2}
+
+
+def ready(out, asked=ASKED, **options):
+    """A run that is checked and has written nothing."""
+    return check(check_experiment(asked), RunOptions(out=out, executor="here", **options))
+
+
+def test_nothing_is_written(toys, tmp_path):
+    """Not even the folder."""
+    found = foresee(ready(tmp_path / "mine"))
+    assert (found.is_new, len(found.done), len(found.to_do), found.left) == (True, 0, 4, 0)
+    assert found.seconds is None
+    assert "no cell of ideal · wander is done" in found.unknown
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_done_and_what_is_left(toys, tmp_path):
+    """Time and disk come from the done cells."""
+    out = tmp_path / "mine"
+    prepare(check_experiment({**ASKED, "seeds": 1}), RunOptions(out=out, executor="here")).run()
+    found = foresee(ready(out, jobs=1, limit=1))
+    assert (found.is_new, len(found.done), len(found.to_do), found.left) == (False, 2, 1, 1)
+    assert found.to_do[0].seed == 1
+    both = foresee(ready(out, jobs=1))
+    assert both.cost.bytes == pytest.approx(2 * found.cost.bytes)
+    assert both.seconds == pytest.approx(2 * found.seconds)
+    assert foresee(ready(out, jobs=2)).seconds == pytest.approx(found.seconds)
+
+
+def test_what_cannot_work_has_its_reason(toys, tmp_path):
+    """As the run will say."""
+    found = foresee(ready(tmp_path, {**ASKED, "algo": "wander,buttons", "task": "fd100-reach:action=discrete"}))
+    assert {reason for _, reason in found.skipped} == {"wander takes continuous actions, the task's are discrete"}
+    assert {cell.algorithm.name for cell in found.to_do} == {"buttons"}
+
+
+def test_foreign_folder_is_refused(toys, tmp_path):
+    """As the run would refuse it."""
+    (tmp_path / "thesis.txt").write_text("all of it")
+    with pytest.raises(UsageError, match="holds something else"):
+        ready(tmp_path)
