@@ -25,6 +25,8 @@ from harness.cli.transfer import transfer
 from harness.cli.tune import tune
 from harness.cli.unexpected import describe_unexpected
 from harness.cli.verify import repair, verify
+from harness.cli.video import video
+from harness.cli.watch import watch
 from harness.errors import HarnessError, UsageError
 from harness.registry.registry import load_registry
 
@@ -54,6 +56,8 @@ def build_app() -> typer.Typer:
     app.command()(run)
     app.command()(report)
     app.command()(status)
+    app.command()(video)
+    app.command()(watch)
     app.command(context_settings={"allow_extra_args": True})(eta)  # to say what a pattern without quotes becomes
     app.command()(score)
     app.command()(transfer)
