@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+import harness
 from harness.executor import OnEvent
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
@@ -23,7 +24,7 @@ from harness.record.cell import Cell
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
-from harness.results import Results
+from harness.results import Results, load_results
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
 settings.load_profile("no deadline")
@@ -87,6 +88,17 @@ def toys(toy_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Registry:
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, [str(toy_folder), os.environ.get("PYTHONPATH")])))
     monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
     return load_registry()
+
+
+@pytest.fixture
+def recorded(toys: Registry, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Results:
+    """A copy of a finished experiment: an ideal arm that acts at random under two rewards; it runs once."""
+    kept = tmp_path_factory.getbasetemp() / "recorded"
+    if not kept.exists():
+        settings = {"sim": "ideal", "algo": "wander", "seeds": 1, "steps": 12, "evaluation_episodes": 4}
+        harness.run(**settings, executor="here", out=tmp_path / "new")
+        (tmp_path / "new").rename(kept)
+    return load_results(shutil.copytree(kept, tmp_path / "recorded"))
 
 
 @pytest.fixture

@@ -31,6 +31,8 @@ from harness.cli.transfer import transfer
 from harness.cli.tune import tune
 from harness.cli.unexpected import describe_unexpected
 from harness.cli.verify import repair, verify
+from harness.cli.video import video
+from harness.cli.watch import watch
 from harness.errors import HarnessError, UsageError
 from harness.registry.registry import load_registry
 
@@ -43,6 +45,8 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
             "report": report,
             "compare": compare,
             "status": status,
+            "watch": watch,
+            "video": video,
             "list": list_names,
             "describe": describe,
             "doctor": doctor,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float32
 from harness.env.make import Given, make_env
+from harness.errors import UsageError
 
 Action = NDArray[Any]
 
@@ -27,6 +28,12 @@ class ReachEnv(gymnasium.Env[Float32, Action]):
         robot: str | Path | None = None,
         render_mode: str | None = None,
     ) -> None:
+        if render_mode not in {None, *self.metadata["render_modes"]}:
+            raise UsageError(
+                f"render_mode {render_mode!r}: the env itself draws 'rgb_array' or nothing. "
+                "gymnasium.make(..., render_mode='human') opens a window around it, which takes "
+                "pip install 'gymnasium[classic-control]'"
+            )
         self.vector_env = make_env(simulator, task, reward, robot, autoreset_mode=AutoresetMode.DISABLED)
         self.observation_space = self.vector_env.single_observation_space
         self.action_space = self.vector_env.single_action_space

@@ -28,8 +28,10 @@ from harness.policy import Policy
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, POLICY, TENSORBOARD, TRACE
 from harness.record.manifest import Manifest
+from harness.record.scene import write_scene
 from harness.registry.registry import Registry, load_registry
 from harness.robot.load import load_robot
+from harness.scene.scene import scene_of
 
 DEFAULTS = CellOptions()
 
@@ -111,6 +113,7 @@ class _Run:
                 policy = self._train(algorithm, env, attempt, evaluations, events)
                 draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
                 policy.save(draft.partial / POLICY, cell.to_json())
+                write_scene(scene_of(robot), draft.partial)
                 self.watch.enter("evaluation")
                 evaluations.finish(policy, self.options.floor)
                 self.watch.enter("saving")

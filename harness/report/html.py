@@ -12,6 +12,7 @@ from harness.report.page import render_page, write_page
 from harness.report.points import points_of_a_run
 from harness.report.profile_figure import describe_profile, draw_profile
 from harness.report.question import question
+from harness.report.replay.section import replay_of
 from harness.report.return_rows import EXPLANATION as RETURNS
 from harness.report.return_rows import TITLE as RETURN_TITLE
 from harness.report.return_rows import return_grid
@@ -44,6 +45,7 @@ from harness.report.transfer_rows import EXPLANATION, TITLE, failure_lines, tran
 from harness.results import Results
 from harness.results.combination import Combination
 from harness.results.learning import learning_of
+from harness.results.replay import shows_of
 from harness.results.return_matrix import ReturnMatrix, return_matrices
 from harness.results.trajectories import trajectories_of
 from harness.transfer.matrix import Transfers, load_transfers
@@ -89,6 +91,7 @@ def _render(results: Results) -> str:
         tests=TESTS,
         cell_count=count_cells(results),
         returns=_returns(return_matrices(results)),
+        replay=replay_of(shows_of(results)),
         transfer=_transfer(load_transfers(results)),
         manifests=results.manifests,
         facts=shared_facts(results.manifests),

@@ -1,5 +1,7 @@
 """One HTML file that opens anywhere, offline."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +15,19 @@ def render_page(template: Path, noun: str, **values: Any) -> str:
     Raises:
         UsageError: A library of the extra ``report`` is missing; `noun` says what for.
     """
-    try:
-        import jinja2
+    with _telling_what_is_missing(noun):
         from plotly.offline import get_plotlyjs
-    except ImportError as error:
-        raise UsageError(f"{noun} needs {error.name}: pip install 'fd100-harness[report]'") from error
+    return render_part(template, noun, **values, plotly_js=get_plotlyjs())
+
+
+def render_part(template: Path, noun: str, **values: Any) -> str:
+    """What `template` makes of `values`, every one of them escaped.
+
+    Raises:
+        UsageError: A library of the extra ``report`` is missing; `noun` says what for.
+    """
+    with _telling_what_is_missing(noun):
+        import jinja2
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(template.parent),
         autoescape=True,
@@ -25,7 +35,15 @@ def render_page(template: Path, noun: str, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(template.name).render(**values, plotly_js=get_plotlyjs())
+    return environment.get_template(template.name).render(**values)
+
+
+@contextmanager
+def _telling_what_is_missing(noun: str) -> Iterator[None]:
+    try:
+        yield
+    except ImportError as error:
+        raise UsageError(f"{noun} needs {error.name}: pip install 'fd100-harness[report]'") from error
 
 
 def write_page(page: str, path: Path, noun: str) -> None:

@@ -115,9 +115,9 @@ def _read_shape(collision: Element, owner: str) -> Shape:
     if shape.tag not in SIZES:
         raise UsageError(f"{owner} has a collision <{shape.tag}>; allowed: {', '.join(SIZES)}. Change it.")
     kind = cast(ShapeKind, shape.tag)
-    numbers = [number for name, count in SIZES[kind] for number in _sizes(shape, name, count, owner)]
+    numbers = read_sizes(shape, owner)
     points = _read_points(shape, owner) if kind == "mesh" else NO_POINTS
-    return Shape(kind, tuple(numbers), read_only(read_origin(collision, owner)), points)
+    return Shape(kind, numbers, read_only(read_origin(collision, owner)), points)
 
 
 def _read_points(mesh: Element, owner: str) -> Float:
@@ -142,6 +142,20 @@ def read_scale(mesh: Element, owner: str) -> Float:
     if not scale.all():
         raise UsageError(f"{owner} has {mesh.get('scale')!r} in <mesh scale=...>. Give factors that are not 0.")
     return scale
+
+
+def read_sizes(shape: Element, owner: str) -> tuple[float, ...]:
+    """The lengths of a shape, as `Shape.size`; of a mesh none.
+
+    Args:
+        shape: The element in a <geometry>, one of `SIZES`.
+        owner: What an error begins with, as ``Link 'hand'``.
+
+    Raises:
+        UsageError: They are not positive numbers.
+    """
+    kind = cast(ShapeKind, shape.tag)
+    return tuple(number for name, count in SIZES[kind] for number in _sizes(shape, name, count, owner))
 
 
 def _sizes(shape: Element, name: str, count: int, owner: str) -> list[float]:

@@ -1,14 +1,18 @@
 """No dynamics: joints are exactly where they are driven, and ground contact is that of the links' shapes."""
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
-from harness.errors import UsageError
+from harness.record.scene import Scene
 from harness.robot import Robot
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
+from harness.scene.picture import draw_still
+from harness.scene.scene import scene_of
 from harness.simulator import State
 
 
@@ -28,7 +32,7 @@ class KinematicSimulation:
     """See `harness.simulator.Simulation`."""
 
     def __init__(self, robot: Robot, num_envs: int) -> None:
-        self._chain = robot.chain
+        self._robot, self._chain = robot, robot.chain
         self._solids = build_solids(robot.joint_shapes)
         joints = (num_envs, robot.dof)
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
@@ -62,11 +66,15 @@ class KinematicSimulation:
         return self._state
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
-        """Raises UsageError, always."""
-        raise UsageError("The simulator kinematic does not render: take mujoco to see the arm")
+        """See `harness.simulator.Simulation`; drawn without an engine."""
+        return np.array(draw_still(self._scene, self._state.qpos[env], target, width, height))
 
     def close(self) -> None:
         """Does nothing: there is no engine."""
+
+    @cached_property
+    def _scene(self) -> Scene:
+        return scene_of(self._robot)
 
     def _place_links(self, qpos: Float) -> tuple[Float, Mask]:
         """End effectors, (n, 3), [m], and ground contacts, (n,), of arms at `qpos`, (n, dof)."""

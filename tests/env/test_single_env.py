@@ -92,6 +92,12 @@ def test_nothing_is_rendered_without_a_mode(env: ReachEnv):
     assert env.render() is None
 
 
+def test_a_window_is_gymnasiums(env: ReachEnv):
+    """The env itself opens none: it says how to get one, and what to install."""
+    with pytest.raises(UsageError, match=r"gymnasium\[classic-control\]"):
+        ReachEnv(render_mode="human")
+
+
 @pytest.mark.usefixtures("egl")
 def test_gymnasium_finds_no_fault_with_its_frames(run_without_display: Callable[..., Any]):
     """Gymnasium's checker passes without a warning in the render mode rgb_array, without a display."""

@@ -13,7 +13,7 @@ from harness.experiment.evaluate import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, STOCHASTIC, TRACE, partial_folder
+from harness.record.folder import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, SCENE, STOCHASTIC, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
@@ -42,6 +42,7 @@ def test_done_cell_leaves_its_folder(make_cell: MakeCell, tmp_path: Path):
         EVALUATION,
         STOCHASTIC,
         RANDOM,
+        SCENE,
         MANIFEST,
     }
     assert [path.name for path in tmp_path.iterdir()] == ["cell"]

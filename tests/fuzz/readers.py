@@ -17,7 +17,9 @@ from harness.files.sealed import unseal
 from harness.motion.limits import JointLimits
 from harness.policy import CARD, WEIGHTS, Greedy, Policy, SquashedGaussian, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import InverseKinematics
+from harness.record.folder import SCENE
 from harness.record.manifest import Manifest, read_manifest
+from harness.record.scene import read_scene, write_scene
 from harness.record.store import Store
 from harness.record.trace import SCALARS, TraceWriter, read_trace
 from harness.registry.choice import choose
@@ -26,6 +28,7 @@ from harness.registry.toml_file import read_toml
 from harness.robot.load import load_robot
 from harness.robot.meshes import read_mesh
 from harness.robot.robot import read_robot
+from harness.scene.scene import scene_of
 from harness.score.open_recording import open_recording
 from harness.tune.tuning import read_tuning, resolve
 from tests.fuzz.mutate import (
@@ -163,6 +166,7 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
         "trace": Reader(
             {"a.parquet": _trace(folder)}, {"a.parquet": _mutate_parquet}, lambda at: read_trace(at / "a.parquet")
         ),
+        "scene": Reader({"scene.json": _scene(folder)}, {"scene.json": mutate_json}, read_scene),
         **_sealed("manifest", "m/manifest.json", _manifest(cell, folder), lambda at: read_manifest(at / "m")),
         **_sealed("plan", "p/plan.json", _plan(registry, folder), lambda at: Store.open(at / "p").read_plan()),
     }
@@ -278,6 +282,11 @@ def _odd_column(rows: int, rng: Random) -> pa.Array:
     if rng.random() < 0.3:
         return pa.array([0.5] * (rows - 1) + [None])
     return pa.array([value] * rows)
+
+
+def _scene(folder: Path) -> bytes:
+    write_scene(scene_of(load_robot("fd100")), folder)
+    return (folder / SCENE).read_bytes()
 
 
 def _manifest(cell: Any, folder: Path) -> bytes:

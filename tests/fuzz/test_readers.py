@@ -16,7 +16,7 @@ NAMES = (
     *("csv", "toml", "experiment", "tuning", "urdf", "robot", "binary stl", "text stl", "obj"),
     *("policy squashed-gaussian", "policy greedy", "policy uniform-choice", "policy inverse-kinematics"),
     *("text of rewards", "text of tasks", "text of algorithms", "text of executors"),
-    *("recorded trace", "trace", "manifest", "sealed manifest", "plan", "sealed plan"),
+    *("recorded trace", "trace", "scene", "manifest", "sealed manifest", "plan", "sealed plan"),
 )
 EACH = pytest.mark.parametrize("name", NAMES)
 SEEDS = st.integers(0, 2**63)

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -168,7 +169,8 @@ def test_state_does_not_depend_on_the_batch(open_arms: Call, random_poses: Call)
             np.testing.assert_array_equal(one[0], many[env])
 
 
-def test_rendering_says_which_simulator_shows_the_arm(open_arms: Call):
-    """`render` is a UsageError that names mujoco."""
-    with pytest.raises(UsageError, match="take mujoco"):
+def test_rendering_without_pillow_says_what_to_install(open_arms: Call, monkeypatch: pytest.MonkeyPatch):
+    """`render` draws without an engine, but not without a library."""
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    with pytest.raises(UsageError, match=r"fd100-harness\[video\]"):
         open_arms(1).render(0, np.zeros(3), 64, 48)

@@ -1,0 +1,41 @@
+"""``harness video``: recorded episodes as a film."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.cli.lines import say
+from harness.errors import UsageError
+
+MOST_CELLS = 4
+
+
+def video(
+    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    cells: Annotated[
+        list[str] | None,
+        typer.Option(
+            help=f"Cells beside one another, {MOST_CELLS} at most: their ids, or how these begin. "
+            "(default: the first comparison)",
+            metavar="ID,...",
+        ),
+    ] = None,
+    episodes: Annotated[int, typer.Option(help="How many episodes.", metavar="N", min=1, max=100)] = 3,
+    out: Annotated[Path, typer.Option(help="The film: .gif or .mp4.", metavar="FILE")] = Path("replay.gif"),
+) -> None:
+    """Make a film of recorded episodes: the arm, its target, what it is paid. Takes no simulator and no screen."""
+    from harness.registry.choice import split_list
+    from harness.results import load_results
+    from harness.results.replay import first_show, show_cells
+    from harness.video.film import film_of
+    from harness.video.write import require_kind, write_film
+
+    require_kind(out)
+    results = load_results(folder)
+    named = split_list(cells or [])
+    if len(named) > MOST_CELLS:
+        raise UsageError(f"--cells names {len(named)} cells, {MOST_CELLS} are allowed")
+    show = show_cells(results, named, episodes) if named else first_show(results, episodes)
+    write_film(film_of(show), out)
+    say(f"Video: {out} ({out.stat().st_size / 1e6:.2f} MB)", err=True)

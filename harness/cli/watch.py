@@ -1,0 +1,99 @@
+"""``harness watch``: the replay of an experiment in the browser, while it goes on."""
+
+from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.cli.lines import say
+from harness.errors import HarnessError, UsageError, one_line
+
+HOST = "127.0.0.1"
+"""Nobody else on the network sees the page."""
+
+
+def watch(
+    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    port: Annotated[int, typer.Option(help="Of the page; 0 for any that is free.", metavar="N", min=0, max=65535)] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open it in the browser.")] = True,
+) -> None:
+    """Show recorded episodes in the browser, also of a run that goes on: the page tells when more cells have ended."""
+    pages = Pages(folder)
+    pages.page()  # what is wrong with the folder is said here
+    with open_server(pages, port) as server:
+        address = f"http://{HOST}:{server.server_port}/"
+        say(f"Replay: {address} (Ctrl+C ends it)", err=True)
+        if browser:
+            import webbrowser
+
+            webbrowser.open(address)
+        server.serve_forever()
+
+
+class Pages:
+    """What there is to be served; the page is made again when cells have ended since."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._made = folder, ("", "")
+
+    def state(self) -> str:
+        """Another text whenever cells have ended."""
+        return str(sum(1 for _ in self._folder.glob("cells/[!.]*/manifest.json")))
+
+    def page(self) -> str:
+        """As HTML.
+
+        Raises:
+            HarnessError: The folder cannot be read.
+        """
+        from harness.report.replay.watch_page import watch_page
+        from harness.results import load_results
+
+        state = self.state()
+        if self._made[0] != state:
+            self._made = state, watch_page(load_results(self._folder), state)
+        return self._made[1]
+
+
+def open_server(pages: Pages, port: int) -> ThreadingHTTPServer:
+    """A server of `pages` on this machine alone.
+
+    Raises:
+        UsageError: The port is taken.
+    """
+    routes: dict[str, tuple[str, Callable[[], str]]] = {
+        "/": ("text/html; charset=utf-8", pages.page),
+        "/state": ("text/plain; charset=utf-8", pages.state),
+    }
+
+    class Handler(BaseHTTPRequestHandler):
+        """Answers the two addresses of the page."""
+
+        def do_GET(self) -> None:
+            """Answer with a page, or with its state."""
+            route = routes.get(self.path)
+            name = self.headers.get("Host", "").rpartition(":")[0]
+            if route is None or name not in {HOST, "localhost"}:  # no page of elsewhere asks by another name
+                self.send_error(404)
+                return
+            kind, make = route
+            try:
+                text = make()
+            except HarnessError as error:
+                self.send_error(500, one_line(error))
+                return
+            self.send_response(200)
+            self.send_header("Content-Type", kind)
+            self.send_header("Cache-Control", "no-store")
+            self.end_headers()
+            self.wfile.write(text.encode())
+
+        def log_message(self, format: str, *values: object) -> None:  # noqa: A002
+            """Say nothing: the terminal is the user's."""
+
+    try:
+        return ThreadingHTTPServer((HOST, port), Handler)
+    except OSError as error:
+        raise UsageError(f"--port {port} cannot be had: {error.strerror}. Give another, or leave it out") from error

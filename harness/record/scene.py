@@ -1,0 +1,206 @@
+"""What an arm looks like, and how its joints move it: `scene.json` in a cell's folder.
+
+With it, recorded joint positions become pictures without the robot's files and without any simulator.
+"""
+
+import base64
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, StringConstraints, TypeAdapter, with_config
+from typing_extensions import TypedDict
+
+from harness.arrays import Float
+from harness.files.bounded import read_json, reading
+from harness.files.whole_file import write_whole
+from harness.record.folder import SCENE
+from harness.record.forms import EXACT, Name, require_form
+
+FORMAT = 1
+MOST_BYTES = 4 * 2**20
+"""Of a file; one that we write has a tenth of it."""
+MOST_JOINTS, MOST_BODIES, MOST_TRIANGLES = 16, 1_000, 50_000
+ROUNDING = 1e-6
+"""Of rotations and unit vectors."""
+FULL = 32_767
+"""Points are whole numbers up to it, in parts of the largest coordinate of their body."""
+
+Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
+Numbers = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Frame = Annotated[list[Number], Field(min_length=12, max_length=12)]
+Bytes = Annotated[str, StringConstraints(max_length=MOST_BYTES)]
+Colour = Annotated[str, StringConstraints(pattern="^#[0-9a-f]{6}$")]
+
+
+@with_config(EXACT)
+class JointForm(TypedDict):
+    """See `SceneJoint`."""
+
+    frame: Frame
+    axis: Numbers
+    slides: bool
+
+
+@with_config(EXACT)
+class BodyForm(TypedDict):
+    """See `Body`."""
+
+    joint: Annotated[int, Field(ge=-1, lt=MOST_JOINTS)]
+    colour: Colour
+    scale: Annotated[float, Field(gt=0, le=1e3)]
+    points: Bytes
+    faces: Bytes
+
+
+@with_config(EXACT)
+class SceneForm(TypedDict):
+    """See `Scene`."""
+
+    format: Literal[1]
+    robot: Name
+    joints: Annotated[list[JointForm], Field(min_length=1, max_length=MOST_JOINTS)]
+    tip: Frame
+    bodies: Annotated[list[BodyForm], Field(max_length=MOST_BODIES)]
+
+
+FORM: TypeAdapter[SceneForm] = TypeAdapter(SceneForm)
+
+
+@dataclass(frozen=True, eq=False)
+class SceneJoint:
+    """One joint that moves.
+
+    Attributes:
+        frame: Its frame in the child frame of the joint before it, the first one's in the world; without the last row,
+            shape (3, 4), translation in [m].
+        axis: Unit vector of its motion in its frame, shape (3,).
+        slides: Whether it slides along the axis, and does not turn about it.
+    """
+
+    frame: Float
+    axis: Float
+    slides: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Triangles of one colour that move together.
+
+    Attributes:
+        joint: Number of the joint that moves them; -1 where none does.
+        colour: As ``#rrggbb``.
+        points: Corners in the joint's child frame, or in the world, shape (count, 3), [m].
+        faces: Numbers of each triangle's corners, counter-clockwise from outside, shape (triangles, 3).
+    """
+
+    joint: int
+    colour: str
+    points: Float
+    faces: NDArray[np.uint16]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """An arm as it is drawn.
+
+    Attributes:
+        robot: Its name.
+        joints: In order from the root, dof of them; positions of recorded rows have their order.
+        tip: The end effector's frame in the last joint's child frame, shape (3, 4), [m].
+        bodies: All that is drawn.
+    """
+
+    robot: str
+    joints: tuple[SceneJoint, ...]
+    tip: Float
+    bodies: tuple[Body, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; points are rounded to 1/32767 of the largest coordinate of their body."""
+        return {
+            "format": FORMAT,
+            "robot": self.robot,
+            "joints": [
+                {"frame": _flat(joint.frame), "axis": _flat(joint.axis), "slides": joint.slides}
+                for joint in self.joints
+            ],
+            "tip": _flat(self.tip),
+            "bodies": [_body_to_json(body) for body in self.bodies],
+        }
+
+
+def write_scene(scene: Scene, folder: Path) -> None:
+    """Leave `scene` in a cell's folder."""
+    write_whole(folder / SCENE, json.dumps(scene.to_json(), separators=(",", ":"), allow_nan=False))
+
+
+def read_scene(folder: Path) -> Scene | None:
+    """The scene in a cell's folder; None where the cell left none, as those of version 0.1.
+
+    Raises:
+        SchemaError: The file is damaged or written by a newer version.
+    """
+    path = folder / SCENE
+    if not path.is_file():
+        return None
+    with reading(path, "scene"):
+        return scene_from_json(read_json(path, MOST_BYTES))
+
+
+def scene_from_json(data: Any) -> Scene:
+    """The scene that `Scene.to_json` wrote.
+
+    Raises:
+        ValueError: It is something else.
+    """
+    require_form(FORM, data)
+    joints = tuple(
+        SceneJoint(np.reshape(joint["frame"], (3, 4)), np.array(joint["axis"]), joint["slides"])
+        for joint in data["joints"]
+    )
+    if not all(_is_rigid(frame) for frame in (*(joint.frame for joint in joints), np.reshape(data["tip"], (3, 4)))):
+        raise ValueError("a frame in it is no rotation with a translation")
+    if not all(abs(np.linalg.norm(joint.axis) - 1.0) < ROUNDING for joint in joints):
+        raise ValueError("an axis in it is no unit vector")
+    bodies = tuple(_body_from_json(body, len(joints)) for body in data["bodies"])
+    if sum(len(body.faces) for body in bodies) > MOST_TRIANGLES:
+        raise ValueError(f"it has more than {MOST_TRIANGLES:,} triangles")
+    return Scene(data["robot"], joints, np.reshape(data["tip"], (3, 4)), bodies)
+
+
+def _body_to_json(body: Body) -> dict[str, Any]:
+    scale = max(float(np.abs(body.points).max(initial=0.0)), 1e-9) / FULL
+    return {
+        "joint": body.joint,
+        "colour": body.colour,
+        "scale": scale,
+        "points": _packed(np.rint(body.points / scale).astype("<i2")),
+        "faces": _packed(body.faces.astype("<u2")),
+    }
+
+
+def _body_from_json(data: dict[str, Any], joints: int) -> Body:
+    if data["joint"] >= joints:
+        raise ValueError(f"it has a body of joint {data['joint']}, and {joints} joints")
+    points = np.frombuffer(base64.b64decode(data["points"], validate=True), "<i2").reshape(-1, 3)
+    faces = np.frombuffer(base64.b64decode(data["faces"], validate=True), "<u2").reshape(-1, 3)
+    if faces.size and faces.max() >= len(points):
+        raise ValueError("it has triangles with corners that it does not have")
+    return Body(data["joint"], data["colour"], points * data["scale"], faces.astype(np.uint16))
+
+
+def _is_rigid(frame: Float) -> bool:
+    rotation = frame[:, :3]
+    return bool((np.abs(rotation @ rotation.T - np.eye(3)) < ROUNDING).all())
+
+
+def _packed(array: NDArray[Any]) -> str:
+    return base64.b64encode(array.tobytes()).decode()
+
+
+def _flat(array: Float) -> list[float]:
+    return [float(number) for number in array.ravel()]

@@ -1,0 +1,1 @@
+"""The replay: recorded episodes in 3D, a part of a page."""

@@ -1,0 +1,96 @@
+"""The replay as a part of a page: HTML with its data, one style sheet and one script, and no request.
+
+The script is our own: some 300 lines of WebGL 2 and canvas draw an arm. A library such as three.js would bring 0.7 MB.
+"""
+
+import base64
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.results.replay import Episode, Show, Side
+
+HERE = Path(__file__).parent
+TEMPLATE = HERE / "replay.html.j2"
+FULL = 32_767
+"""Values are whole numbers up to it, in parts of the largest of their column: 1e-4 rad of a joint's turn."""
+
+TITLE = "Replay"
+EXPLANATION = (
+    "Episodes of the final evaluations, drawn from the recorded joint positions: both policies began in the same pose "
+    "with the same target (green). Line: the way of the end effector. Drag to turn the view."
+)
+
+
+class Replay(NamedTuple):
+    """What a page takes in: `html` in its body, `style` in its <style>, `script` in a <script> after `html`."""
+
+    html: str
+    style: str
+    script: str
+    title: str = TITLE
+    explanation: str = EXPLANATION
+
+
+def replay_of(shows: Sequence[Show]) -> Replay | None:
+    """The replay of some shows; None where there is none.
+
+    Raises:
+        UsageError: A library of the extra ``report`` is missing.
+    """
+    if not shows:
+        return None
+    from harness.report.page import render_part
+
+    sides = max(len(show.sides) for show in shows)
+    html = render_part(TEMPLATE, "The replay", data=replay_data(shows), sides=sides)
+    return Replay(html, _text("replay.css"), _text("replay.js"))
+
+
+def replay_data(shows: Sequence[Show]) -> dict[str, Any]:
+    """What the script reads: every scene once, and the shows."""
+    scenes: list[dict[str, Any]] = []
+    return {"shows": [_show(show, scenes) for show in shows], "scenes": scenes}
+
+
+def _show(show: Show, scenes: list[dict[str, Any]]) -> dict[str, Any]:
+    return {"title": show.title, "numbers": show.numbers, "sides": [_side(side, scenes) for side in show.sides]}
+
+
+def _side(side: Side, scenes: list[dict[str, Any]]) -> dict[str, Any]:
+    scene = side.scene.to_json()
+    if scene not in scenes:
+        scenes.append(scene)
+    return {
+        "title": side.title,
+        "scene": scenes.index(scene),
+        "period": side.period,
+        "episodes": [_episode(episode) for episode in side.episodes],
+    }
+
+
+def _episode(episode: Episode) -> dict[str, Any]:
+    values = np.column_stack([episode.qpos, episode.distance, episode.paid])
+    scales = np.maximum(np.abs(values).max(axis=0), 1e-9) / FULL
+    return {
+        "outcome": episode.outcome,
+        "last": int(episode.steps[-1]),
+        "scales": [float(scale) for scale in scales],
+        "values": base64.b64encode(np.rint(values / scales).astype("<i2").tobytes()).decode(),
+        "targets": _changes(episode.target),
+    }
+
+
+def _changes(target: Float) -> list[list[float]]:
+    """The frame from which each target counts, and the target, [m]."""
+    new = [0, *(np.flatnonzero((np.diff(target, axis=0) != 0).any(axis=1)) + 1)]
+    return [[int(frame), *(round(float(value), 5) for value in target[frame])] for frame in new]
+
+
+@cache
+def _text(name: str) -> str:
+    return (HERE / name).read_text(encoding="utf-8")

@@ -1,0 +1,34 @@
+"""The page that ``harness watch`` serves: the replay of an experiment, while it goes on."""
+
+from pathlib import Path
+
+from harness.report.page import render_part
+from harness.report.question import question
+from harness.report.replay.section import replay_of
+from harness.results import Results
+from harness.results.replay import shows_of
+
+TEMPLATE = Path(__file__).parent / "watch.html.j2"
+STATE = "/state"
+"""Where the page asks whether cells have ended since."""
+
+
+def watch_page(results: Results, state: str) -> str:
+    """The page, as HTML.
+
+    Args:
+        results: The experiment as it stands.
+        state: What `STATE` answers as long as nothing new is there to be shown.
+
+    Raises:
+        UsageError: A library of the extra ``report`` is missing.
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    return render_part(
+        TEMPLATE,
+        "The replay",
+        title=question(results),
+        status=f"{len(results.done)} of {len(results.manifests)} cells are done.",
+        state=state,
+        replay=replay_of(shows_of(results)),
+    )

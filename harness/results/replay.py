@@ -1,0 +1,243 @@
+"""Episodes of the final evaluations, to be shown side by side. Reads results only."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.errors import SchemaError, UsageError
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION, SCENE
+from harness.record.scene import Scene, read_scene
+from harness.record.trace import Trace, read_trace
+from harness.results.combination import Group
+from harness.results.results import Results
+
+Outcome = Literal["reached", "ground", "time-out"]
+FIRST, DIFFERENT, MOST = 1, 3, 6
+"""Episodes of a show: the first ones, those that end differently, and all of them."""
+FRAMES = 150
+"""Of an episode, at most; of a longer one every n-th row is shown."""
+READ = 200
+"""Episodes of an evaluation that are looked at."""
+AXES = "xyz"
+PAID = ("reward", "reward_ground", "reward_target", "reward_step")
+SHOWN, LARGEST = ("qpos", "distance", *PAID, *(f"target_{axis}" for axis in AXES)), 1e9
+"""Columns, and what no number in them may exceed."""
+COLUMNS = ["env", "episode", "ground", "reached", "terminated", "truncated", *SHOWN]
+CONTROL_PERIOD = 0.1
+"""Of an evaluation that does not tell its own, [s]."""
+
+
+class Episode(NamedTuple):
+    """One episode of an evaluation; `frames` rows of it are shown, the first and the last among them."""
+
+    steps: NDArray[np.int64]
+    """Environment steps done at each frame, 0 first, (frames,)."""
+    qpos: Float
+    """Joint positions, [rad] or [m], (frames, dof)."""
+    target: Float
+    """World frame, [m], (frames, 3)."""
+    distance: Float
+    """From the end effector to the target, [m], (frames,)."""
+    paid: Float
+    """What the cell's own reward and the task's events have paid so far, (frames,)."""
+    outcome: Outcome
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """What one cell's policy did.
+
+    Attributes:
+        title: What tells it from the other side.
+        cell: Id of the cell.
+        seed: Of its training.
+        scene: What its arm looks like.
+        episodes: As many as the show has, in the same order.
+        period: Duration of an environment step, [s].
+    """
+
+    title: str
+    cell: str
+    seed: int
+    scene: Scene
+    episodes: tuple[Episode, ...]
+    period: float
+
+
+@dataclass(frozen=True, eq=False)
+class Show:
+    """Episodes that several policies began in the same pose with the same target.
+
+    Attributes:
+        title: What the sides have in common.
+        numbers: Of the episodes in the evaluation, from 1.
+        sides: One, or the baseline's and the proposed reward's.
+    """
+
+    title: str
+    numbers: tuple[int, ...]
+    sides: tuple[Side, ...]
+
+
+def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:
+    """A show for each combination, of the first seed that both rewards have; one for each other reward that is done.
+
+    Cells without a scene, as those of version 0.1, are left out.
+
+    Args:
+        results: The experiment.
+        most: Episodes of a show.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    shows = [_show(results, pair, most) for pair in _pairs(results)]
+    return tuple(show for show in shows if show is not None)
+
+
+def first_show(results: Results, most: int) -> Show:
+    """The first of `shows_of`.
+
+    Raises:
+        UsageError: There is none.
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    shows = (_show(results, pair, most) for pair in _pairs(results))
+    found = next((show for show in shows if show is not None), None)
+    if found is None:
+        raise UsageError(
+            f"'{results.folder}' has no episode to show: no cell is done, or an earlier version made them all. "
+            "Run the experiment again."
+        )
+    return found
+
+
+def show_cells(results: Results, ids: Sequence[str], episodes: int = MOST) -> Show:
+    """The evaluations of named cells beside one another.
+
+    Args:
+        results: The experiment.
+        ids: Of done cells, or how they begin.
+        episodes: How many are chosen.
+
+    Raises:
+        UsageError: No such cell is done, several are meant, or one has no scene.
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    cells = [_find(results, name) for name in ids]
+    titles = tuple(f"{cell.reward.label} · seed {cell.seed}" for cell in cells)
+    common = " · ".join(dict.fromkeys(Group.of(cell).title for cell in cells))
+    show = _show(results, Pair(tuple(cells), common, titles), episodes)
+    if show is None:
+        raise UsageError(f"Of {', '.join(ids)}, a cell has no {SCENE}: an earlier version made it. Run it again.")
+    return show
+
+
+def choose_episodes(outcomes: Sequence[Sequence[Outcome]], most: int = MOST) -> list[int]:
+    """Which episodes tell most: the first ones, some that end differently, one that fails on every side, then others.
+
+    Args:
+        outcomes: Of each side, of the same episodes.
+        most: How many, at most.
+
+    Returns:
+        Their numbers, from 0, in order.
+    """
+    together = list(zip(*outcomes, strict=True))
+    everything = list(range(len(together)))
+    different = [number for number in everything if len(set(together[number])) > 1]
+    failed = [number for number in everything if "reached" not in together[number]]
+    chosen = dict.fromkeys([*everything[:FIRST], *different[:DIFFERENT], *failed[:1], *everything])
+    return sorted(list(chosen)[:most])
+
+
+class Pair(NamedTuple):
+    """Cells to be shown beside one another, the title of what they share, and those that tell them apart."""
+
+    cells: tuple[Cell, ...]
+    title: str
+    titles: tuple[str, ...]
+
+
+def _pairs(results: Results) -> Iterator[Pair]:
+    """Of both rewards of each combination; and each cell of a reward that is in none, the first seed."""
+    first = {(Group.of(cell), cell.reward.label, cell.seed): cell for cell in results.done_cells}
+    shown: set[tuple[Group, str]] = set()
+    for it in results.combinations:
+        if it.seeds and not it.is_control:
+            rewards = (it.baseline, it.proposed)
+            shown |= {(it.group, reward) for reward in rewards}
+            cells = tuple(first[it.group, reward, it.seeds[0]] for reward in rewards)
+            yield Pair(cells, it.group.title, (f"Baseline: {it.baseline}", f"Proposed: {it.proposed}"))
+    for cell in results.done_cells:
+        group, reward = Group.of(cell), cell.reward.label
+        if (group, reward) not in shown:
+            shown.add((group, reward))
+            yield Pair((cell,), group.title, (reward,))
+
+
+def _find(results: Results, name: str) -> Cell:
+    found = [manifest.cell for manifest in results.done if manifest.cell.id.startswith(name)]
+    if len(found) != 1:
+        told = "several" if found else "none"
+        raise UsageError(
+            f"--cells {name}: of the done cells {told} begin so. Ids stand in results.parquet, and on the page"
+        )
+    return found[0]
+
+
+def _show(results: Results, pair: Pair, most: int) -> Show | None:
+    """None where a cell has no scene, or no episode ended."""
+    cells, title, titles = pair
+    folders = [results.store.cell_folder(cell) for cell in cells]
+    scenes = [read_scene(folder) for folder in folders]
+    known = [scene for scene in scenes if scene is not None]
+    if len(known) < len(scenes):
+        return None
+    traces = [_read(folder, scene) for folder, scene in zip(folders, known, strict=True)]
+    ways = [trace.episodes[:READ] for trace in traces]
+    count = min(map(len, ways))
+    outcomes = [[_outcome(trace, rows) for rows in way[:count]] for trace, way in zip(traces, ways, strict=True)]
+    chosen = choose_episodes(outcomes, most)
+    sides = tuple(
+        Side(
+            told,
+            cell.id,
+            cell.seed,
+            scene,
+            tuple(_episode(trace, way[number]) for number in chosen),
+            trace.facts.control_period or CONTROL_PERIOD,
+        )
+        for told, cell, scene, trace, way in zip(titles, cells, known, traces, ways, strict=True)
+    )
+    return Show(title, tuple(number + 1 for number in chosen), sides) if chosen else None
+
+
+def _read(folder: Path, scene: Scene) -> Trace:
+    trace = read_trace(folder / EVALUATION, COLUMNS)
+    if max(float(np.abs(trace[name]).max(initial=0.0)) for name in SHOWN) > LARGEST:
+        raise SchemaError(f"{folder / EVALUATION} holds numbers beyond {LARGEST:g}, which cannot be shown")
+    dof = trace["qpos"].shape[1]
+    if dof != len(scene.joints):
+        raise SchemaError(f"{folder / EVALUATION} has {dof} joint positions a row, the arm {len(scene.joints)} joints")
+    return trace
+
+
+def _episode(trace: Trace, rows: NDArray[np.int64]) -> Episode:
+    steps = np.unique(np.linspace(0, len(rows) - 1, min(FRAMES, len(rows))).round().astype(np.int64))
+    kept = rows[steps]
+    paid = np.cumsum(np.sum([trace[name][rows] for name in PAID], axis=0))
+    target = np.stack([trace[f"target_{axis}"][kept] for axis in AXES], axis=1)
+    return Episode(steps, trace["qpos"][kept], target, trace["distance"][kept], paid[steps], _outcome(trace, rows))
+
+
+def _outcome(trace: Trace, rows: NDArray[np.int64]) -> Outcome:
+    if trace["reached"][rows].any():
+        return "reached"
+    return "ground" if trace["ground"][rows[-1]] and trace["terminated"][rows[-1]] else "time-out"

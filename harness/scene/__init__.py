@@ -1,0 +1,1 @@
+"""What an arm looks like: triangles by joint, and pictures of them."""

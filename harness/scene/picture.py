@@ -1,0 +1,184 @@
+"""Pictures of an arm without any engine: shaded triangles, drawn from the farthest to the nearest by pillow."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.record.scene import Scene
+from harness.robot.kinematics import Chain, child_frames
+
+if TYPE_CHECKING:
+    from PIL import Image, ImageDraw
+
+LIGHT = np.array([-0.35, -0.5, 0.8])
+"""Where it comes from."""
+BACKGROUND, GRID, SHADOW, TARGET = "#f3f5f7", "#dcdfe3", "#cfd3d8", "#00805c"
+FINER = 2
+"""Pixels are drawn smaller by this, and averaged: edges are smooth."""
+MARGIN = 1.15
+"""Around what is seen; nearer, it looks larger than in proportion."""
+FOCAL, AWAY, TURN, RISE = 2.6, 2.8, -0.9, 0.35
+"""Of the camera: focal length, distance in radii of what it shows, and where it stands, [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Looks at a ball around `centre`, from the side and a little from above.
+
+    Attributes:
+        centre: World frame, [m], (3,).
+        radius: [m].
+        width: Of the picture, in pixels.
+        height: Likewise.
+    """
+
+    centre: Float
+    radius: float
+    width: int
+    height: int
+
+    @cached_property
+    def axes(self) -> Float:
+        """Right, up and towards the camera in the world frame, (3, 3)."""
+        c, s, up, level = np.cos(TURN), np.sin(TURN), np.sin(RISE), np.cos(RISE)
+        return np.array([[-s, c, 0.0], [-up * c, -up * s, level], [level * c, level * s, up]])
+
+    @property
+    def eye(self) -> Float:
+        """Where it stands, world frame, [m], (3,)."""
+        eye: Float = self.centre + AWAY * self.radius * self.axes[2]
+        return eye
+
+    def project(self, points: Float) -> Float:
+        """Column, row and depth of points, (..., 3), [m], in pixels and [m]: the same shape."""
+        right, up, back = np.moveaxis((points - self.eye) @ self.axes.T, -1, 0)
+        depth = np.maximum(-back, 1e-3 * self.radius)
+        scale = FOCAL * min(self.width, self.height) / 2 / depth
+        return np.stack([self.width / 2 + right * scale, self.height / 2 - up * scale, depth], axis=-1)
+
+
+def camera_for(points: Float, width: int, height: int) -> Camera:
+    """A camera that sees points, (count, 3), [m], and the world's origin, in a picture of so many pixels."""
+    seen = np.vstack([points, np.zeros(3)])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    camera = Camera((low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-3), width, height)
+    half = np.array([width, height]) / 2
+    filled = float((np.abs(camera.project(seen)[:, :2] - half) / half).max())  # a ball around it has room to spare
+    return replace(camera, radius=max(camera.radius * filled * MARGIN, 1e-3))
+
+
+def chain_of(scene: Scene) -> Chain:
+    """The joints of a scene, ready to be computed with."""
+    last = np.tile([0.0, 0.0, 0.0, 1.0], (len(scene.joints), 1, 1))
+    frames = np.concatenate([np.stack([joint.frame for joint in scene.joints]), last], axis=1)
+    kinds = tuple("prismatic" if joint.slides else "continuous" for joint in scene.joints)
+    axes = np.stack([joint.axis for joint in scene.joints])
+    return Chain(frames, axes, kinds, np.vstack([scene.tip, [0.0, 0.0, 0.0, 1.0]]))  # type: ignore[arg-type]
+
+
+def corners_of(scene: Scene, qpos: Float) -> tuple[Float, Float]:
+    """Every triangle of an arm at joint positions `qpos`, (dof,).
+
+    Returns:
+        Their corners in the world frame, [m], (triangles, 3, 3), and their colours, 0 to 255, (triangles, 3).
+    """
+    frames = [np.eye(4), *child_frames(chain_of(scene), qpos)]
+    corners, colours = [np.empty((0, 3, 3))], [np.empty((0, 3))]
+    for body in scene.bodies:
+        frame = frames[body.joint + 1]
+        corners.append((body.points @ frame[:3, :3].T + frame[:3, 3])[body.faces.astype(np.intp)])
+        colours.append(np.tile([float(int(body.colour[at : at + 2], 16)) for at in (1, 3, 5)], (len(body.faces), 1)))
+    return np.concatenate(corners), np.concatenate(colours)
+
+
+def draw_arm(scene: Scene, qpos: Float, target: Float, path: Float, colour: str, camera: Camera) -> "Image.Image":
+    """A picture of an arm.
+
+    Args:
+        scene: The arm.
+        qpos: Joint positions, [rad] or [m], (dof,).
+        target: Ringed, world frame, [m], (3,).
+        path: The way of the end effector so far, world frame, [m], (points, 3).
+        colour: Of the way.
+        camera: Looks at it.
+
+    Raises:
+        UsageError: pillow is missing.
+    """
+    require_pillow()
+    from PIL import Image, ImageDraw
+
+    large = Camera(camera.centre, camera.radius, FINER * camera.width, FINER * camera.height)
+    image = Image.new("RGB", (large.width, large.height), BACKGROUND)
+    pen = ImageDraw.Draw(image)
+    _draw_grid(pen, large)
+    corners, colours = corners_of(scene, qpos)
+    _draw_shadow(pen, large, corners)
+    _draw_triangles(pen, large, corners, colours)
+    flat = [tuple(point) for point in large.project(path)[:, :2].tolist()]
+    if len(flat) > 1:
+        pen.line(flat, "#ffffff", 5 * FINER, "curve")
+        pen.line(flat, colour, 3 * FINER, "curve")
+    (x, y), size = large.project(target)[:2].tolist(), 6 * FINER
+    pen.ellipse((x - size, y - size, x + size, y + size), outline=TARGET, width=2 * FINER)
+    return image.reduce(FINER)
+
+
+def draw_still(scene: Scene, qpos: Float, target: Float, width: int, height: int) -> "Image.Image":
+    """A picture of an arm that stands still, so many pixels wide and high; see `draw_arm`.
+
+    Raises:
+        UsageError: pillow is missing.
+    """
+    reach = np.sum([np.linalg.norm(joint.frame[:, 3]) for joint in scene.joints]) + np.linalg.norm(scene.tip[:, 3])
+    whole = np.array([[-0.3, -0.3, 0.0], [0.5, 0.3, 0.8]]) * reach
+    camera = camera_for(whole, width, height)
+    return draw_arm(scene, qpos, target, np.empty((0, 3)), TARGET, camera)
+
+
+def require_pillow() -> None:
+    """See whether pillow is there.
+
+    Raises:
+        UsageError: It is missing.
+    """
+    try:
+        import PIL  # noqa: F401
+    except ImportError as error:
+        raise UsageError("Pictures of the arm need pillow: pip install 'fd100-harness[video]'") from error
+
+
+def _draw_grid(pen: "ImageDraw.ImageDraw", camera: Camera) -> None:
+    edge = 10.0 ** np.round(np.log10(camera.radius / 4))
+    size = np.ceil(1.3 * camera.radius / edge) * edge
+    x, y = np.round(camera.centre[:2] / edge) * edge
+    for at in np.arange(-size, size + edge / 2, edge):
+        for ends in (((x + at, y - size), (x + at, y + size)), ((x - size, y + at), (x + size, y + at))):
+            line = camera.project(np.array([[*end, 0.0] for end in ends]))[:, :2]
+            pen.line(line.ravel().tolist(), GRID, FINER)
+
+
+def _draw_shadow(pen: "ImageDraw.ImageDraw", camera: Camera, corners: Float) -> None:
+    """On the ground, of what the light reaches: the rest lies within it."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lit = corners[normals @ LIGHT > 0]
+    fallen = lit - lit[..., 2:] / LIGHT[2] * LIGHT
+    for triangle in camera.project(fallen)[..., :2].reshape(-1, 6).tolist():
+        pen.polygon(triangle, SHADOW)
+
+
+def _draw_triangles(pen: "ImageDraw.ImageDraw", camera: Camera, corners: Float, colours: Float) -> None:
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    seen = ((camera.eye - corners[:, 0]) * normals).sum(axis=1) > 0
+    corners, normals, colours = corners[seen], normals[seen], colours[seen]
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    bright = 0.42 + 0.5 * np.maximum(normals @ (LIGHT / np.linalg.norm(LIGHT)), 0.0) + 0.13 * normals[:, 2]
+    shaded = np.clip(colours * bright[:, None], 0, 255).astype(int)
+    flat = camera.project(corners)
+    order = np.argsort(-flat[..., 2].mean(axis=1))
+    for triangle, colour in zip(flat[order, :, :2].reshape(-1, 6).tolist(), shaded[order].tolist(), strict=True):
+        pen.polygon(triangle, tuple(colour))

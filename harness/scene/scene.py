@@ -1,0 +1,150 @@
+"""From a robot to what is drawn of it."""
+
+from collections import defaultdict
+from pathlib import Path
+from typing import NamedTuple, cast
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.record.scene import Body, Scene, SceneJoint
+from harness.robot.meshes import Mesh, is_readable, read_mesh
+from harness.robot.robot import Robot
+from harness.robot.shapes import SIZES, Shape, ShapeKind, moving_carrier, read_origin, read_scale, read_sizes
+from harness.robot.urdf import parse_urdf
+from harness.scene.triangles import fewer, surface
+
+TRIANGLES = 16_000
+"""Of an arm, at most: a page with several arms stays small."""
+FEWEST = 40
+"""Of a shape, where there are very many."""
+GREY = "#9aa0a6"
+"""Of what the URDF gives no colour."""
+
+
+class Part(NamedTuple):
+    """One surface of a link."""
+
+    colour: str
+    T_link_shape: Float
+    mesh: Mesh
+
+
+def scene_of(robot: Robot) -> Scene:
+    """What is drawn of a robot: the visual shapes of each link, or those that collide.
+
+    The collision shapes of a link stand in where it has no visual shapes, or some that cannot be read, as COLLADA.
+    Fine surfaces are drawn with fewer triangles, `TRIANGLES` together.
+
+    Args:
+        robot: The robot; every link is drawn, those beside the chain too.
+    """
+    urdf = parse_urdf(robot.urdf)
+    colours = {each.get("name", ""): _colour(each) for each in urdf.element.findall("material")}
+    shapes = sum(max(len(link.findall("visual")), len(link.findall("collision"))) for link in urdf.links.values())
+    budget = max(FEWEST, TRIANGLES // max(1, shapes))
+    found: dict[tuple[int, str], list[Mesh]] = defaultdict(list)
+    for name, link in urdf.links.items():
+        joint, T_child_link = moving_carrier(name, urdf.carriers)
+        number = robot.joint_names.index(joint) if joint in robot.joint_names else -1
+        for part in _parts(link, robot.link_shapes[name], colours):
+            found[number, part.colour].append(_moved(fewer(part.mesh, budget), T_child_link @ part.T_link_shape))
+    chain = robot.chain
+    return Scene(
+        robot.name,
+        tuple(
+            SceneJoint(frame[:3], axis, bool(slides))
+            for frame, axis, slides in zip(chain.T_previous_joint, chain.axes, chain.slides, strict=True)
+        ),
+        chain.T_last_tip[:3],
+        tuple(_body(joint, colour, meshes) for (joint, colour), meshes in found.items()),
+    )
+
+
+def _parts(link: Element, solids: tuple[Shape, ...], colours: dict[str, str]) -> list[Part]:
+    """The surfaces of a link."""
+    visuals = link.findall("visual")
+    try:
+        parts = [_visual(visual, colours, f"Link '{link.get('name')}'") for visual in visuals]
+    except UsageError:  # of a format that is not read: what collides is drawn
+        parts = []
+    colour = _colour_of(visuals[0], colours) if visuals else GREY
+    return parts or [Part(colour, solid.T_link_shape, _solid(solid)) for solid in solids]
+
+
+def _visual(visual: Element, colours: dict[str, str], owner: str) -> Part:
+    shape = next(iter(visual.find("geometry") or ()), None)
+    if shape is None or shape.tag not in SIZES:
+        raise UsageError(f"{owner} has a visual that is not drawn")
+    kind = cast(ShapeKind, shape.tag)
+    if kind == "mesh":
+        mesh = _scaled(_read(Path(shape.get("filename", ""))), read_scale(shape, owner))
+    else:
+        mesh = surface(kind, read_sizes(shape, owner))
+    return Part(_colour_of(visual, colours), read_origin(visual, owner), mesh)
+
+
+def _read(path: Path) -> Mesh:
+    if not is_readable(path):
+        raise UsageError(f"'{path}' is not drawn")
+    mesh = read_mesh(path)
+    if not len(mesh.faces):
+        raise UsageError(f"'{path}' has no triangles")
+    return mesh
+
+
+def _scaled(mesh: Mesh, scale: Float) -> Mesh:
+    """A mirrored mesh has its corners in the other order, so that they stay counter-clockwise."""
+    return Mesh(mesh.vertices * scale, mesh.faces[:, ::-1] if np.prod(scale) < 0 else mesh.faces)
+
+
+def _solid(solid: Shape) -> Mesh:
+    """The surface of what collides: of a mesh its convex hull."""
+    if solid.kind != "mesh":
+        return surface(solid.kind, solid.size)
+    from scipy.spatial import ConvexHull, QhullError  # which few arms need, and which takes long to import
+
+    try:
+        hull = ConvexHull(solid.points)
+    except (QhullError, ValueError):  # points of a plane have no inside
+        return Mesh(np.empty((0, 3)), np.empty((0, 3), np.int32))
+    corners = solid.points[hull.simplices]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = (normals * hull.equations[:, :3]).sum(axis=1) < 0
+    faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+    return Mesh(solid.points, faces.astype(np.int32))
+
+
+def _moved(mesh: Mesh, pose: Float) -> Mesh:
+    return Mesh(mesh.vertices @ pose[:3, :3].T + pose[:3, 3], mesh.faces)
+
+
+def _body(joint: int, colour: str, meshes: list[Mesh]) -> Body:
+    """All meshes as one, without points that no triangle has."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    faces = np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)])
+    used, numbers = np.unique(faces, return_inverse=True)
+    points = np.concatenate([mesh.vertices for mesh in meshes])[used]
+    return Body(joint, colour, points, numbers.reshape(-1, 3).astype(np.uint16))
+
+
+def _colour_of(visual: Element, colours: dict[str, str]) -> str:
+    material = visual.find("material")
+    if material is None:
+        return GREY
+    return colours.get(material.get("name", ""), GREY) if material.find("color") is None else _colour(material)
+
+
+def _colour(material: Element) -> str:
+    """As ``#rrggbb``; grey where the material names no colour that can be read."""
+    colour = material.find("color")
+    words = "" if colour is None else colour.get("rgba", "")
+    try:
+        shares = [float(word) for word in words.split(None, 4)[:3]]
+    except ValueError:
+        shares = []
+    if len(shares) != 3 or not all(0.0 <= share <= 1.0 for share in shares):  # NaN is not either
+        return GREY
+    return "#" + "".join(f"{round(255 * share):02x}" for share in shares)

@@ -1,0 +1,125 @@
+"""The pictures of a film: episodes of several policies beside one another, with what is going on below."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.record.scene import Scene
+from harness.report.palette import BLUE, GREEN, GREY, INK, VERMILION
+from harness.results.replay import Episode, Show, Side
+from harness.robot.kinematics import end_effector_position
+from harness.scene.picture import BACKGROUND, Camera, camera_for, chain_of, corners_of, draw_arm, require_pillow
+from harness.text import visible
+
+if TYPE_CHECKING:
+    from PIL import Image, ImageDraw
+
+COLOURS = (BLUE, VERMILION, GREEN, GREY)
+"""Of the sides, as on the page."""
+WIDTH, HEIGHT, LINE = 320, 260, 22
+"""Of one side's picture and of a line of text, in pixels."""
+FRAMES, FEWEST, PER_STEP = 36, 16, 5
+"""Of an episode: at most, at least, and of each step of a short one."""
+RATE = 12
+"""Frames per second."""
+HELD = 1.0
+"""How long the end of an episode is held, [s]."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One picture of a film, and how long it is seen, [s]."""
+
+    image: "Image.Image"
+    seconds: float
+
+
+def film_of(show: Show) -> Iterator[Frame]:
+    """All episodes of a show, one after the other.
+
+    An episode takes three seconds at most. In a longer one steps pass the faster the later they are, so that one sees
+    how the arm gets to its target, and whether it stays away.
+
+    Raises:
+        UsageError: pillow is missing.
+    """
+    require_pillow()
+    for number, episodes in zip(show.numbers, zip(*(side.episodes for side in show.sides), strict=True), strict=True):
+        ways = [_way(side.scene, episode.qpos) for side, episode in zip(show.sides, episodes, strict=True)]
+        camera = _camera(ways, episodes, show)
+        last = max(int(episode.steps[-1]) for episode in episodes)
+        steps = _clock(last)
+        for step in steps:
+            views = [
+                _view(side, episode, way, camera, step, COLOURS[index % len(COLOURS)])
+                for index, (side, episode, way) in enumerate(zip(show.sides, episodes, ways, strict=True))
+            ]
+            yield Frame(_beside(views, f"episode {number}, step {step:.0f} of {last}"), _seconds(step == steps[-1]))
+
+
+def _clock(last: int) -> Float:
+    """The step that each frame of an episode of `last` steps shows."""
+    count = int(np.clip(PER_STEP * last, FEWEST, FRAMES))
+    power = 1 if last <= count else 2
+    return last * np.linspace(0.0, 1.0, count) ** power
+
+
+def _seconds(held: bool) -> float:
+    return HELD if held else 1 / RATE
+
+
+def _way(scene: Scene, qpos: Float) -> Float:
+    """Where the end effector is at each row, (rows, 3), [m]."""
+    return end_effector_position(chain_of(scene), qpos)
+
+
+def _camera(ways: list[Float], episodes: tuple[Episode, ...], show: Show) -> Camera:
+    corners = np.concatenate(
+        [
+            corners_of(side.scene, episode.qpos[row])[0]
+            for side, episode in zip(show.sides, episodes, strict=True)
+            for row in (0, -1)
+        ]
+    )
+    points = np.concatenate([*ways, *(episode.target for episode in episodes), corners.reshape(-1, 3)])
+    return camera_for(points, WIDTH, HEIGHT)
+
+
+def _view(side: Side, episode: Episode, way: Float, camera: Camera, step: float, colour: str) -> "Image.Image":
+    """One side at a moment, with its title and what is measured."""
+    from PIL import Image, ImageDraw
+
+    at = float(np.interp(step, episode.steps, np.arange(len(episode.steps))))
+    qpos = np.array([np.interp(step, episode.steps, column) for column in episode.qpos.T])
+    row = round(at)
+    path = np.vstack([way[: int(at) + 1], _way(side.scene, qpos)])
+    image = Image.new("RGB", (WIDTH, HEIGHT + 2 * LINE), BACKGROUND)
+    image.paste(draw_arm(side.scene, qpos, episode.target[row], path, colour, camera), (0, LINE))
+    pen = ImageDraw.Draw(image)
+    pen.rectangle((0, 4, 4, LINE - 4), fill=colour)
+    _write(pen, (10, 3), side.title, INK)
+    _write(pen, (10, HEIGHT + LINE), f"distance {episode.distance[row]:.3f} m   paid {episode.paid[row]:.2f}", INK)
+    if step >= episode.steps[-1]:
+        pen.rectangle((WIDTH - 92, 2, WIDTH - 8, LINE), outline=colour, width=2)
+        _write(pen, (WIDTH - 50, 3), episode.outcome, colour, "ma")
+    return image
+
+
+def _beside(views: list["Image.Image"], caption: str) -> "Image.Image":
+    from PIL import Image, ImageDraw
+
+    size = (WIDTH * len(views), HEIGHT + 3 * LINE)
+    whole = Image.new("RGB", size, BACKGROUND)
+    for index, view in enumerate(views):
+        whole.paste(view, (WIDTH * index, 0))
+    _write(ImageDraw.Draw(whole), (10, HEIGHT + 2 * LINE - 2), caption, INK)
+    return whole
+
+
+def _write(pen: "ImageDraw.ImageDraw", at: tuple[int, int], text: str, colour: str, anchor: str = "la") -> None:
+    from PIL import ImageFont
+
+    pen.text(at, visible(text), colour, ImageFont.load_default(14), anchor)

@@ -1,0 +1,71 @@
+import shutil
+import threading
+from http.client import HTTPConnection
+
+import pytest
+
+from harness.cli.watch import HOST, Pages, open_server
+from harness.errors import UsageError
+
+
+@pytest.fixture
+def experiment(finished, tmp_path):
+    """The folder of a finished experiment."""
+    return tmp_path / finished(seeds=1)
+
+
+@pytest.fixture
+def get(experiment):
+    """Ask the server of the experiment for a path; gets status and text."""
+    with open_server(Pages(experiment), 0) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+
+        def ask(path, host=None):
+            connection = HTTPConnection(HOST, server.server_port)
+            connection.request("GET", path, headers={"Host": host or f"{HOST}:{server.server_port}"})
+            answer = connection.getresponse()
+            text = answer.read().decode()
+            connection.close()
+            return answer.status, text
+
+        yield ask
+        server.shutdown()
+        thread.join()
+
+
+def test_the_page_shows_the_episodes(get):
+    """With the replay and how many cells are done."""
+    status, text = get("/")
+    assert status == 200
+    assert 'id="replay-player"' in text
+    assert "2 of 2 cells are done." in text
+
+
+def test_the_page_tells_when_more_cells_ended(get, experiment):
+    """The state that it asks for is another when a cell's folder is there."""
+    _, before = get("/state")
+    gone = next((experiment / "cells").iterdir())
+    shutil.rmtree(gone)
+    _, after = get("/state")
+    assert before != after
+    assert "1 of 2 cells are done." in get("/")[1]
+
+
+def test_nothing_else_is_served(get):
+    """No file of the folder, and nothing to a page of elsewhere that has this machine asked by another name."""
+    assert get("/plan.json")[0] == 404
+    assert get("/", host="evil.example:80")[0] == 404
+
+
+def test_a_taken_port_is_refused(experiment):
+    """The message says what to do."""
+    pages = Pages(experiment)
+    with open_server(pages, 0) as server, pytest.raises(UsageError, match="Give another"):
+        open_server(pages, server.server_port)
+
+
+def test_a_folder_that_is_no_experiment_is_refused(harness, tmp_path):
+    """Before anything is served."""
+    answer = harness("watch", tmp_path, "--no-browser")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)

@@ -1,0 +1,90 @@
+"""Episodes to be shown."""
+
+import numpy as np
+import pytest
+
+from harness.errors import SchemaError, UsageError
+from harness.record.folder import EVALUATION, SCENE
+from harness.record.trace import read_trace
+from harness.results import Results
+from harness.results.replay import choose_episodes, first_show, show_cells, shows_of
+
+R, G, T = "reached", "ground", "time-out"
+
+
+def test_episodes_that_end_differently_are_chosen_before_others():
+    """The first one, those that differ, one where all fail, then the first of the others."""
+    baseline = [R, R, R, T, R, T, R, R]
+    proposed = [R, R, R, R, R, G, R, T]
+    assert choose_episodes([baseline, proposed], 4) == [0, 3, 5, 7]
+    assert choose_episodes([baseline, proposed], 5) == [0, 1, 3, 5, 7]
+
+
+def test_a_failure_is_chosen_where_no_episodes_differ():
+    """What went wrong on every side tells more than another success."""
+    assert choose_episodes([[R, R, R, R, T], [R, R, R, R, T]], 2) == [0, 4]
+
+
+def test_no_more_episodes_are_chosen_than_there_are():
+    """All of a short evaluation."""
+    assert choose_episodes([[R, T]], 6) == [0, 1]
+
+
+def test_both_sides_of_a_show_begin_alike(recorded: Results):
+    """The same poses, the same targets, under both rewards."""
+    (show,) = shows_of(recorded)
+    baseline, proposed = show.sides
+    assert (baseline.title, proposed.title) == ("Baseline: baseline", "Proposed: arp")
+    assert len(show.numbers) == len(baseline.episodes) == 4
+    for one, other in zip(baseline.episodes, proposed.episodes, strict=True):
+        np.testing.assert_array_equal(one.qpos[0], other.qpos[0])
+        np.testing.assert_array_equal(one.target[0], other.target[0])
+
+
+def test_an_episode_is_what_was_recorded(recorded: Results):
+    """Joint positions, distances and what was paid are those of the trace; the arm is where these say."""
+    (show,) = shows_of(recorded)
+    side = show.sides[1]
+    trace = read_trace(recorded.folder / "cells" / side.cell / EVALUATION)
+    rows, episode = trace.episodes[0], side.episodes[0]
+    kept = rows[episode.steps]
+    np.testing.assert_array_equal(episode.qpos, trace["qpos"][kept])
+    np.testing.assert_array_equal(episode.distance, trace["distance"][kept])
+    events = sum(trace[f"reward_{event}"][rows].sum() for event in ("ground", "target", "step"))
+    assert episode.paid[-1] == pytest.approx(trace["reward"][rows].sum() + events)
+    assert episode.steps[-1] == len(rows) - 1
+
+
+def test_cells_are_shown_by_the_beginnings_of_their_ids(recorded: Results):
+    """In the order in which they are named."""
+    ids = [manifest.cell.id for manifest in recorded.manifests]
+    show = show_cells(recorded, [ids[1][:8], ids[0]], 2)
+    assert [side.cell for side in show.sides] == [ids[1], ids[0]]
+    assert show.numbers == (1, 2)
+
+
+def test_an_id_that_no_cell_has_is_refused(recorded: Results):
+    """The message says where ids stand."""
+    with pytest.raises(UsageError, match=r"results\.parquet"):
+        show_cells(recorded, ["zz"])
+
+
+def test_cells_of_an_earlier_version_are_not_shown(recorded: Results):
+    """Without a scene there is nothing to draw; a film of nothing is refused."""
+    for path in recorded.folder.glob(f"cells/*/{SCENE}"):
+        path.unlink()
+    assert shows_of(recorded) == ()
+    with pytest.raises(UsageError, match="earlier version"):
+        first_show(recorded, 3)
+
+
+def test_an_arm_of_other_joints_is_refused(recorded: Results):
+    """A scene that does not belong to the recording is damaged."""
+    for path in recorded.folder.glob(f"cells/*/{SCENE}"):
+        path.write_text(
+            path.read_text().replace(
+                '"joints":[{', '"joints":[{"frame":[1,0,0,0,0,1,0,0,0,0,1,0],"axis":[0,0,1],"slides":false},{'
+            )
+        )
+    with pytest.raises(SchemaError, match="7 joints"):
+        shows_of(recorded)

@@ -1,0 +1,72 @@
+"""What is drawn of a robot."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.record.scene import Scene
+from harness.robot import Robot
+from harness.robot.kinematics import child_frames, end_effector_position
+from harness.robot.load import load_robot
+from harness.scene.picture import chain_of, corners_of
+from harness.scene.scene import FEWEST, TRIANGLES, scene_of
+from tests.scene.conftest import meshed
+
+RNG = np.random.default_rng(5)
+
+
+def test_the_tip_of_the_drawn_arm_is_the_robots(robot: Robot, scene: Scene):
+    """What was written moves as the robot does, in any pose."""
+    poses = RNG.uniform(robot.lower, robot.upper, (50, robot.dof))
+    np.testing.assert_allclose(end_effector_position(chain_of(scene), poses), robot.end_effector(poses), atol=1e-12)
+
+
+def test_triangles_move_with_their_joint(robot: Robot, scene: Scene):
+    """Each body keeps its place in its joint's frame; what no joint moves stands still."""
+    poses = RNG.uniform(robot.lower, robot.upper, (2, robot.dof))
+    joints = np.concatenate([[body.joint] * len(body.faces) for body in scene.bodies]).astype(int)
+    local = []
+    for pose in poses:
+        frames = np.stack([np.eye(4), *child_frames(robot.chain, pose)])
+        corners, _ = corners_of(scene, pose)
+        inverse = np.linalg.inv(frames)[joints + 1]
+        local.append(np.einsum("tij,tkj->tki", inverse[:, :3, :3], corners) + inverse[:, None, :3, 3])
+    np.testing.assert_allclose(local[0], local[1], atol=1e-9)
+
+
+def test_the_drawn_fd100_lies_where_its_shapes_are():
+    """Its hand is drawn around the end effector, and its foot stands on the ground."""
+    robot = load_robot("fd100")
+    corners, _ = corners_of(scene_of(robot), robot.home)
+    assert np.linalg.norm(corners.reshape(-1, 3) - robot.end_effector(robot.home), axis=1).min() < 0.05
+    assert corners[..., 2].min() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_every_triangle_faces_outwards(robot: Robot, scene: Scene):
+    """Also those of a mesh that is mirrored: the volume of each body is positive."""
+    for body in scene.bodies:
+        centred = body.points - body.points.mean(axis=0)
+        first, second, third = np.moveaxis(centred[body.faces.astype(int)], 1, 0)
+        assert (first * np.cross(second, third)).sum() > 0
+
+
+def test_colours_are_those_of_the_urdf(tmp_path: Path):
+    """A material that stands outside the links counts by its name."""
+    assert {body.colour for body in scene_of(meshed(tmp_path)).bodies} == {"#ff0000"}
+    assert {body.colour for body in scene_of(load_robot("fd100")).bodies} == {"#33363b", "#ed6b17", "#b8babf"}
+
+
+def test_what_collides_stands_in_for_a_mesh_that_is_not_read(tmp_path: Path):
+    """Of COLLADA nothing is drawn: the ball of that link is, in the colour of its visual shape."""
+    scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "part.dae", "part.stl")))
+    counts = {body.joint: len(body.faces) for body in scene.bodies}
+    assert counts[0] == counts[-1] == 12
+    assert counts[1] > 100
+    assert np.abs(next(body.points for body in scene.bodies if body.joint == 1)).max() == pytest.approx(0.05)
+
+
+def test_an_arm_has_so_many_triangles_at_most(robot: Robot, scene: Scene):
+    """A page of several arms stays small."""
+    assert sum(len(body.faces) for body in scene.bodies) <= TRIANGLES
+    assert FEWEST * 1_000 <= 50_000, "else an arm of the most shapes that are read could not be written"
