@@ -1,5 +1,7 @@
 """What an audit says, in plain words."""
 
+from collections.abc import Sequence
+
 from harness.audit.audit import Audit
 from harness.audit.number import number
 from harness.audit.payoff import Payoff, Temptation
@@ -9,7 +11,7 @@ from harness.audit.scripted import CREEP, FINISH, HOLD, HOVER
 def verdict_of(audit: Audit) -> list[str]:
     """One line on finishing, and one for whatever else needs a warning."""
     payoffs = {payoff.policy: payoff for payoff in audit.payoffs}
-    lines = [_on_finishing(audit, payoffs)]
+    lines = [on_finishing(audit.gamma, audit.payoffs, audit.undiscounted, audit.discounted)]
     if audit.holding_pays:
         lines.append(_on_holding(audit, payoffs[HOLD]))
     if payoffs[FINISH].success < 1.0:
@@ -22,18 +24,27 @@ def verdict_of(audit: Audit) -> list[str]:
     return lines
 
 
-def _on_finishing(audit: Audit, payoffs: dict[str, Payoff]) -> str:
-    """Rests on the discounted return, which is what a learner is after."""
-    rate = f"discounted by {audit.gamma:g}"
-    if audit.undiscounted and audit.discounted:
-        plain, discounted = audit.undiscounted[0], audit.discounted[0]
-        return f"Not finishing pays more than finishing: {_compare(plain)}; {rate} {_compare(discounted)}."
-    if audit.discounted:
-        return f"Not finishing pays more than finishing: {rate} {_compare(audit.discounted[0])}; without discount less."
-    if audit.undiscounted:
-        return f"Finishing pays most {rate}; without discount it does not: {_compare(audit.undiscounted[0])}."
-    finish = payoffs[FINISH]
-    others = [payoff for payoff in audit.payoffs if payoff.success < finish.success]
+def on_finishing(
+    gamma: float, payoffs: Sequence[Payoff], undiscounted: Sequence[Temptation], discounted: Sequence[Temptation]
+) -> str:
+    """Whether finishing is what pays; rests on the discounted return, which is what a learner is after.
+
+    Args:
+        gamma: Discount per step.
+        payoffs: One of each scripted policy, the best return first.
+        undiscounted: What pays more than finishing, without discount.
+        discounted: The same with it.
+    """
+    rate = f"discounted by {gamma:g}"
+    if undiscounted and discounted:
+        told = f"{_compare(undiscounted[0])}; {rate} {_compare(discounted[0])}"
+        return f"Not finishing pays more than finishing: {told}."
+    if discounted:
+        return f"Not finishing pays more than finishing: {rate} {_compare(discounted[0])}; without discount less."
+    if undiscounted:
+        return f"Finishing pays most {rate}; without discount it does not: {_compare(undiscounted[0])}."
+    finish = next(payoff for payoff in payoffs if payoff.policy == FINISH)
+    others = [payoff for payoff in payoffs if payoff.success < finish.success]
     beside = f", {others[0].policy} {number(others[0].total)}" if others else ""
     return f"Finishing pays most: finish earns {number(finish.total)} per episode{beside}."
 

@@ -19,6 +19,7 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     Raises:
         StorageError: The folder cannot be written.
     """
+    from harness.cli.audits import audits_of
     from harness.files.sums import note_made
     from harness.record.out_folder import storage_errors
     from harness.record.store import REPORT
@@ -29,7 +30,7 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     say(f"Results: {results.folder}", err)
     try:
         with storage_errors(results.folder):
-            write_html(results, results.folder / REPORT)
+            write_html(results, results.folder / REPORT, audits_of(results))
             note_made(results.folder / REPORT)
         say(f"Report:  {results.folder / REPORT}", err)
     except UsageError as error:  # the extra is missing: the results are there all the same

@@ -65,10 +65,11 @@ def _leave(
 ) -> None:
     """Write and print what is asked for; by default the table."""
     if html is not None:
+        from harness.cli.audits import audits_of
         from harness.files.sums import note_made
         from harness.report.html import write_html
 
-        write_html(results, html)
+        write_html(results, html, audits_of(results))
         if html.absolute().parent == results.folder.absolute():
             note_made(html)  # in place of the page that the run made, as the folder's SHA256SUMS tells
         say(f"Report: {html}", err=True)

@@ -1,93 +1,73 @@
-"""The figures of a parity: how far apart tips and joints are over time, a line per pair.
-
-Figures are plain data in plotly's JSON schema, as those of the report.
-"""
+"""The figures of a parity: how far apart tips and joints are over time, a line per pair."""
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.parity.grids import pair_name, reference_pairs
 from harness.parity.parity import Pair, Parity
-from harness.report.figure import Figure
-from harness.report.palette import FONT, GRID, INK
+from harness.report.chart import Axis, Chart, Line, linear_axis
 from harness.report.points import select_points
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#1a1a1a")
-"""Apart for every kind of colour vision (Okabe and Ito)."""
-DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
+COLOURS = 7
+"""Of the page's style sheet, ``pair-0`` and so on: apart for every kind of colour vision."""
+DASHES = ("", "8 4", "2 3", "8 3 2 3", "14 4")
 """Lines of pairs may cover one another: each has its own dashes as well. Their number and the colours' share no
 factor, so that all 35 combinations come."""
-
-LEGEND_LINE = 20
-"""Height, [px]."""
-
-
-def draw_tips(parity: Parity) -> Figure:
-    """The distance of the tips at each time, the largest over all motions, [mm]."""
-    return _draw(parity, "max_tip_error_m", 1e3, "distance of the tips [mm]", "mm")
+DECADES = 9
+"""The logarithmic axis spans so many, at most: what is smaller counts for none."""
 
 
-def draw_joints(parity: Parity) -> Figure:
-    """The same of the joint that is farthest off, [deg]."""
-    return _draw(parity, "max_joint_error_rad", math.degrees(1.0), "difference of a joint [deg]", "deg")
+class Curve(NamedTuple):
+    """What is drawn of every pair."""
+
+    name: str
+    factor: float
+    """From its unit in the record to the drawn one."""
+    label: str
+    unit: str
 
 
-def _draw(parity: Parity, curve: str, factor: float, label: str, unit: str) -> Figure:
-    """What is not measured from the reference is in the legend alone until it is clicked; without any, all is shown."""
-    shown = reference_pairs(parity) or parity.pairs
-    lines = [
-        {
-            **_line(number, pair, parity.setting.period, factor * pair.drift.curves()[curve], unit),
-            "visible": True if pair in shown else "legendonly",
-        }
+TIPS = Curve("max_tip_error_m", 1e3, "distance of the tips [mm]", "mm")
+JOINTS = Curve("max_joint_error_rad", math.degrees(1.0), "difference of a joint [deg]", "deg")
+
+
+def draw_pairs(parity: Parity, curve: Curve) -> Chart:
+    """The largest difference over all motions at each time, from the reference; without any, of all pairs."""
+    lines = [line for pair, line in _lines(parity, curve) if pair in (reference_pairs(parity) or parity.pairs)]
+    high = max((max(line.y) for line in lines), default=0.0) or 1.0
+    return Chart(_time(lines), linear_axis(0.0, 1.04 * high, curve.label), tuple(lines))
+
+
+def draw_all_pairs(parity: Parity, curve: Curve) -> Chart | None:
+    """All pairs on a logarithmic axis, on which a difference of 0 has no place; None where there is no other."""
+    lines = [line for _, line in _lines(parity, curve)]
+    high = max((max(line.y) for line in lines), default=0.0)
+    if high <= 0.0:
+        return None
+    least = min(value for line in lines for value in line.y if value > 0.0)
+    first = max(math.floor(math.log10(least)), math.ceil(math.log10(high)) - DECADES)
+    decades = range(first, math.ceil(math.log10(high)) + 1)
+    ticks = tuple((10.0**decade, f"1e{decade}") for decade in decades)
+    floor = 10.0**first
+    drawn = [line._replace(y=[value if value >= floor else math.nan for value in line.y]) for line in lines]
+    axis = Axis(floor, max(10.0 * floor, 10.0 ** decades[-1]), curve.label, ticks, is_log=True)
+    return Chart(_time(lines), axis, tuple(drawn))
+
+
+def _time(lines: Sequence[Line]) -> Axis:
+    return linear_axis(0.0, max((line.x[-1] for line in lines), default=1.0) or 1.0, "time [s]")
+
+
+def _lines(parity: Parity, curve: Curve) -> list[tuple[Pair, Line]]:
+    return [
+        (pair, _line(number, pair, parity.setting.period, curve.factor * pair.drift.curves()[curve.name]))
         for number, pair in enumerate(parity.pairs)
     ]
-    return {"data": lines, "layout": _layout(label, len(lines))}
 
 
-def _line(number: int, pair: Pair, period: float, values: Float, unit: str) -> Figure:
+def _line(number: int, pair: Pair, period: float, values: Float) -> Line:
     points = select_points(values)
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": pair_name(pair),
-        "x": [float(f"{time:.6g}") for time in (points * period).tolist()],
-        "y": [float(f"{value:.6g}") for value in values[points].tolist()],
-        "line": {"color": COLOURS[number % len(COLOURS)], "dash": DASHES[number % len(DASHES)], "width": 2},
-        "hovertemplate": f"{pair_name(pair)}: %{{y:.3~g}} {unit} at %{{x:g}} s<extra></extra>",
-    }
-
-
-def _layout(label: str, lines: int) -> Figure:
-    axis = {"showline": True, "linecolor": INK, "gridcolor": GRID, "ticks": "outside", "automargin": True}
-    return {
-        "font": {"family": FONT, "size": 13, "color": INK},
-        "paper_bgcolor": "#ffffff",
-        "plot_bgcolor": "#ffffff",
-        "height": 340 + LEGEND_LINE * lines,
-        "margin": {"l": 10, "r": 24, "t": 44, "b": 60 + LEGEND_LINE * lines},
-        "showlegend": True,
-        "legend": {
-            "orientation": "h",
-            "yref": "container",
-            "y": 0,
-            "yanchor": "bottom",
-            "entrywidth": 1,
-            "entrywidthmode": "fraction",
-        },
-        "hovermode": "closest",
-        "dragmode": False,  # a finger on the panel scrolls the page
-        "updatemenus": [_scale_buttons()],
-        "xaxis": {**axis, "title": {"text": "time [s]"}, "zeroline": False},
-        "yaxis": {**axis, "title": {"text": label}, "rangemode": "tozero", "exponentformat": "power"},
-    }
-
-
-def _scale_buttons() -> Figure:
-    """Linear first: a pair without any difference has no place on a logarithmic axis."""
-    buttons = [
-        {"label": f"{scale} axis", "method": "relayout", "args": [{"yaxis.type": scale, "yaxis.autorange": True}]}
-        for scale in ("linear", "log")
-    ]
-    place = {"x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom", "pad": {"b": 6}}
-    return {"type": "buttons", "direction": "right", "showactive": True, "buttons": buttons, **place}
+    colour, dash = f"pair-{number % COLOURS}", DASHES[number % len(DASHES)]
+    return Line((points * period).tolist(), values[points].tolist(), colour, pair_name(pair), dash=dash, in_legend=True)

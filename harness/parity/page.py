@@ -2,12 +2,14 @@
 
 from pathlib import Path
 
-from harness.parity.figure import draw_joints, draw_tips
+from harness.parity.figure import JOINTS, TIPS, draw_all_pairs, draw_pairs
 from harness.parity.grids import failures, not_installed, pair_grids, setting_text, simulator_grid, title, verdict
 from harness.parity.parity import Parity
+from harness.report.draw import draw_chart
 from harness.report.page import render_page, write_page
 
 TEMPLATE = Path(__file__).parent / "parity.html.j2"
+TOLD = "how far two simulators are apart over time. The tables have the largest values."
 
 
 def write_parity(parity: Parity, path: Path) -> None:
@@ -16,7 +18,8 @@ def write_parity(parity: Parity, path: Path) -> None:
     Raises:
         UsageError: A library of the extra ``report`` is missing, or `path` cannot be written.
     """
-    panels = [("Tips", draw_tips(parity)), ("Joints", draw_joints(parity))] if parity.pairs else []
+    curves = [("Tips", TIPS), ("Joints", JOINTS)] if parity.pairs else []
+    everything = [(heading, draw_all_pairs(parity, curve)) for heading, curve in curves]
     grids = [grid for grid in (*pair_grids(parity), simulator_grid(parity)) if grid.rows]
     page = render_page(
         TEMPLATE,
@@ -24,7 +27,8 @@ def write_parity(parity: Parity, path: Path) -> None:
         title=title(parity),
         setting=setting_text(parity),
         verdict=verdict(parity),
-        panels=panels,
+        panels=[(heading, draw_chart(draw_pairs(parity, curve), f"{heading}: {TOLD}")) for heading, curve in curves],
+        all_panels=[(heading, draw_chart(chart, f"{heading}: {TOLD}")) for heading, chart in everything if chart],
         grids=grids,
         failures=failures(parity),
         not_installed=not_installed(parity),

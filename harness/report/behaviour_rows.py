@@ -32,6 +32,12 @@ def behaviour_grids(combination: Combination) -> list[Grid]:
     return [grid for grid in grids if grid.rows]
 
 
+def defined_changes(combination: Combination, manner: str) -> list[Change]:
+    """The success rate first; what is not defined under either reward is left out."""
+    changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
+    return sorted(changes, key=lambda change: change.name != SUCCESS)
+
+
 def behaviour_row(change: Change) -> BehaviourRow:
     """One measure."""
     text = _text_of(change)
@@ -68,9 +74,7 @@ def seeds_grid(combination: Combination) -> Grid:
 
 
 def _grid(combination: Combination, manner: str) -> Grid:
-    """The success rate first; what is not defined under either reward is left out."""
-    changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
-    ordered = sorted(changes, key=lambda change: change.name != SUCCESS)
+    ordered = defined_changes(combination, manner)
     notes = [
         f"{change.name.replace('_', ' ')}: {count_seeds(change.seeds)} compared, {change.left_out} without a value"
         for change in ordered

@@ -2,15 +2,17 @@
 
 from pathlib import Path
 
-from harness.eta.curve import GroupCurve, Kind
+from harness.eta.curve import GroupCurve
 from harness.eta.scored_sums import BB, KK
+from harness.report.chart import Chart, Line, linear_axis
+from harness.report.draw import draw_chart
 from harness.report.eta_table import comparison_title, runs_text
-from harness.report.figure import Figure, draw_curve
+from harness.report.figure import draw_curve
 from harness.report.page import render_page, write_page
-from harness.report.palette import BLUE, FONT, GRID, INK, VERMILION
 from harness.score.compare import Comparison
 
 TEMPLATE = Path(__file__).parent / "eta.html.j2"
+FIGURE = "The {kind} reward of every run over environment steps, and the mean of each group."
 
 
 def write_eta_page(comparison: Comparison, path: Path) -> None:
@@ -25,37 +27,34 @@ def write_eta_page(comparison: Comparison, path: Path) -> None:
         title=comparison_title(comparison),
         runs=runs_text(comparison),
         number=comparison.number,
-        kind=comparison.kind,
-        figure=draw_groups(comparison),
+        figure=draw_chart(draw_groups(comparison), FIGURE.format(kind=comparison.kind)),
     )
     write_page(page, path, "The figure")
 
 
-def draw_groups(comparison: Comparison) -> Figure:
+def draw_groups(comparison: Comparison) -> Chart:
     """Both groups in one panel: a thin line per run, a thick one for their mean."""
-    baseline = _group_lines(comparison.curves[BB], "baseline", BLUE)
-    proposed = _group_lines(comparison.curves[KK], "proposed", VERMILION)
-    return {"data": [*baseline, *proposed], "layout": _layout(comparison.kind)}
-
-
-def _group_lines(curve: GroupCurve, who: str, colour: str) -> list[Figure]:
-    runs = curve.runs
-    thin, thick = {"color": colour, "width": 1}, {"color": colour, "width": 3.5}
     lines = [
-        {**draw_curve(run, curve.stride, f"{who} run {number}", thin, opacity=0.4), "showlegend": False}
+        line
+        for who, pair in (("baseline", BB), ("proposed", KK))
+        for line in _group_lines(comparison.curves[pair], who)
+    ]
+    low, high = (bound(bound(line.y) for line in lines) for bound in (min, max))
+    air = 0.04 * (high - low) or 1.0
+    last = max(1.0, *(line.x[-1] for line in lines))
+    return Chart(
+        linear_axis(0.0, last, "environment step", 5),
+        linear_axis(low - air, high + air, f"{comparison.kind} reward"),
+        tuple(lines),
+        height=260.0,
+    )
+
+
+def _group_lines(curve: GroupCurve, who: str) -> list[Line]:
+    runs = curve.runs
+    lines = [
+        draw_curve(run, curve.stride, f"{who} run {number}", who)._replace(width=1.0, opacity=0.5)
         for number, run in enumerate(runs, 1)
     ]
-    return [*lines, draw_curve(runs.mean(axis=0), curve.stride, f"{who}, mean of {len(runs)}", thick)]
-
-
-def _layout(kind: Kind) -> Figure:
-    axis = {"showline": True, "linecolor": INK, "gridcolor": GRID, "automargin": True}
-    return {
-        "font": {"family": FONT, "size": 13, "color": INK},
-        "plot_bgcolor": "#ffffff",
-        "height": 520,
-        "showlegend": True,
-        "legend": {"orientation": "h", "y": 1.1},
-        "xaxis": {**axis, "title": {"text": "environment step"}, "tickformat": ",d"},
-        "yaxis": {**axis, "title": {"text": f"{kind} reward"}, "zerolinecolor": "#767676"},
-    }
+    mean = draw_curve(runs.mean(axis=0), curve.stride, f"{who}, mean of {len(runs)}", who)
+    return [*lines, mean._replace(width=3.0, in_legend=True)]

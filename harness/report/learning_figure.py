@@ -1,23 +1,23 @@
 """The figure of learning: a measure of behaviour over environment steps, under both rewards and by random actions."""
 
-from typing import Any
-
-from harness.report.figure import Figure
-from harness.report.palette import BLUE, FONT, GREY, GRID, INK, VERMILION, faint
+from harness.report.chart import Area, Chart, Dots, Line, Shape, linear_axis, share_axis
 from harness.results.learning import Learning, LearningCurve, Point
 
 
-def draw_learning(learning: Learning, metric: str) -> Figure:
+def draw_learning(learning: Learning, metric: str) -> Chart:
     """A share such as the success rate: means as lines, intervals as bands, random actions as a dotted line."""
-    curves = ((learning.baseline, BLUE, "circle"), (learning.proposed, VERMILION, "diamond"))
-    known = [(curve, curve.known(metric), colour, symbol) for curve, colour, symbol in curves]
-    data = [_band(curve.band(metric), colour) for curve, colour, _ in curves]
-    data += [_line(curve.reward, points, colour, symbol) for curve, points, colour, symbol in known]
-    last = learning.last_step(metric)
-    floor = learning.random[metric]
+    curves: tuple[tuple[LearningCurve, str, Shape], ...] = (
+        (learning.baseline, "baseline", "circle"),
+        (learning.proposed, "proposed", "diamond"),
+    )
+    last, floor = learning.last_step(metric), learning.random[metric]
+    bands = [_band(curve.band(metric), colour) for curve, colour, _ in curves]
+    lines = [_line(curve.reward, curve.known(metric), colour) for curve, colour, _ in curves]
+    dots = [_dots(curve.known(metric), colour, shape) for curve, colour, shape in curves]
     if floor is not None:
-        data.append(_floor(floor, last))
-    return {"data": data, "layout": _layout(metric.replace("_", " "), last)}
+        lines.append(Line([0, last], [floor, floor], "random", "random actions", dash="2 4", in_legend=True))
+    steps = linear_axis(0.0, last, "environment step", 5)
+    return Chart(steps, share_axis(metric.replace("_", " ")), (*bands, *lines, *dots))
 
 
 def describe_learning(learning: Learning, metric: str) -> str:
@@ -35,74 +35,23 @@ def _told(curve: LearningCurve, metric: str) -> str:
     return f"{curve.reward} {', '.join(ends)}"
 
 
-def _band(there: list[tuple[int, float, float]], colour: str) -> Figure:
+def _band(there: list[tuple[int, float, float]], colour: str) -> Area:
     """Around the means, there and back; empty of a single seed."""
     back = there[::-1]
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "x": [steps for steps, _, _ in [*there, *back]],
-        "y": [*(high for _, _, high in there), *(low for _, low, _ in back)],
-        "fill": "toself",
-        "fillcolor": faint(colour),
-        "line": {"width": 0, "color": colour},
-        "hoverinfo": "skip",
-        "showlegend": False,
-    }
+    ends = [*(high for _, _, high in there), *(low for _, low, _ in back)]
+    return Area([steps for steps, _, _ in [*there, *back]], ends, colour)
 
 
-def _line(reward: str, points: list[Point], colour: str, symbol: str) -> Figure:
-    return {
-        "type": "scatter",
-        "mode": "lines+markers",
-        "name": reward,
-        "x": [point.steps for point in points],
-        "y": [point.value.mean for point in points],
-        "line": {"color": colour, "width": 2.5},
-        "marker": {"color": colour, "size": 7, "symbol": symbol},
-        "cliponaxis": False,
-        "hovertemplate": f"{reward}: %{{y:.1%}} after %{{x:,}} steps<extra></extra>",
-    }
+def _line(reward: str, points: list[Point], colour: str) -> Line:
+    return Line(*_means(points), colour, reward, width=2.5, in_legend=True)
 
 
-def _floor(share: float, last: int) -> Figure:
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": "random actions",
-        "x": [0, last],
-        "y": [share, share],
-        "line": {"color": GREY, "width": 2, "dash": "dot"},
-        "hovertemplate": "random actions: %{y:.1%}<extra></extra>",
-    }
+def _dots(points: list[Point], colour: str, shape: Shape) -> Dots:
+    steps, means = _means(points)
+    told = tuple(f"{mean:.1%} after {step:,.0f} steps" for step, mean in zip(steps, means, strict=True))
+    return Dots(steps, means, colour, told, shape, size=3.5)
 
 
-def _layout(title: str, last: int) -> Figure:
-    axis: dict[str, Any] = {
-        "showline": True,
-        "linecolor": INK,
-        "gridcolor": GRID,
-        "ticks": "outside",
-        "automargin": True,
-        "zeroline": False,
-    }
-    return {
-        "font": {"family": FONT, "size": 13, "color": INK},
-        "paper_bgcolor": "#ffffff",
-        "plot_bgcolor": "#ffffff",
-        "height": 390,
-        "margin": {"l": 10, "r": 24, "t": 68, "b": 10},  # room for the legend below the buttons
-        "showlegend": True,
-        "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
-        "hovermode": "closest",
-        "dragmode": False,  # a finger on the figure scrolls the page
-        "xaxis": {
-            **axis,
-            "range": [0, last],
-            "title": {"text": "environment step"},
-            "tickformat": ",d",
-            "tickangle": 0,
-            "nticks": 6,
-        },
-        "yaxis": {**axis, "range": [-0.02, 1.02], "title": {"text": title}, "tickformat": ".0%", "fixedrange": True},
-    }
+def _means(points: list[Point]) -> tuple[list[float], list[float]]:
+    known = [(float(point.steps), point.value.mean) for point in points if point.value.mean is not None]
+    return [steps for steps, _ in known], [mean for _, mean in known]

@@ -1,7 +1,5 @@
 """One HTML file that opens anywhere, offline."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -10,40 +8,23 @@ from harness.files.whole_file import write_whole
 
 
 def render_page(template: Path, noun: str, **values: Any) -> str:
-    """The page that `template` makes of `values` and of ``plotly_js``, the library that draws its figures.
+    """The page that `template` makes of `values`; it may include what lies beside this module, such as the style sheet.
 
     Raises:
-        UsageError: A library of the extra ``report`` is missing; `noun` says what for.
+        UsageError: The extra ``report`` is missing; `noun` says what for.
     """
-    with _telling_what_is_missing(noun):
-        from plotly.offline import get_plotlyjs
-    return render_part(template, noun, **values, plotly_js=get_plotlyjs())
-
-
-def render_part(template: Path, noun: str, **values: Any) -> str:
-    """What `template` makes of `values`, every one of them escaped.
-
-    Raises:
-        UsageError: A library of the extra ``report`` is missing; `noun` says what for.
-    """
-    with _telling_what_is_missing(noun):
+    try:
         import jinja2
+    except ImportError as error:
+        raise UsageError(f"{noun} needs {error.name}: pip install 'fd100-harness[report]'") from error
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(template.parent),
+        loader=jinja2.FileSystemLoader([template.parent, Path(__file__).parent]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     return environment.get_template(template.name).render(**values)
-
-
-@contextmanager
-def _telling_what_is_missing(noun: str) -> Iterator[None]:
-    try:
-        yield
-    except ImportError as error:
-        raise UsageError(f"{noun} needs {error.name}: pip install 'fd100-harness[report]'") from error
 
 
 def write_page(page: str, path: Path, noun: str) -> None:

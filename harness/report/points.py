@@ -5,11 +5,11 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 
-POINTS = 1_000
-"""Points drawn per curve, at most: more than a panel has pixels; every step of every run would make 100 MB pages."""
+POINTS = 440
+"""Points drawn per curve, at most: as many as a panel has pixels; every step of every run would make 100 MB pages."""
 
-ON_A_PAGE = 400_000
-"""Points of all single runs on a page together: about 7 MB."""
+ON_A_PAGE = 100_000
+"""Points of all single runs on a page together: about 1.2 MB."""
 FEWEST = 40
 """Of one run: its shape can still be seen."""
 

@@ -69,7 +69,7 @@ def test_rows_behind_the_shortest_run_are_told(harness, recorded, tmp_path: Path
 
 def test_plot_writes_a_page(harness, recorded, tmp_path: Path):
     """Where it is told, and says so on standard error; the table goes to standard output as ever."""
-    pytest.importorskip("plotly")
+    pytest.importorskip("jinja2")
     answer = harness("eta", *recorded, "--plot", "curves.html")
     assert (answer.status, answer.err) == (0, "Figure: curves.html\n")
     assert "eta_N" in answer.out

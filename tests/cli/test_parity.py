@@ -120,7 +120,7 @@ def test_by_default_all_that_are_installed_are_compared(harness, monkeypatch):
 
 def test_html_writes_a_page_beside_the_table(harness, tmp_path):
     """Told on standard error."""
-    pytest.importorskip("plotly")
+    pytest.importorskip("jinja2")
     answer = harness("parity", "--sim", "exact,high", "--html", "p.html", *FEW)
     assert (answer.status, answer.err) == (0, "Page: p.html\n")
     assert "1 mm (high)" in answer.out

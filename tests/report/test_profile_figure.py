@@ -17,21 +17,25 @@ def change(baseline: list[float], proposed: list[float]) -> Change:
     )
 
 
+def at(line, place):
+    """Which share of the seeds reaches at least so much: before the line falls there."""
+    return line.y[line.x.index(place)]
+
+
 def test_lines_count_seeds():
     """At 50 % both seeds of the baseline are there and one of the proposed reward; at 100 % the other way round."""
-    figure = draw_profile(change([0.5, 0.9], [0.2, 1.0]))
-    assert figure is not None
-    baseline, proposed = figure["data"]
-    at = [baseline["x"].index(0.5), baseline["x"].index(1.0)]
-    assert [baseline["y"][i] for i in at] == [1.0, 0.0]
-    assert [proposed["y"][i] for i in at] == [0.5, 0.5]
+    chart = draw_profile(change([0.5, 0.9], [0.2, 1.0]))
+    assert chart is not None
+    baseline, proposed = chart.marks
+    assert [at(baseline, 0.5), at(baseline, 1.0)] == [1.0, 0.0]
+    assert [at(proposed, 0.5), at(proposed, 1.0)] == [0.5, 0.5]
 
 
 def test_a_share_that_is_reached_exactly_counts():
     """0.1 + 0.2 in floats is a little more than 0.3: who has 0.3 reaches 0.3."""
-    figure = draw_profile(change([0.3], [np.nextafter(0.3, 0.0)]))
-    assert figure is not None
-    assert [line["y"][line["x"].index(0.3)] for line in figure["data"]] == [1.0, 1.0]
+    chart = draw_profile(change([0.3], [np.nextafter(0.3, 0.0)]))
+    assert chart is not None
+    assert [at(line, 0.3) for line in chart.marks] == [1.0, 1.0]
 
 
 def test_without_a_seed_there_is_none():

@@ -44,10 +44,10 @@ def replay_of(shows: Sequence[Show]) -> Replay | None:
     """
     if not shows:
         return None
-    from harness.report.page import render_part
+    from harness.report.page import render_page
 
     sides = max(len(show.sides) for show in shows)
-    html = render_part(TEMPLATE, "The replay", data=replay_data(shows), sides=sides)
+    html = render_page(TEMPLATE, "The replay", data=replay_data(shows), sides=sides)
     return Replay(html, _text("replay.css"), _text("replay.js"))
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.report.page import render_part
+from harness.report.page import render_page
 from harness.report.question import question
 from harness.report.replay.section import replay_of
 from harness.results import Results
@@ -24,7 +24,7 @@ def watch_page(results: Results, state: str) -> str:
         UsageError: A library of the extra ``report`` is missing.
         SchemaError: A file is damaged or written by a newer version.
     """
-    return render_part(
+    return render_page(
         TEMPLATE,
         "The replay",
         title=question(results),

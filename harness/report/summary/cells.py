@@ -31,7 +31,7 @@ def write_cells(results: Results) -> str:
     text = StringIO()
     writer = csv.DictWriter(text, [*_describe_names(), *OWN, *results.metrics], lineterminator="\n")
     writer.writeheader()
-    writer.writerows({name: _plain(value) for name, value in row.items()} for row in rows)
+    writer.writerows({name: plain_text(value) for name, value in row.items()} for row in rows)
     return text.getvalue()
 
 
@@ -63,7 +63,7 @@ def _own(results: Results, manifest: Manifest) -> dict[str, Any]:
     return dict(zip(OWN, (index.first_negative, index.crossover, *sums, final), strict=True))
 
 
-def _plain(value: Any) -> str:
+def plain_text(value: Any) -> str:
     """Python's own text of a float is the shortest that gives the same float back."""
     if value is None:
         return ""

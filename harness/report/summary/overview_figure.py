@@ -4,6 +4,7 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from harness.report.apart import tell_apart
 from harness.report.palette import GREEN, GREY, GRID, INK
 from harness.report.rows import BETTER, SCALES
 from harness.report.split_rows import SplitRow
@@ -41,11 +42,8 @@ def draw_overview(combinations: Sequence[Combination], missing: Sequence[str]) -
 def name_apart(combinations: Sequence[Combination]) -> tuple[str, list[str]]:
     """What all combinations share, and for each what it does not."""
     told = [_parts(combination) for combination in combinations]
-    is_shared = [len(set(column)) == 1 for column in zip(*told, strict=True)]
-    is_shared[REWARD] &= len(told) > 1  # a row has a name
-    shared = [part for part, same in zip(told[0], is_shared, strict=True) if same]
-    apart = [[part for part, same in zip(parts, is_shared, strict=True) if not same] for parts in told]
-    return textwrap.fill(" · ".join(shared), 110), [" · ".join(parts) for parts in apart]
+    apart = tell_apart(told, keep=REWARD if len(told) == 1 else None)
+    return textwrap.fill(apart.shared, 110), apart.names
 
 
 def _parts(combination: Combination) -> tuple[str, ...]:

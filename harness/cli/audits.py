@@ -1,0 +1,72 @@
+"""What the rewards of an experiment pay for, asked anew for its page: scripted policies, no engine, nothing trained."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from harness.audit.rollout import Rollout
+    from harness.record.cell import Cell
+    from harness.registry.registry import Registry
+    from harness.report.payoff_rows import Audits, Payoffs
+    from harness.results import Results
+
+EPISODES = 20
+"""Of each scripted policy: half a second for a robot and task, and the answer no longer changes."""
+GAMMA = 0.95
+"""As ``harness audit`` has it."""
+
+
+def audits_of(results: "Results") -> "Audits":
+    """By robot, task and reward; a reward that cannot be asked says why."""
+    from harness.registry.registry import load_registry
+
+    registry = load_registry()
+    cells = {
+        (cell.robot, cell.task.label, cell.reward.label): cell
+        for cell in (manifest.cell for manifest in results.manifests if manifest.status == "done")
+    }
+    rollouts: dict[tuple[str, str], tuple[Rollout, ...] | str] = {}
+    found: dict[tuple[str, str, str], Payoffs] = {}
+    for key, cell in cells.items():
+        place = key[:2]
+        if place not in rollouts:
+            rollouts[place] = _record(cell, registry)
+        found[key] = _ask(cell, registry, rollouts[place])
+    return found
+
+
+def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":
+    """What the scripted policies do; or why they cannot."""
+    from harness.audit.rollout import record_rollouts
+    from harness.errors import HarnessError
+    from harness.robot.load import load_robot
+    from harness.testing import IdealSimulator
+
+    try:
+        task = cell.task.build(registry, "tasks")
+        return record_rollouts(IdealSimulator(), load_robot(cell.robot, registry), task, EPISODES)
+    except HarnessError as error:  # not installed here, or it cannot be done without an engine
+        return str(error)
+
+
+def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | str") -> "Payoffs":
+    """What the cell's reward pays in these rollouts."""
+    from harness.audit.payoff import payoff_of, temptations
+    from harness.audit.score import score_rollout
+    from harness.audit.verdict import on_finishing
+    from harness.errors import HarnessError
+    from harness.report.payoff_rows import Payoffs
+
+    if isinstance(rollouts, str):
+        return Payoffs((f"Not known: {rollouts}",), {}, {})
+    try:
+        reward = cell.reward.build(registry, "rewards")
+        scores = [score_rollout(reward, rollout) for rollout in rollouts]
+    except HarnessError as error:
+        return Payoffs((f"Not known: {error}",), {}, {})
+    payoffs = sorted((payoff_of(score, GAMMA) for score in scores), key=lambda payoff: -payoff.total)
+    plain, discounted = (temptations(scores, gamma) for gamma in (1.0, GAMMA))
+    return Payoffs(
+        (on_finishing(GAMMA, payoffs, plain, discounted),),
+        {payoff.policy: payoff.total for payoff in payoffs},
+        {payoff.policy: payoff.success for payoff in payoffs},
+    )

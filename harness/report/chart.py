@@ -1,0 +1,120 @@
+"""What a figure shows, before it is drawn: two axes, and marks in the units of these axes.
+
+A colour is named by what it stands for, such as ``baseline``: the page's style sheet gives it a value for a light
+screen and one for a dark one.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Literal, NamedTuple, TypeAlias
+
+Shape: TypeAlias = Literal["circle", "square", "diamond", "cross"]
+
+GAP = math.nan
+"""As a coordinate of a line: the line is interrupted here."""
+
+
+class Axis(NamedTuple):
+    """From where to where it goes, and what is written along it."""
+
+    low: float
+    high: float
+    title: str
+    ticks: tuple[tuple[float, str], ...]
+    is_log: bool = False
+    has_grid: bool = True
+
+
+class Line(NamedTuple):
+    """Through the points, in order."""
+
+    x: Sequence[float]
+    y: Sequence[float]
+    colour: str
+    name: str = ""
+    """Shown under the pointer; in the legend if `in_legend`."""
+    width: float = 2.0
+    opacity: float = 1.0
+    dash: str = ""
+    """Lengths of strokes and gaps, [px]; empty for a whole line."""
+    in_legend: bool = False
+
+
+class Area(NamedTuple):
+    """What the points enclose."""
+
+    x: Sequence[float]
+    y: Sequence[float]
+    colour: str
+
+
+class Dots(NamedTuple):
+    """One shape at each point."""
+
+    x: Sequence[float]
+    y: Sequence[float]
+    colour: str
+    names: tuple[str, ...] = ()
+    """Of each, shown under the pointer."""
+    shape: Shape = "circle"
+    is_open: bool = False
+    size: float = 4.0
+    """Half of its width, [px]."""
+    legend: str = ""
+    """Its name in the legend; empty where it has none."""
+
+
+class Word(NamedTuple):
+    """A text at a point."""
+
+    x: float
+    y: float
+    text: str
+    anchor: Literal["start", "middle", "end"] = "middle"
+    rise: float = 0.0
+    """How far it stands above the point, [px]."""
+
+
+class Flag(NamedTuple):
+    """A vertical line, with a text above the panel."""
+
+    x: float
+    text: str
+    row: int = 0
+    """Of the text, counted upwards."""
+
+
+Mark: TypeAlias = Line | Area | Dots | Word | Flag
+
+
+class Chart(NamedTuple):
+    """A figure with one panel."""
+
+    x: Axis
+    y: Axis
+    marks: tuple[Mark, ...]
+    """From the lowest to the topmost."""
+    height: float = 190.0
+    """Of the panel, [px]."""
+    is_square: bool = False
+    """Whether the panel is as high as it is wide, whatever `height` says."""
+
+
+def round_ticks(low: float, high: float, most: int = 6) -> list[float]:
+    """Round numbers from `low` to `high`, evenly apart, `most` at most."""
+    span = high - low
+    size = 10.0 ** math.floor(math.log10(span / most))
+    step = next(size * digit for digit in (1, 2, 2.5, 5, 10, 20) if span / (size * digit) < most)
+    first = math.ceil(low / step - 1e-9)
+    last = math.floor(high / step + 1e-9)
+    return [float(f"{place * step:.12g}") for place in range(first, last + 1)]
+
+
+def linear_axis(low: float, high: float, title: str, most: int = 6) -> Axis:
+    """An axis with plain numbers."""
+    return Axis(low, high, title, tuple((tick, f"{tick:,.12g}") for tick in round_ticks(low, high, most)))
+
+
+def share_axis(title: str) -> Axis:
+    """An axis from 0 to 1, with percentages."""
+    return Axis(-0.02, 1.02, title, tuple((tick, f"{tick:.0%}") for tick in (0.0, 0.25, 0.5, 0.75, 1.0)))

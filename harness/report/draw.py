@@ -1,0 +1,215 @@
+"""Charts as SVG elements inside a page: no script, no fixed colour, text that can be found and read out."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from functools import singledispatch
+from typing import NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from harness.report.chart import Area, Axis, Chart, Dots, Flag, Line, Word
+
+WIDTH = 440.0
+"""Of a figure, [px]; a narrower column shows it smaller."""
+CHARACTER = 6.9
+"""Width of a character of a label, [px]."""
+LINE = 16.0
+"""Height of a line of labels, [px]."""
+
+
+class Frame(NamedTuple):
+    """Where the panel lies in the figure, [px], and what it spans."""
+
+    chart: Chart
+    left: float
+    top: float
+    width: float
+    height: float
+
+    def across(self, values: Sequence[float]) -> np.ndarray:
+        """Where values of the horizontal axis are, [px]."""
+        return self.left + self.width * _shares(self.chart.x, values)
+
+    def down(self, values: Sequence[float]) -> np.ndarray:
+        """Where values of the vertical axis are, [px]."""
+        return self.top + self.height * (1.0 - _shares(self.chart.y, values))
+
+
+def draw_chart(chart: Chart, label: str) -> str:
+    """The figure and its legend as HTML.
+
+    Args:
+        chart: What to draw.
+        label: The same in words, for those who cannot see it.
+    """
+    frame = _frame(chart)
+    bottom = frame.top + frame.height
+    size = {"viewBox": f"0 0 {WIDTH:g} {bottom + 2.6 * LINE:.0f}", "role": "img", "aria-label": label}
+    svg = Element("svg", {"class": "chart", **size})
+    _draw_axes(svg, frame)
+    for mark in chart.marks:
+        if not isinstance(mark, Line | Area) or len(mark.x):  # a path without points is an error to a browser
+            _draw(mark, svg, frame)
+    return ElementTree.tostring(svg, encoding="unicode", short_empty_elements=True) + _legend(chart)
+
+
+def _frame(chart: Chart) -> Frame:
+    """As much room as the labels need."""
+    names = [text for _, text in chart.y.ticks]
+    left = (LINE if chart.y.title else 0.0) + 10.0 + CHARACTER * max(map(len, names), default=0)
+    right = 8.0 + CHARACTER / 2 * (len(chart.x.ticks[-1][1]) if chart.x.ticks else 0)
+    rows = [mark.row + 1 for mark in chart.marks if isinstance(mark, Flag)]
+    width = WIDTH - left - right
+    return Frame(chart, left, 10.0 + LINE * max(rows, default=0), width, width if chart.is_square else chart.height)
+
+
+def _shares(axis: Axis, values: Sequence[float]) -> np.ndarray:
+    """How far along the axis values lie, 0 at its low end and 1 at its high end."""
+    given = np.asarray(values, np.float64)
+    if axis.is_log:
+        low, high = math.log(axis.low), math.log(axis.high)
+        return (np.log(given) - low) / (high - low)
+    return (given - axis.low) / (axis.high - axis.low)
+
+
+def _draw_axes(svg: Element, frame: Frame) -> None:
+    chart, bottom, right = frame.chart, frame.top + frame.height, frame.left + frame.width
+    for (value, text), x in zip(chart.x.ticks, frame.across([value for value, _ in chart.x.ticks]), strict=True):
+        kind = "one" if chart.x.is_log and value == 1.0 else "grid"
+        if chart.x.has_grid:
+            _stroke(svg, kind, [(x, frame.top), (x, bottom)])
+        _text(svg, x, bottom + LINE, text, "middle")
+    for (value, text), y in zip(chart.y.ticks, frame.down([value for value, _ in chart.y.ticks]), strict=True):
+        if chart.y.has_grid:
+            _stroke(svg, "zero" if value == 0.0 else "grid", [(frame.left, y), (right, y)])
+        _text(svg, frame.left - 7.0, y + 4.0, text, "end")
+    _stroke(svg, "axis", [(frame.left, frame.top), (frame.left, bottom), (right, bottom)])
+    _text(svg, frame.left + frame.width / 2, bottom + 2.2 * LINE, chart.x.title, "middle")
+    if chart.y.title:
+        middle = frame.top + frame.height / 2
+        turned = _text(svg, 12.0, middle, chart.y.title, "middle")
+        turned.set("transform", f"rotate(-90 12 {middle:.1f})")
+
+
+@singledispatch
+def _draw(mark: object, svg: Element, frame: Frame) -> None:
+    raise TypeError(f"no mark: {mark!r}")
+
+
+@_draw.register
+def _(mark: Line, svg: Element, frame: Frame) -> None:
+    path = _stroke(svg, f"line {mark.colour}", zip(frame.across(mark.x), frame.down(mark.y), strict=True))
+    path.set("stroke-width", f"{mark.width:g}")
+    if mark.opacity < 1.0:
+        path.set("opacity", f"{mark.opacity:g}")
+    if mark.dash:
+        path.set("stroke-dasharray", mark.dash)
+    _name(path, mark.name)
+
+
+@_draw.register
+def _(mark: Area, svg: Element, frame: Frame) -> None:
+    """Cut off where the panel ends: an interval of a share may go below 0."""
+    up = np.clip(np.asarray(mark.y, np.float64), frame.chart.y.low, frame.chart.y.high).tolist()
+    points = zip(frame.across(mark.x), frame.down(up), strict=True)
+    SubElement(svg, "path", {"class": f"area {mark.colour}", "d": f"{_path(points)}Z"})
+
+
+@_draw.register
+def _(mark: Dots, svg: Element, frame: Frame) -> None:
+    names = mark.names or ("",) * len(mark.x)
+    kind = f"dot {mark.colour}{' open' if mark.is_open else ''}"
+    for x, y, name in zip(frame.across(mark.x), frame.down(mark.y), names, strict=True):
+        shape = SubElement(svg, "path", {"class": kind, "d": SHAPES[mark.shape](x, y, mark.size)})
+        _name(shape, name)
+
+
+@_draw.register
+def _(mark: Word, svg: Element, frame: Frame) -> None:
+    x, y = frame.across([mark.x])[0], frame.down([mark.y])[0]
+    _text(svg, x, y + 4.0 - mark.rise, mark.text, mark.anchor).set("class", "word")
+
+
+@_draw.register
+def _(mark: Flag, svg: Element, frame: Frame) -> None:
+    """The text stands above the panel, where no curve can cover it, towards the middle."""
+    (x,) = frame.across([mark.x])
+    _stroke(svg, "flag", [(x, frame.top), (x, frame.top + frame.height)])
+    begins = x < frame.left + frame.width / 2
+    _text(svg, x, frame.top - 5.0 - LINE * mark.row, mark.text, "start" if begins else "end")
+
+
+def _circle(x: float, y: float, size: float) -> str:
+    return f"M{x - size:.1f} {y:.1f}a{size:g} {size:g} 0 1 0 {2 * size:g} 0a{size:g} {size:g} 0 1 0 {-2 * size:g} 0Z"
+
+
+def _square(x: float, y: float, size: float) -> str:
+    return f"M{x - size:.1f} {y - size:.1f}h{2 * size:g}v{2 * size:g}h{-2 * size:g}Z"
+
+
+def _diamond(x: float, y: float, size: float) -> str:
+    side = 1.25 * size
+    return f"M{x:.1f} {y - side:.1f}l{side:g} {side:g}l{-side:g} {side:g}l{-side:g} {-side:g}Z"
+
+
+def _cross(x: float, y: float, size: float) -> str:
+    there = f"M{x - size:.1f} {y - size:.1f}l{2 * size:g} {2 * size:g}"
+    return f"{there}M{x - size:.1f} {y + size:.1f}l{2 * size:g} {-2 * size:g}"
+
+
+SHAPES: dict[str, Callable[[float, float, float], str]] = {
+    "circle": _circle,
+    "square": _square,
+    "diamond": _diamond,
+    "cross": _cross,
+}
+
+
+def _legend(chart: Chart) -> str:
+    """Names beside a sample of each line and dot, as a list that wraps; empty where nothing has a name."""
+    rows = Element("ul", {"class": "legend"})
+    for mark in chart.marks:
+        if isinstance(mark, Line) and mark.in_legend:
+            _sample(rows, mark._replace(name=""), mark.name)
+        elif isinstance(mark, Dots) and mark.legend:
+            _sample(rows, mark._replace(names=()), mark.legend)
+    return ElementTree.tostring(rows, encoding="unicode") if len(rows) else ""
+
+
+def _sample(rows: Element, mark: Line | Dots, name: str) -> None:
+    row = SubElement(rows, "li")
+    svg = SubElement(row, "svg", {"class": "chart sample", "viewBox": "0 0 26 12", "aria-hidden": "true"})
+    nothing = Axis(0.0, 1.0, "", ())
+    ends = ([0.0, 1.0], [0.5, 0.5]) if isinstance(mark, Line) else ([0.5], [0.5])
+    _draw(mark._replace(x=ends[0], y=ends[1]), svg, Frame(Chart(nothing, nothing, ()), 1.0, 0.0, 24.0, 12.0))
+    SubElement(row, "span").text = name
+
+
+def _stroke(svg: Element, kind: str, points: Iterable[tuple[float, float]]) -> Element:
+    return SubElement(svg, "path", {"class": kind, "d": _path(points)})
+
+
+def _path(points: Iterable[tuple[float, float]]) -> str:
+    """Straight from point to point; a point that is no number interrupts it."""
+    parts, command = [], "M"
+    for x, y in points:
+        if math.isnan(x) or math.isnan(y):
+            command = "M"
+        else:
+            parts.append(f"{command}{x:.1f} {y:.1f}")
+            command = "L"
+    return "".join(parts)
+
+
+def _text(svg: Element, x: float, y: float, text: str, anchor: str) -> Element:
+    element = SubElement(svg, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor})
+    element.text = text
+    return element
+
+
+def _name(element: Element, name: str) -> None:
+    """Shown under the pointer."""
+    if name:
+        SubElement(element, "title").text = name

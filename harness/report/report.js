@@ -1,0 +1,92 @@
+"use strict";
+
+/** Open whatever hides the place that the address names. */
+function reveal() {
+  const place = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  if (!place) return;
+  for (let part = place; part; part = part.parentElement) if (part.matches("details")) part.open = true;
+  const folded = place.querySelector(":scope > details.folded");
+  if (folded) folded.open = true;
+  place.scrollIntoView();
+}
+addEventListener("hashchange", reveal);
+reveal();
+
+for (const index of document.querySelectorAll("nav details")) {
+  index.addEventListener("click", (event) => { if (event.target.closest("a")) index.open = false; });
+  document.addEventListener("keydown", (event) => { if (event.key === "Escape") index.open = false; });
+  document.addEventListener("click", (event) => { if (!index.contains(event.target)) index.open = false; });
+}
+
+/** On paper nothing can be opened. */
+let folded = [];
+addEventListener("beforeprint", () => {
+  folded = [...document.querySelectorAll("main details:not([open])")];
+  for (const part of folded) part.open = true;
+});
+addEventListener("afterprint", () => { for (const part of folded) part.open = false; });
+
+/** What a cell is sorted by; null where it has no value. */
+function keyOf(row, column) {
+  const cell = row.cells[column];
+  if (!("key" in cell.dataset)) return cell.textContent.trim();
+  return cell.dataset.key === "" ? null : Number(cell.dataset.key);
+}
+
+function sort(table, column, down) {
+  const sign = down ? -1 : 1;
+  const rows = [...table.tBodies[0].rows];
+  rows.sort((one, other) => {
+    const [a, b] = [keyOf(one, column), keyOf(other, column)];
+    if (a === null || b === null) return (a === null) - (b === null);
+    return sign * (typeof a === "number" ? a - b : a.localeCompare(b));
+  });
+  table.tBodies[0].append(...rows);
+}
+
+const table = document.querySelector(".overview table");
+if (table) {
+  const headings = [...table.tHead.rows[0].cells];
+  headings.forEach((heading, column) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = heading.textContent;
+    heading.replaceChildren(button);
+    button.addEventListener("click", () => {
+      const down = heading.getAttribute("aria-sort") === "ascending";
+      for (const other of headings) other.removeAttribute("aria-sort");
+      heading.setAttribute("aria-sort", down ? "descending" : "ascending");
+      sort(table, column, down);
+    });
+  });
+  const form = document.querySelector(".filter");
+  const filter = () => {
+    const words = form.words.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const rows = [...table.tBodies[0].rows];
+    for (const row of rows) {
+      const text = row.textContent.toLowerCase();
+      row.hidden = !(words.every((word) => text.includes(word)) && [row.dataset.answer, ""].includes(form.answer.value));
+    }
+    form.querySelector("output").value = `${rows.filter((row) => !row.hidden).length} of ${rows.length}`;
+  };
+  form.addEventListener("input", filter);
+  form.addEventListener("submit", (event) => event.preventDefault());
+  form.hidden = false;
+  filter();
+}
+
+/** The file that a button carries, unpacked. */
+async function save({ dataset }) {
+  const packed = Uint8Array.from(atob(dataset.content), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const file = new Blob([await new Response(stream).arrayBuffer()], { type: dataset.kind });
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(file);
+  link.download = dataset.name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
+for (const button of document.querySelectorAll("button[data-content]")) {
+  button.addEventListener("click", () => save(button));
+  button.hidden = false;
+}

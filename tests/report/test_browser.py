@@ -1,0 +1,209 @@
+"""The page as a browser shows it: nothing is asked of a server, nothing is cut, and what can be pressed works."""
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from harness.report.html import write_html
+from tests.report.conftest import build_results
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(BROWSER is None, reason="there is no chromium, chromium-browser or google-chrome"),
+]
+WIDTHS = (1440, 768, 390)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Debian's Chromium, or whichever is installed, driven by Playwright."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
+    with playwright.sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="module")
+def matrix(tmp_path_factory):
+    """The page of 24 comparisons of long runs: of each answer but one."""
+    folder = tmp_path_factory.mktemp("experiment")
+    results = build_results(
+        folder,
+        seeds=6,
+        simulators=tuple(f"engine-{number}" for number in range(8)),
+        baseline=(700, 1_300),
+        proposed={"arp": (700, 1_300), "relative": (50, 1_950), "a-<b>long</b>-name-of-a-reward": (700, 1_300)},
+        reached={"arp": lambda seed: (8,), "relative": lambda seed: (5, 6, 7, 8)},
+        learned={10: 1, 20: 2},
+    )
+    write_html(results, folder / "report.html")
+    return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def single(tmp_path_factory):
+    """The page of one comparison, six cells."""
+    folder = tmp_path_factory.mktemp("experiment")
+    write_html(build_results(folder, learned={10: 1, 20: 2}), folder / "report.html")
+    return folder / "report.html"
+
+
+@pytest.fixture
+def show(browser):
+    """Opens a page; what the browser complained of and asked for are its ``complaints`` and ``requests``."""
+    contexts = []
+
+    def open_page(path: Path, width: int = 1440, scheme: str = "light"):
+        context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        contexts.append(context)
+        page = context.new_page()
+        page.complaints, page.requests = [], []
+        page.on("console", lambda message: page.complaints.append(message.text))
+        page.on("pageerror", lambda error: page.complaints.append(str(error)))
+        page.on("request", lambda request: page.requests.append(request.url))
+        page.goto(path.as_uri())
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+
+
+def open_all(page):
+    """Unfold everything."""
+    page.evaluate("document.querySelectorAll('main details').forEach((part) => { part.open = true })")
+
+
+def rows(page):
+    """What the table shows, from top to bottom."""
+    return page.locator(".overview tbody tr:visible").all_inner_texts()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("which", ["single", "matrix"])
+def test_nothing_is_asked_for_and_nothing_overflows(show, request, which, width, scheme):
+    """Everything unfolded: the page is as wide as the window, and tables scroll within themselves."""
+    path = request.getfixturevalue(which)
+    page = show(path, width, scheme)
+    open_all(page)
+    assert page.complaints == []
+    assert page.requests == [path.as_uri()]
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_label_of_a_figure_is_cut(show, single, width):
+    """Every text lies within its figure's column, or within the window."""
+    page = show(single, width)
+    open_all(page)
+    cut = page.evaluate(
+        """[...document.querySelectorAll("svg.chart text")].filter((text) => {
+          const box = text.getBoundingClientRect(), around = text.closest("svg").getBoundingClientRect();
+          return box.left < around.left - 2 || box.right > Math.max(around.right, 0) + 2;
+        }).map((text) => text.textContent)"""
+    )
+    assert cut == []
+
+
+def test_page_of_a_matrix_is_small_and_quick(show, matrix, single):
+    """4 MB and 8 screens before anything is unfolded; a single comparison takes 3 MB at most; painted in a second."""
+    assert matrix.stat().st_size < 4e6
+    assert single.stat().st_size < 3e6
+    page = show(matrix)
+    assert page.evaluate("document.documentElement.scrollHeight") <= 8 * 900
+    page.wait_for_function("performance.getEntriesByName('first-contentful-paint').length > 0")
+    assert page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime") < 1_000.0
+
+
+def test_dark_screen_has_a_dark_page(show, single):
+    """And light ink."""
+    colours = "[getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color]"
+    assert show(single).evaluate(colours) == ["rgb(255, 255, 255)", "rgb(26, 26, 26)"]
+    assert show(single, scheme="dark").evaluate(colours) == ["rgb(20, 23, 26)", "rgb(232, 232, 232)"]
+
+
+def test_heading_sorts_the_table(show, matrix):
+    """By numbers, upwards and then downwards; the heading says which."""
+    page = show(matrix)
+    heading = page.get_by_role("button", name="success, proposed")
+    values = page.locator(".overview tbody tr td:nth-child(7)")
+    heading.click()
+    upwards = [float(text.rstrip("%")) for text in values.all_inner_texts()]
+    heading.click()
+    assert upwards == sorted(upwards)
+    assert [float(text.rstrip("%")) for text in values.all_inner_texts()] == upwards[::-1]
+    assert page.locator(".overview th[aria-sort=descending]").all_inner_texts() == ["success, proposed"]
+
+
+def test_filter_leaves_what_fits(show, matrix):
+    """All words, and the answer."""
+    page = show(matrix)
+    assert len(rows(page)) == 24
+    page.get_by_label("Filter").fill("engine-3 arp")
+    assert [row.split()[:3] for row in rows(page)] == [["engine-3", "arp", "HURTS"]]
+    page.get_by_label("Filter").fill("")
+    page.get_by_label("The robot").select_option("hurts")
+    assert len(rows(page)) == 8
+    assert page.locator("output").inner_text() == "8 of 24"
+
+
+def test_cell_of_the_map_opens_its_comparison(show, matrix):
+    """And the address of an opened comparison can be given to others."""
+    page = show(matrix)
+    page.locator(".map td a").nth(5).click()
+    opened = page.locator("details.folded[open]")
+    assert opened.count() == 1
+    name = opened.locator("xpath=..").get_attribute("id")
+    assert page.url.endswith(f"#{name}")
+    page.reload()
+    assert page.locator(f"#{name} details.folded[open]").count() == 1
+
+
+def test_index_stays_in_sight(show, matrix):
+    """At the end of the page too."""
+    page = show(matrix)
+    page.evaluate("scrollTo(0, document.documentElement.scrollHeight)")
+    assert page.locator("nav").bounding_box()["y"] == 0.0
+    page.locator("nav summary").click()
+    page.locator("nav ol a").nth(3).click()
+    assert page.locator("nav details[open]").count() == 0
+    assert page.url.endswith("#combination-4")
+
+
+@pytest.mark.parametrize("name", ["comparisons.csv", "report.json"])
+def test_files_can_be_saved(show, matrix, tmp_path, name):
+    """Out of the page itself."""
+    page = show(matrix)
+    with page.expect_download() as download:
+        page.get_by_role("button", name=name).click()
+    download.value.save_as(tmp_path / name)
+    text = (tmp_path / name).read_text(encoding="utf-8")
+    found = list(csv.DictReader(text.splitlines())) if name.endswith("csv") else json.loads(text)["combinations"]
+    assert len(found) == 24
+
+
+def test_keyboard_reaches_every_control(show, matrix):
+    """Links, buttons, folds and tables that scroll, by the tabulator alone."""
+    page = show(matrix)
+    controls = page.locator("a:visible, button:visible, summary:visible, input:visible, select:visible, pre:visible")
+    reached = set()
+    for _ in range(controls.count() + 10):
+        page.keyboard.press("Tab")
+        reached.add(page.evaluate("[...document.querySelectorAll('*')].indexOf(document.activeElement)"))
+    everything = controls.evaluate_all("(all) => all.map((one) => [...document.querySelectorAll('*')].indexOf(one))")
+    assert set(everything) <= reached
+
+
+def test_paper_has_everything(show, single):
+    """What is folded on a screen is printed."""
+    page = show(single)
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("main details:not([open])").count() == 0
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.locator("main details[open]").count() == 0
