@@ -5,11 +5,11 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 
-POINTS = 440
-"""Points drawn per curve, at most: as many as a panel has pixels; every step of every run would make 100 MB pages."""
+POINTS = 240
+"""Points drawn per curve, at most, one for every second pixel of a panel: all steps of all runs would be 100 MB."""
 
-ON_A_PAGE = 100_000
-"""Points of all single runs on a page together: about 1.2 MB."""
+ON_A_PAGE = 80_000
+"""Points of all single runs on a page together: about 0.9 MB."""
 FEWEST = 40
 """Of one run: its shape can still be seen."""
 

@@ -8,7 +8,7 @@ from harness.arrays import Float
 from harness.report.chart import GAP, Axis, Chart, Dots, Line, Mark, linear_axis
 from harness.results.trajectories import Trajectories, Trajectory
 
-POINTS = 60
+POINTS = 30
 """Of one path, at most: an episode of thousands of steps is drawn every so many."""
 VIEWS = ((0, 1, "seen from above"), (0, 2, "seen from the side"))
 """The two projections: which coordinates are drawn, and what it is called."""
