@@ -21,6 +21,7 @@ from harness.record.folder import (
     MANIFEST,
     POLICY,
     RANDOM,
+    SCENE,
     STOCHASTIC,
     TENSORBOARD,
     TRACE,
@@ -62,7 +63,7 @@ def _require_equal_results(one: Path, other: Path) -> None:
 def test_one_evaluation_at_the_end_is_the_default(make_cell: MakeCell, tmp_path: Path):
     """A training that tells of its policy all the time leaves none before."""
     folder = _run(make_cell(**NARRATE), tmp_path / "cell")
-    assert {path.name for path in folder.iterdir()} == {TRACE, POLICY, EVALUATION, STOCHASTIC, RANDOM, MANIFEST}
+    assert {path.name for path in folder.iterdir()} == {TRACE, POLICY, EVALUATION, STOCHASTIC, RANDOM, SCENE, MANIFEST}
 
 
 @pytest.mark.parametrize(

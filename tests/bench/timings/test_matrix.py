@@ -2,6 +2,7 @@
 
 import statistics
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,14 +16,16 @@ from harness.registry.registry import load_registry
 
 pytestmark = pytest.mark.bench
 
-CELLS = 8
-GIVEN = {"sim": "mujoco", "algo": "sac-fast", "reward": [], "seeds": CELLS, "steps": 5000}
+CELLS, STEPS = 8, 5000
 SPEED_UP, OVERHEAD = 1.9, 2.0
 """Cells per hour of two jobs against one; seconds of a cell that are no training, with 100 episodes of evaluation."""
 
 
-def _cells() -> tuple[Cell, ...]:
-    return expand(check_experiment(GIVEN), load_registry()).cells
+@pytest.fixture
+def cells(amount: Callable[[int, int], int]) -> tuple[Cell, ...]:
+    """Trainings of `sac-fast` with an evaluation of 100 episodes each; next to nothing where no bound holds."""
+    asked = {"sim": "mujoco", "algo": "sac-fast", "reward": [], "seeds": amount(CELLS, 2), "steps": amount(STEPS, 20)}
+    return expand(check_experiment({**asked, "evaluation_episodes": amount(100, 2)}), load_registry()).cells
 
 
 def _seconds(cells: tuple[Cell, ...], folder: Path, at_once: int) -> float:
@@ -32,21 +35,20 @@ def _seconds(cells: tuple[Cell, ...], folder: Path, at_once: int) -> float:
     return time.perf_counter() - began
 
 
-def test_two_jobs_do_twice_as_much(tmp_path: Path):
+def test_two_jobs_do_twice_as_much(cells: tuple[Cell, ...], tmp_path: Path, is_timed: bool):
     """Processes that start are counted in both."""
-    cells = _cells()
     one, two = (_seconds(cells, tmp_path / str(at_once), at_once) for at_once in (1, 2))
-    print(f"\n{CELLS} cells: {one:.1f} s with one job, {two:.1f} s with two: {one / two:.2f} times")  # noqa: T201
-    assert one / two >= SPEED_UP
+    print(f"\n{len(cells)} cells: {one:.1f} s with one job, {two:.1f} s with two: {one / two:.2f} times")  # noqa: T201
+    assert not is_timed or one / two >= SPEED_UP
 
 
-def test_a_cell_costs_little_beside_its_training(tmp_path: Path):
+def test_a_cell_costs_little_beside_its_training(cells: tuple[Cell, ...], tmp_path: Path, is_timed: bool):
     """The first one of a process with the start of it; the median of those that follow."""
-    cells = _cells()[:4]
+    cells = cells[:4]
     first = _seconds(cells[:1], tmp_path / "first", 1)
     training = read_manifest(tmp_path / "first" / cells[0].id).training_seconds
     _seconds(cells, tmp_path / "all", 1)
     manifests = [read_manifest(tmp_path / "all" / cell.id) for cell in cells[1:]]
     warm = statistics.median(manifest.seconds - manifest.training_seconds for manifest in manifests)
     print(f"\nBeside its training a cell takes {first - training:.2f} s, in a process that runs {warm:.2f} s")  # noqa: T201
-    assert warm <= OVERHEAD
+    assert not is_timed or warm <= OVERHEAD
