@@ -45,7 +45,7 @@ slow: dev
 
 # The report page in a Chromium that is installed; without one they are skipped.
 browser: dev
-	$(BIN)/python -m pytest tests/report/test_browser.py -m slow -rs --benchmark-disable
+	$(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
 
 bench: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s

@@ -37,7 +37,7 @@ def status(
 
 def _detail(one: "Progress", found: "FolderStatus") -> str:
     if one.running is None:
-        return f"{one.reason}"
+        return one.reason
     steps = f"{one.running.steps} of {one.cell.steps} steps"
     if one.status == "interrupted":
         return f"{steps}; the same command goes on"
