@@ -37,7 +37,6 @@ from harness.results.combination import Combination
 from harness.results.learning import learning_of
 from harness.results.trajectories import trajectories_of
 
-
 SIDES = {"Baseline": BASELINE, "Proposed": PROPOSED}
 """Of the replay, by the names of the bars; random actions are not shown."""
 

@@ -95,7 +95,8 @@ class Show:
 def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:
     """A show for each combination, of one seed that both rewards have; one for each other reward that is done.
 
-    The seed is the one whose episodes end in the most ways, the first of several. Cells without a scene, as those of version 0.1, are left out.
+    The seed is the one whose episodes end in the most ways, the first of several. Cells without a scene, as those of
+    version 0.1, are left out.
 
     Args:
         results: The experiment.

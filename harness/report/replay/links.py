@@ -1,4 +1,4 @@
-"""From a number to an episode that shows it: addresses of the replay, each with a title that says which episode it is."""
+"""From a number to an episode that shows it: links into the replay, each with a title that names the episode."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -457,6 +457,10 @@ function follow() {
 }
 
 addEventListener("hashchange", follow);
+addEventListener("click", (event) => {  // a link to where the address leads already changes no address
+  const link = event.target.closest('a[href^="#replay-"]');
+  if (link && link.hash === location.hash) follow();
+});
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
 if (!follow()) choose(0, telling(0));
 })();
