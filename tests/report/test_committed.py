@@ -41,7 +41,7 @@ def test_records_are_told_from_an_experiment(build, commit):
 
 
 def test_every_comparison_has_a_line(build, commit):
-    """With the answer, the success and the etas that the experiment itself has; what is the same in all is said once."""
+    """With the answer and the success that the experiment itself has; what is the same in all is said once."""
     results = build(seeds=1, simulators=("mujoco", "pybullet"), proposed={"arp": (9, 30), "relative": (30, 9)})
     lines = lines_of(commit(results))
     assert lines[:2] == [
