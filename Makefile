@@ -43,9 +43,9 @@ test: dev
 slow: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m slow --benchmark-disable
 
-# The report page in a Chromium that is installed; without one they are skipped.
+# The pages in a Chromium that is installed; without one these tests are skipped, and say why.
 browser: dev
-	$(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
 
 bench: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s
