@@ -18,7 +18,6 @@ def single_episode(trace: Trace, rows: NDArray[np.int64]) -> Trace:
     env = int(trace["env"][rows[0]])
     columns = {name: column[rows] for name, column in trace.columns.items()}
     columns["env"] = np.zeros_like(columns["env"])
-    facts = trace.facts
-    known = {"ik_steps": facts.ik_steps, "work": facts.work}
-    own = {name: values if values is None else values[env : env + 1] for name, values in known.items()}
-    return Trace(columns, replace(facts, **own))
+    steps, work = trace.facts.ik_steps, trace.facts.work
+    own = slice(env, env + 1)
+    return Trace(columns, replace(trace.facts, ik_steps=steps and steps[own], work=work and work[own]))
