@@ -129,7 +129,7 @@ def committed_table(folder: Path) -> RenderableType:
     parts: list[RenderableType] = [Text(f"Committed records of {len(record['cells'])} cells, {done} done.")]
     comparisons = record["combinations"]
     if comparisons:
-        apart = [kind for kind in (*PLACES, "steps", "baseline") if len({str(it[kind]) for it in comparisons}) > 1]
+        apart = [kind for kind in (*PLACES, "steps", "baseline") if len({_told(it, kind) for it in comparisons}) > 1]
         names = [" · ".join([*(_told(it, kind) for kind in apart), _proposed(it)]) for it in comparisons]
         shared = [_told(comparisons[0], kind) for kind in (*PLACES, "baseline", "steps") if kind not in apart]
         rows = [_row(name, it) for name, it in zip(names, comparisons, strict=True)]
@@ -168,7 +168,7 @@ def _more(folder: Path) -> str:
 def _told(comparison: ComparisonForm, kind: str) -> str:
     if kind == "steps":
         return f"{comparison['steps']:,} steps"
-    label = str(comparison[kind])  # type: ignore[literal-required]
+    label = str(dict(comparison)[kind])
     return f"against {label}" if kind == "baseline" else label
 
 
