@@ -91,6 +91,8 @@ class Measurer:
         if reason.exists():
             return reason.read_text()
         try:
-            return outcome_of(read_trace(order.folder / EVALUATION), *build_defaults(self.registry, "metrics", JUDGES).values())
+            return outcome_of(
+                read_trace(order.folder / EVALUATION), *build_defaults(self.registry, "metrics", JUDGES).values()
+            )
         except ValueError as error:
             return str(error)
