@@ -6,7 +6,7 @@ others, NeurIPS 2017), have recorded steps paid again for it. `ReachGoalEnv.comp
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import gymnasium
 import numpy as np
@@ -68,13 +68,12 @@ class ReachGoalEnv(gymnasium.Env[GoalObservation, Action]):
         self.action_space = self._env.action_space
         columns, extent = self._arm.arm_columns, float(self._arm.high[-1])
         goal = gymnasium.spaces.Box(-extent, extent, (3,), np.float64)
-        self.observation_space = gymnasium.spaces.Dict(
-            {
-                "observation": gymnasium.spaces.Box(self._arm.low[columns], self._arm.high[columns]),
-                "achieved_goal": goal,
-                "desired_goal": goal,
-            }
-        )
+        parts: dict[str, gymnasium.Space[Any]] = {
+            "observation": gymnasium.spaces.Box(self._arm.low[columns], self._arm.high[columns]),
+            "achieved_goal": goal,
+            "desired_goal": goal,
+        }
+        self.observation_space = cast(gymnasium.Space[GoalObservation], gymnasium.spaces.Dict(parts))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

@@ -119,8 +119,8 @@ class Nodes:
         elif now - self._seen >= ALONE_AFTER:
             self._seen = math.inf
             sys.stderr.write(
-                "harness: every node of the Ray cluster that can run these cells is lost. The run waits, and goes on when "
-                "a node joins. Ctrl-C ends it: finished cells are kept, and the same command does the others\n"
+                "harness: every node of the Ray cluster that can run these cells is lost. The run waits, and goes on "
+                "when a node joins. Ctrl-C ends it: finished cells are kept, and the same command does the others\n"
             )
 
     def _ask(self, told: dict[str, Any]) -> Node:

@@ -47,10 +47,9 @@ def test_jobs_of_a_cluster_keep_the_contract(check: Callable[..., None], tmp_pat
 
 def test_a_cluster_that_takes_no_jobs_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """As where Slurm is installed and not configured: what sbatch said last, and what to do."""
+    complaint = "echo 'sbatch: error: no host' >&2; echo 'sbatch: fatal: no source' >&2; exit 1"
     for name in ("sbatch", "srun"):
-        (tmp_path / name).write_text(
-            "#!/bin/sh\necho 'sbatch: error: no host' >&2\necho 'sbatch: fatal: no source' >&2\nexit 1"
-        )
+        (tmp_path / name).write_text(f"#!/bin/sh\n{complaint}\n")
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
     cell = odd_cell(0, "last", tmp_path)
