@@ -15,9 +15,10 @@ from harness.files.bounded import parse_json, read_bytes, reading
 from harness.record.forms import OPEN, Count, Line, Name, Status, require_form
 from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.grid_table import show_grid
-from harness.report.rows import NOTHING, Grid, format_number
+from harness.report.rows import Grid, format_number
 from harness.report.summary.summary import RECORD, SUMMARY
 from harness.results.combination import deciding_manner
+from harness.results.overview import NOTHING
 
 MOST_BYTES = 64 * 2**20
 HEADINGS = ("", "the robot", "success", "seeds", "eta_N", "eta_P", "ruler")
