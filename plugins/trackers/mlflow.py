@@ -1,0 +1,90 @@
+"""MLflow."""
+
+import logging
+import os
+import time
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.errors import one_line
+from harness.tracker import Outcome, TrackedCell
+
+if TYPE_CHECKING:
+    from mlflow import MlflowClient
+
+ID, GROUP, OUTCOME, REASON = "harness.id", "harness.group", "harness.outcome", "harness.reason"
+STATUS = {"done": "FINISHED", "failed": "FAILED", "interrupted": "KILLED"}
+
+
+@dataclass(frozen=True)
+class MLflow:
+    """A run for each cell; the combination is the tag ``harness.group``.
+
+    The library's own environment variables hold, such as MLFLOW_TRACKING_URI.
+    """
+
+    uri: Annotated[
+        str, Field(description="of the server, or sqlite:///FILE; by default MLFLOW_TRACKING_URI, or mlflow.db here")
+    ] = ""
+    experiment: Annotated[str, Field(min_length=1, description="that the runs belong to")] = "fd100-harness"
+
+    def why_not(self) -> str:
+        """See `harness.tracker.Tracker`."""
+        try:
+            self._client()
+        except Exception as error:  # of a store that is not usable, or whose library is missing
+            return one_line(error)
+        return ""
+
+    def begin(self, cell: TrackedCell) -> "Run":
+        """See `harness.tracker.Tracker`."""
+        client = self._client()
+        found = client.get_experiment_by_name(self.experiment)
+        experiment = found.experiment_id if found else client.create_experiment(self.experiment)
+        known = client.search_runs([experiment], f"tags.`{ID}` = '{cell.id}'")
+        if known:
+            run = known[0].info.run_id
+            client.update_run(run, status="RUNNING")
+            return Run(client, run)
+        tags = {ID: cell.id, GROUP: cell.group}
+        run = client.create_run(experiment, run_name=cell.title, tags=tags).info.run_id
+        client.log_batch(run, params=_params(cell.config))
+        return Run(client, run)
+
+    def _client(self) -> "MlflowClient":
+        os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")  # nothing is reported to its makers
+        logging.getLogger("mlflow").setLevel(logging.ERROR)
+        logging.getLogger("alembic").setLevel(logging.ERROR)
+        from mlflow import MlflowClient
+
+        return MlflowClient(tracking_uri=self.uri or None)
+
+
+class Run:
+    """One cell's."""
+
+    def __init__(self, client: "MlflowClient", run: str) -> None:
+        self._client, self._run = client, run
+
+    def log(self, steps: int, scalars: Mapping[str, float]) -> None:
+        """See `harness.tracker.Track`."""
+        from mlflow.entities import Metric
+
+        now = int(1000 * time.time())
+        self._client.log_batch(self._run, metrics=[Metric(name, value, now, steps) for name, value in scalars.items()])
+
+    def end(self, outcome: Outcome, reason: str) -> None:
+        """See `harness.tracker.Track`."""
+        self._client.set_tag(self._run, OUTCOME, outcome)
+        if reason:
+            self._client.set_tag(self._run, REASON, reason)
+        self._client.set_terminated(self._run, STATUS[outcome])
+
+
+def _params(config: Mapping[str, object]) -> list[object]:
+    from mlflow.entities import Param
+
+    return [Param(name, str(value)) for name, value in config.items()]
