@@ -158,16 +158,16 @@ class ExperimentRun:
         store: Where.
         registry: The plugins.
         executor: What runs the cells.
-        trackers: What shows them elsewhere, by label.
         options: How.
+        trackers: What shows them elsewhere, by label.
     """
 
     plan: Plan
     store: Store
     registry: Registry
     executor: Executor
-    trackers: Mapping[str, Tracker] = field(default_factory=dict)
     options: RunOptions = DEFAULTS
+    trackers: Mapping[str, Tracker] = field(default_factory=dict)
 
     def run(self, on_event: OnEvent = lambda event: None) -> Results:
         """Do the cells that are not done yet; see `begin` and `BegunRun.run`."""
@@ -313,7 +313,7 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentR
     if options.only:
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))
-    return ExperimentRun(plan, store, registry, executor, trackers, options)
+    return ExperimentRun(plan, store, registry, executor, options, trackers)
 
 
 def default_folder(plan: Plan) -> Path:

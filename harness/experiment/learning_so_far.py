@@ -56,11 +56,13 @@ class LearningSoFar:
         return self.scalars(steps) if self._now() >= self._told + TELL_EVERY else NO_SCALARS
 
     def scalars(self, steps: int) -> dict[str, float]:
-        """What there is to tell after `steps`, by the names of `harness.progress`."""
+        """What there is to tell after `steps`, by the names of `harness.progress`; nothing if that was told."""
+        if steps == self._steps:
+            return {}
         self._add_up()
         now = self._now()
         found = {}
-        if now > self._told and steps > self._steps:
+        if now > self._told:
             found[SPEED] = (steps - self._steps) / (now - self._told)
         self._steps, self._told = steps, now
         if self._ended:

@@ -56,10 +56,9 @@ class MLflow:
 
     def _client(self) -> "MlflowClient":
         os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")  # nothing is reported to its makers
-        logging.getLogger("mlflow").setLevel(logging.ERROR)
-        logging.getLogger("alembic").setLevel(logging.ERROR)
         from mlflow import MlflowClient
 
+        logging.getLogger("mlflow").setLevel(logging.ERROR)  # it tells of a new file, amid the progress of cells
         return MlflowClient(tracking_uri=self.uri or None)
 
 

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from harness.tracker import Outcome, TrackedCell
 
 if TYPE_CHECKING:
@@ -40,8 +42,9 @@ class Events:
 
     def log(self, steps: int, scalars: Mapping[str, float]) -> None:
         """See `harness.tracker.Track`."""
-        for name, value in scalars.items():
-            self._writer.add_scalar(name, value, steps)
+        with np.errstate(over="ignore"):  # it keeps float32: what is too large becomes infinite
+            for name, value in scalars.items():
+                self._writer.add_scalar(name, value, steps)
         self._writer.flush()  # who looks on sees it now
 
     def end(self, outcome: Outcome, reason: str) -> None:
