@@ -89,7 +89,7 @@ class LiveProgress:
             self._failed.remove(cell.id)
             self._ended -= 1
         self._started[cell.id], self._steps[cell.id] = time.perf_counter(), 0
-        self._scalars[cell.id] = scalars = {}
+        scalars = self._scalars[cell.id] = dict[str, float]()
         name, short = (" ".join(parts) for parts in (_parts(cell), (_parts(cell)[index] for index in self._parts)))
         self._tasks[cell.id] = self._progress.add_task(name, total=cell.steps, short=short, scalars=scalars)
         if not self._console.is_terminal:

@@ -73,8 +73,8 @@ class LearningSoFar:
     def _add_up(self) -> None:
         rows = self._block[: self._filled]
         self._filled = 0
-        keys = rows[:, [ENV, EPISODE]].astype(np.int64)
-        episodes, where = np.unique(keys, axis=0, return_inverse=True)  # by env, and in order
+        keys = rows[:, ENV].astype(np.int64) << 32 | rows[:, EPISODE].astype(np.int64)
+        episodes, where = np.unique(keys, return_inverse=True)  # by env, and in order
         paid = np.bincount(where, rows[:, PAYMENTS].sum(axis=1), len(episodes))
         reached = np.bincount(where, rows[:, REACHED], len(episodes)) > 0
         begins = np.bincount(where, rows[:, STEP] == 0, len(episodes)) > 0
@@ -82,8 +82,11 @@ class LearningSoFar:
         ends = np.flatnonzero(rows[:, ENDS].any(axis=1))
         last_rows[where[ends]] = ends
         ended = []
-        for index, (env, episode) in enumerate(episodes.tolist()):
-            number, before, was_reached = (episode, 0.0, False) if begins[index] else self._open.get(env, (-1, 0.0, False))
+        for index, key in enumerate(episodes.tolist()):
+            env, episode = divmod(key, 2**32)
+            number, before, was_reached = (
+                (episode, 0.0, False) if begins[index] else self._open.get(env, (-1, 0.0, False))
+            )
             if number != episode:
                 continue
             total = episode, before + float(paid[index]), was_reached or bool(reached[index])

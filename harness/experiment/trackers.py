@@ -13,7 +13,7 @@ from harness.registry.choice import Choice, choose, split_list
 from harness.registry.registry import Registry
 from harness.tracker import Outcome, Track, TrackedCell, Tracker
 
-CLOSE_WITHIN = 30.0
+CLOSE_WITHIN = 60.0
 """Seconds that trackers get to finish when all cells have ended."""
 
 Given: TypeAlias = str | Mapping[str, Any]
@@ -54,7 +54,9 @@ def tracked_cell(cell: Cell, begun: float, folder: Path) -> TrackedCell:
     """
     parts = {"simulator": cell.simulator, "algorithm": cell.algorithm, "reward": cell.reward, "task": cell.task}
     config: dict[str, Any] = {name: part.label for name, part in parts.items()}
-    config |= {f"{name}.{key}": value for name, part in parts.items() for key, value in part.to_json()["params"].items()}
+    config |= {
+        f"{name}.{key}": value for name, part in parts.items() for key, value in part.to_json()["params"].items()
+    }
     config |= {key: value for key, value in cell.to_json().items() if key not in parts}
     group = " · ".join((cell.simulator.label, cell.algorithm.label, cell.reward.label, cell.task.label))
     return TrackedCell(f"{cell.id}-{int(1000 * begun):x}", cell.title, group, {**config, "cell": cell.id}, folder)

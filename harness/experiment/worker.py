@@ -1,9 +1,9 @@
 """The process in which an executor has things done, one after the other: ``python -m harness.experiment.worker``.
 
 Each line of standard input is an order (`harness.experiment.order`). The answers are lines on standard output: a
-`harness.executor.Word`, as often as there is news; then `DONE`, and the next order may come, or the end of the output. An
-order that would run on sources which have changed since this process began is answered with `STALE`, and not done. What
-the work itself prints goes into its log, and so does the stack if the process crashes; what it reads is empty. The
+`harness.executor.Word`, as often as there is news; then `DONE`, and the next order may come, or the end of the output.
+An order that would run on sources which have changed since this process began is answered with `STALE`, and not done.
+What the work itself prints goes into its log, and so does the stack if the process crashes; what it reads is empty. The
 process ends when its parent does.
 """
 

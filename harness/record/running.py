@@ -44,9 +44,15 @@ class Running:
     track: Seconds = 0.0
     tracked: Annotated[int, Field(ge=0)] = 0
 
-    def after(self, steps: int, now: float, **news: float | None) -> Self:
-        """The same cell, when it has told its steps, and perhaps `success` and `mean_return`."""
-        return replace(self, steps=max(steps, self.steps), told=now, **news)
+    def after(self, steps: int, now: float, success: float | None = None, mean_return: float | None = None) -> Self:
+        """The same cell, when it has told its steps; success and return stay where they are None."""
+        return replace(
+            self,
+            steps=max(steps, self.steps),
+            told=now,
+            success=self.success if success is None else success,
+            mean_return=self.mean_return if mean_return is None else mean_return,
+        )
 
 
 FORM: TypeAdapter[dict[str, Running]] = TypeAdapter(dict[str, Running])

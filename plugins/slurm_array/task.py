@@ -61,7 +61,7 @@ class Told:
     _read: int = field(default=0, init=False)
 
     def news(self) -> list[tuple[Any, int, str, dict[str, float]]]:
-        """Kind, steps, reason and scalars of each event since the last call; a line that is half written comes later."""
+        """Kind, steps, reason and scalars of each event since the last call; half a line comes when it is whole."""
         if not self.path.exists():
             return []
         with self.path.open("rb") as file:

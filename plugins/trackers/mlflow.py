@@ -1,21 +1,23 @@
 """MLflow."""
 
+import importlib.util
 import logging
 import os
 import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated
+from urllib.parse import urlsplit
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.errors import one_line
 from harness.tracker import Outcome, TrackedCell
 
 if TYPE_CHECKING:
     from mlflow import MlflowClient
 
 ID, GROUP, OUTCOME, REASON = "harness.id", "harness.group", "harness.outcome", "harness.reason"
+DATABASES = ("sqlite", "mysql", "postgresql", "mssql")
 STATUS = {"done": "FINISHED", "failed": "FAILED", "interrupted": "KILLED"}
 
 
@@ -33,10 +35,15 @@ class MLflow:
 
     def why_not(self) -> str:
         """See `harness.tracker.Tracker`."""
-        try:
-            self._client()
-        except Exception as error:  # of a store that is not usable, or whose library is missing
-            return one_line(error)
+        import mlflow
+
+        uri = self.uri or mlflow.get_tracking_uri()
+        scheme = urlsplit(uri).scheme
+        if scheme in ("", "file") and os.environ.get("MLFLOW_ALLOW_FILE_STORE") != "true":
+            return f"MLflow keeps nothing in plain folders any more, as '{uri}' asks: give uri=sqlite:///mlflow.db"
+        missing = [name for name in ("sqlalchemy", "alembic") if importlib.util.find_spec(name) is None]
+        if scheme.startswith(DATABASES) and missing:
+            return f"'{uri}' needs {', '.join(missing)}: pip install 'fd100-harness[mlflow]'"
         return ""
 
     def begin(self, cell: TrackedCell) -> "Run":

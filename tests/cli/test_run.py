@@ -32,7 +32,10 @@ BAD = [
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:target_center=9x9x9"], "reaches next to no target"),
     (["--sim", "ideal", "--algo", "wander", "--executor", "cloud"], "No executor 'cloud'"),
     (["--sim", "ideal", "--algo", "wander", "--tracker", "wanb"], "No tracker 'wanb'"),
-    (["--sim", "ideal", "--algo", "wander", "--tracker", "clumsy:mood=bad"], "'clumsy:mood=bad' cannot be used: not now"),
+    (
+        ["--sim", "ideal", "--algo", "wander", "--tracker", "clumsy:mood=bad"],
+        "'clumsy:mood=bad' cannot be used: not now",
+    ),
     (["missing.toml"], "No experiment file 'missing.toml'"),
     (["--simulator", "ideal"], "No such option"),
 ]

@@ -59,7 +59,15 @@ LOCAL = {"wandb": "wandb:mode=offline", "mlflow": "mlflow:uri=sqlite:///mlflow.d
 """Settings of trackers with which nothing leaves this machine."""
 NEED_A_CLUSTER = ("slurm",)
 """Executors that start none themselves; `tests/plugins/executors` does, and runs the checks there."""
-CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS, *TASK_CHECKS, *EXECUTOR_CHECKS, *TRACKER_CHECKS]
+CHECKS = [
+    *SIMULATOR_CHECKS,
+    *REWARD_CHECKS,
+    *ALGORITHM_CHECKS,
+    *METRIC_CHECKS,
+    *TASK_CHECKS,
+    *EXECUTOR_CHECKS,
+    *TRACKER_CHECKS,
+]
 
 
 def registered(kind: str, checks: tuple[Callable[..., None], ...]) -> pytest.MarkDecorator:

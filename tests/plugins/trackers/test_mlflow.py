@@ -2,10 +2,10 @@
 
 import pytest
 
-pytest.importorskip("mlflow", reason="needs the extra mlflow")
-
 from harness.tracker import TrackedCell
 from harness_plugins.trackers.mlflow import GROUP, MLflow
+
+pytest.importorskip("mlflow", reason="needs the extra mlflow")
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # the library's own, of SQLAlchemy
 URI = "sqlite:///mine.db"
@@ -48,8 +48,11 @@ def test_a_cell_that_goes_on_is_one_run(tracked: TrackedCell):
     assert ([point.step for point in curve], run.info.status) == ([100, 200], "FINISHED")
 
 
-def test_a_store_that_cannot_be_used_says_why(tmp_path):
-    """In one line, before anything starts."""
-    reason = MLflow(uri=f"{tmp_path}/mlruns").why_not()
-    assert "file" in reason
-    assert "\n" not in reason
+def test_a_store_that_cannot_be_used_says_why(tmp_path, monkeypatch):
+    """Before anything starts, and nothing is written for it."""
+    monkeypatch.chdir(tmp_path)
+    assert "give uri=sqlite:///mlflow.db" in MLflow(uri=f"{tmp_path}/mlruns").why_not()
+    assert MLflow(uri=URI).why_not() == ""
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert "sqlalchemy, alembic: pip install 'fd100-harness[mlflow]'" in MLflow(uri=URI).why_not()
+    assert list(tmp_path.iterdir()) == []

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import pytest
 
-pytest.importorskip("tensorboard", reason="needs the extra tensorboard")
-
 from harness.tracker import TrackedCell
 from harness_plugins.trackers.tensorboard import TensorBoard
+
+pytest.importorskip("tensorboard", reason="needs the extra tensorboard")
 
 
 def test_numbers_are_read_back(tracked: TrackedCell, read_events: Callable):

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-wandb = pytest.importorskip("wandb", reason="needs the extra wandb")
-
 from harness.tracker import TrackedCell
 from harness_plugins.trackers.wandb import WandB
+
+wandb = pytest.importorskip("wandb", reason="needs the extra wandb")
 
 
 def _records(folder: Path) -> list:
