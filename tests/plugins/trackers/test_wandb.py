@@ -1,5 +1,6 @@
 """Weights & Biases, offline."""
 
+import time
 from pathlib import Path
 
 import pytest
@@ -11,14 +12,23 @@ wandb = pytest.importorskip("wandb", reason="needs the extra wandb")
 
 
 def _records(folder: Path) -> list:
-    """What the only offline run of a folder holds: a header, then records of checksum, length, kind and content."""
+    """What the only offline run of a folder holds, once its end is there: another process writes it."""
+    until = time.monotonic() + 20.0
+    while not any(record.HasField("exit") for record in _written(folder)):
+        assert time.monotonic() < until, "the run has no end"
+        time.sleep(0.05)
+    return _written(folder)
+
+
+def _written(folder: Path) -> list:
+    """A header, then records of checksum, length, kind and content."""
     from wandb.proto import wandb_internal_pb2
 
     [path] = folder.glob("wandb/offline-run-*/*.wandb")
     content, found = path.read_bytes(), []
     assert len(content) < 2**15, "records may be split"
     at = 7
-    while at < len(content):
+    while at + 7 < len(content):
         size = int.from_bytes(content[at + 4 : at + 6], "little")
         found.append(wandb_internal_pb2.Record.FromString(content[at + 7 : at + 7 + size]))
         at += 7 + size
