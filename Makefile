@@ -14,7 +14,7 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
 # What install and dev set up, of pyproject.toml's extras.
 RUN_EXTRAS := mujoco sb3 report
-DEV_EXTRAS := mujoco sb3 report pybullet dm-control figures tune tensorboard wandb ray slurm video dev
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev
 
 .PHONY: install dev lock run reference test slow browser bench check format clean
 

@@ -1,7 +1,7 @@
 """What a figure shows, before it is drawn: two axes, and marks in the units of these axes.
 
 A colour is named by what it stands for, such as ``baseline``: the page's style sheet gives it a value for a light
-screen and one for a dark one.
+screen and one for a dark one; a file of its own has those of a light screen.
 """
 
 import math
@@ -10,6 +10,8 @@ from typing import Literal, NamedTuple, TypeAlias
 
 Shape: TypeAlias = Literal["circle", "square", "diamond", "cross"]
 
+WIDTH = 440.0
+"""Of a figure on a page, [px]; a narrower column shows it smaller."""
 GAP = math.nan
 """As a coordinate of a line: the line is interrupted here."""
 
@@ -72,7 +74,14 @@ class Word(NamedTuple):
     text: str
     anchor: Literal["start", "middle", "end"] = "middle"
     rise: float = 0.0
-    """How far it stands above the point, [px]."""
+    """How far it stands above the point, [px]. It is moved to the side where it would leave the panel."""
+
+
+class Note(NamedTuple):
+    """A text to the right of the panel."""
+
+    y: float
+    text: str
 
 
 class Flag(NamedTuple):
@@ -84,7 +93,7 @@ class Flag(NamedTuple):
     """Of the text, counted upwards."""
 
 
-Mark: TypeAlias = Line | Area | Dots | Word | Flag
+Mark: TypeAlias = Line | Area | Dots | Word | Note | Flag
 
 
 class Chart(NamedTuple):
@@ -98,6 +107,8 @@ class Chart(NamedTuple):
     """Of the panel, [px]."""
     is_square: bool = False
     """Whether the panel is as high as it is wide, whatever `height` says."""
+    width: float = WIDTH
+    """Of the figure, with all labels, [px]."""
 
 
 def round_ticks(low: float, high: float, most: int = 6) -> list[float]:

@@ -1,4 +1,4 @@
-"""Charts as SVG elements inside a page: no script, no fixed colour, text that can be found and read out."""
+"""Charts as SVG elements: no script, no fixed colour, text that can be found and read out."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -10,14 +10,18 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from harness.arrays import Float
-from harness.report.chart import Area, Axis, Chart, Dots, Flag, Line, Word
+from harness.report.chart import Area, Axis, Chart, Dots, Flag, Line, Note, Word
+from harness.text import visible
 
-WIDTH = 440.0
-"""Of a figure, [px]; a narrower column shows it smaller."""
 CHARACTER = 6.9
 """Width of a character of a label, [px]."""
 LINE = 16.0
 """Height of a line of labels, [px]."""
+SAMPLE = (26.0, 12.0)
+"""Width and height of a sample in a legend, [px]."""
+NOWHERE = Axis(0.0, 1.0, "", ())
+BESIDE = {"start": (0.0, 1.0), "middle": (0.5, 0.5), "end": (1.0, 0.0)}
+"""Which shares of a text lie before and behind its place."""
 
 
 class Frame(NamedTuple):
@@ -45,24 +49,63 @@ def draw_chart(chart: Chart, label: str) -> str:
         chart: What to draw.
         label: The same in words, for those who cannot see it.
     """
+    return ElementTree.tostring(draw_figure(chart, label), encoding="unicode") + _legend(chart)
+
+
+def draw_figure(chart: Chart, label: str) -> Element:
+    """The figure alone, an SVG element.
+
+    Args:
+        chart: What to draw.
+        label: The same in words.
+    """
     frame = _frame(chart)
-    bottom = frame.top + frame.height
-    size = {"viewBox": f"0 0 {WIDTH:g} {bottom + 2.6 * LINE:.0f}", "role": "img", "aria-label": label}
+    size = {"viewBox": f"0 0 {chart.width:g} {figure_height(chart):g}", "role": "img", "aria-label": visible(label)}
     svg = Element("svg", {"class": "chart", **size})
     _draw_axes(svg, frame)
     for mark in chart.marks:
         if not isinstance(mark, Line | Area) or len(mark.x):  # a path without points is an error to a browser
             _draw(mark, svg, frame)
-    return ElementTree.tostring(svg, encoding="unicode", short_empty_elements=True) + _legend(chart)
+    return svg
+
+
+def figure_height(chart: Chart) -> float:
+    """Of the figure with all labels, without its legend, [px]."""
+    frame = _frame(chart)
+    return round(frame.top + frame.height + 2.6 * LINE)
+
+
+def panel_left(chart: Chart) -> float:
+    """Where the panel begins in the figure, [px]."""
+    return _frame(chart).left
+
+
+def legend_of(chart: Chart) -> list[tuple[str, Line | Dots]]:
+    """Each name of the legend, and the mark that it names."""
+    drawn = [mark for mark in chart.marks if isinstance(mark, Line | Dots)]
+    named = [(mark.legend if isinstance(mark, Dots) else mark.name * mark.in_legend, mark) for mark in drawn]
+    return [(name, mark) for name, mark in named if name]
+
+
+def draw_sample(mark: Line | Dots) -> Element:
+    """A short piece of a line, or a single dot, as an SVG element of `SAMPLE` pixels."""
+    svg = Element("svg", {"class": "chart sample", "viewBox": "0 0 {:g} {:g}".format(*SAMPLE), "aria-hidden": "true"})
+    frame = Frame(Chart(NOWHERE, NOWHERE, ()), 1.0, 0.0, SAMPLE[0] - 2.0, SAMPLE[1])
+    if isinstance(mark, Line):
+        _draw(mark._replace(x=[0.0, 1.0], y=[0.5, 0.5], name=""), svg, frame)
+    else:
+        _draw(mark._replace(x=[0.5], y=[0.5], names=()), svg, frame)
+    return svg
 
 
 def _frame(chart: Chart) -> Frame:
     """As much room as the labels need."""
     names = [text for _, text in chart.y.ticks]
     left = (LINE if chart.y.title else 0.0) + 10.0 + CHARACTER * max(map(len, names), default=0)
-    right = 8.0 + CHARACTER / 2 * (len(chart.x.ticks[-1][1]) if chart.x.ticks else 0)
+    notes = [len(mark.text) for mark in chart.marks if isinstance(mark, Note)]
+    right = 8.0 + CHARACTER * max(len(chart.x.ticks[-1][1]) / 2 if chart.x.ticks else 0.0, *notes, 0.0)
     rows = [mark.row + 1 for mark in chart.marks if isinstance(mark, Flag)]
-    width = WIDTH - left - right
+    width = chart.width - left - right
     return Frame(chart, left, 10.0 + LINE * max(rows, default=0), width, width if chart.is_square else chart.height)
 
 
@@ -130,7 +173,15 @@ def _(mark: Dots, svg: Element, frame: Frame) -> None:
 @_draw.register
 def _(mark: Word, svg: Element, frame: Frame) -> None:
     x, y = frame.across([mark.x])[0], frame.down([mark.y])[0]
-    _text(svg, x, y + 4.0 - mark.rise, mark.text, mark.anchor).set("class", "word")
+    before, behind = (3.0 + CHARACTER * len(mark.text) * share for share in BESIDE[mark.anchor])
+    inside = max(frame.left + before, min(x, frame.left + frame.width - behind))
+    _text(svg, inside, y + 4.0 - mark.rise, mark.text, mark.anchor).set("class", "word")
+
+
+@_draw.register
+def _(mark: Note, svg: Element, frame: Frame) -> None:
+    (y,) = frame.down([mark.y])
+    _text(svg, frame.left + frame.width + 7.0, y + 4.0, mark.text, "start")
 
 
 @_draw.register
@@ -171,21 +222,11 @@ SHAPES: dict[str, Callable[[float, float, float], str]] = {
 def _legend(chart: Chart) -> str:
     """Names beside a sample of each line and dot, as a list that wraps; empty where nothing has a name."""
     rows = Element("ul", {"class": "legend"})
-    for mark in chart.marks:
-        if isinstance(mark, Line) and mark.in_legend:
-            _sample(rows, mark._replace(name=""), mark.name)
-        elif isinstance(mark, Dots) and mark.legend:
-            _sample(rows, mark._replace(names=()), mark.legend)
+    for name, mark in legend_of(chart):
+        row = SubElement(rows, "li")
+        row.append(draw_sample(mark))
+        SubElement(row, "span").text = visible(name)
     return ElementTree.tostring(rows, encoding="unicode") if len(rows) else ""
-
-
-def _sample(rows: Element, mark: Line | Dots, name: str) -> None:
-    row = SubElement(rows, "li")
-    svg = SubElement(row, "svg", {"class": "chart sample", "viewBox": "0 0 26 12", "aria-hidden": "true"})
-    nothing = Axis(0.0, 1.0, "", ())
-    ends = ([0.0, 1.0], [0.5, 0.5]) if isinstance(mark, Line) else ([0.5], [0.5])
-    _draw(mark._replace(x=ends[0], y=ends[1]), svg, Frame(Chart(nothing, nothing, ()), 1.0, 0.0, 24.0, 12.0))
-    SubElement(row, "span").text = name
 
 
 def _stroke(svg: Element, kind: str, points: Iterable[tuple[float, float]]) -> Element:
@@ -219,11 +260,11 @@ def _tenths(count: int) -> str:
 
 def _text(svg: Element, x: float, y: float, text: str, anchor: str) -> Element:
     element = SubElement(svg, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor})
-    element.text = text
+    element.text = visible(text)
     return element
 
 
 def _name(element: Element, name: str) -> None:
     """Shown under the pointer."""
     if name:
-        SubElement(element, "title").text = name
+        SubElement(element, "title").text = visible(name)

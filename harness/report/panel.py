@@ -1,4 +1,4 @@
-"""What a panel of accumulated reward shows, however it is drawn."""
+"""What a panel of accumulated reward shows."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,6 @@ from harness.arrays import Float
 from harness.eta.curve import GroupCurve
 from harness.eta.index import Index
 from harness.eta.scored_sums import BB, KK
-from harness.report.palette import BLUE, VERMILION
 from harness.results.combination import Combination
 
 
@@ -21,7 +20,6 @@ class Panel:
     Attributes:
         role: ``Baseline`` or ``Proposed``.
         reward: Its label.
-        colour: Of its curves.
         curve: Of its runs.
         seeds: Of each run.
         marks: Steps of the mean curve by name; what never happens is left out.
@@ -29,7 +27,6 @@ class Panel:
 
     role: str
     reward: str
-    colour: str
     curve: GroupCurve
     seeds: tuple[int, ...]
     marks: Mapping[str, int]
@@ -65,8 +62,8 @@ def panels_of(combination: Combination) -> tuple[Panel, Panel] | None:
         return None
     curves, seeds = combination.curves, combination.seeds
     return (
-        Panel("Baseline", combination.baseline, BLUE, curves[BB], seeds, _marks(baseline)),
-        Panel("Proposed", combination.proposed, VERMILION, curves[KK], seeds, _marks(proposed)),
+        Panel("Baseline", combination.baseline, curves[BB], seeds, _marks(baseline)),
+        Panel("Proposed", combination.proposed, curves[KK], seeds, _marks(proposed)),
     )
 
 

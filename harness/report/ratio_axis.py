@@ -1,14 +1,18 @@
-"""The logarithmic axis that ratios stand on, however it is drawn."""
+"""The logarithmic axis that ratios stand on."""
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 from harness.eta.index import Ratio
 
-FARTHEST = 1_000.0
-"""An interval is drawn no farther than this factor beyond the outermost ratio."""
+FARTHEST = 30.0
+"""An interval is drawn no farther than this factor beyond the outermost ratio: its ends stand in numbers beside it."""
 TICKS = ((0.45, (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)), (1.0, (1, 1.5, 2, 3, 5, 7)), (2.2, (1, 2, 5)))
 """Which digits are marked while the axis spans at most so many decades; beyond, powers of ten."""
+
+ROOM = 32
+"""Characters beside one another along the axis, at least: long names may stand beside it."""
 
 
 def is_drawable(ratio: Ratio) -> bool:
@@ -16,14 +20,14 @@ def is_drawable(ratio: Ratio) -> bool:
     return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
 
 
-def ratio_range(ratios: Sequence[Ratio], farthest: float = FARTHEST) -> tuple[float, float]:
-    """What the axis spans: every ratio and interval that is drawn, the latter up to `farthest`, 1, and some air."""
+def ratio_range(ratios: Sequence[Ratio]) -> tuple[float, float]:
+    """What the axis spans: every ratio and interval that is drawn, the latter up to `FARTHEST`, 1, and some air."""
     drawn = [ratio for ratio in ratios if is_drawable(ratio)]
     values = [ratio.value for ratio in drawn if ratio.value is not None]
     ends = [end for ratio in drawn for end in (ratio.low, ratio.high) if end is not None]
     low, high = min([0.85, *values]), max([1.18, *values])
-    low = min([low, *(max(end, low / farthest) for end in ends)])
-    high = max([high, *(min(end, high * farthest) for end in ends)])
+    low = min([low, *(max(end, low / FARTHEST) for end in ends)])
+    high = max([high, *(min(end, high * FARTHEST) for end in ends)])
     air = (high / low) ** 0.08
     return low / air, high * air
 
@@ -46,3 +50,22 @@ def ticks(low: float, high: float) -> list[float]:
     else:
         values = [digit * 10.0**power for power in range(first, last + 1) for digit in digits]
     return [float(f"{value:.3g}") for value in values if low <= value <= high]
+
+
+def named_ticks(low: float, high: float) -> tuple[tuple[float, str], ...]:
+    """As many of the `ticks` as their names have room for: every second one is left out, 1 is not, until none touch."""
+    marks = ticks(low, high)
+    while len(marks) > 2 and any(_touch(*pair, high / low) for pair in pairwise(marks)):
+        marks = marks[marks.index(1.0) % 2 :: 2]
+    return tuple((mark, _name(mark)) for mark in marks)
+
+
+def _touch(left: float, right: float, span: float) -> bool:
+    """Whether there is less than a character between their names, on an axis whose high is `span` times its low."""
+    apart = ROOM * math.log(right / left) / math.log(span)
+    return apart < (len(_name(left)) + len(_name(right))) / 2 + 1
+
+
+def _name(mark: float) -> str:
+    """The number; a power of ten that is long in digits as 1e-4 or 1e5."""
+    return f"{mark:,g}" if 0.001 <= mark <= 1_000 else f"1e{math.log10(mark):.0f}"

@@ -1,10 +1,10 @@
-"""What a figure of ruler x behaviour shows, however it is drawn."""
+"""The rows of a figure of ruler x behaviour."""
 
 from typing import NamedTuple
 
 from harness.eta.decompose import Split
 from harness.eta.index import Ratio
-from harness.report.palette import GREEN, GREY, INK
+from harness.report.chart import Shape
 from harness.report.ratio_axis import is_drawable
 from harness.report.rows import ratio_text
 
@@ -17,21 +17,23 @@ class SplitRow(NamedTuple):
     place: float
     """Down from the top."""
     colour: str
-    symbol: str
-    """``circle``, ``square`` or ``diamond``; ``-open`` behind it on a single path."""
+    """As in `harness.report.chart`."""
+    shape: Shape
+    is_open: bool = False
+    """On a single path."""
 
 
 def split_rows(name: str, split: Split) -> list[SplitRow]:
     """An eta, its split, and both paths that this is the mean of, from top to bottom."""
     rows = [
-        SplitRow(name, split.eta, 0.0, INK, "circle"),
-        SplitRow("ruler", split.ruler, 1.3, GREY, "square"),
-        SplitRow("behaviour", split.behaviour, 2.2, GREEN, "diamond"),
+        SplitRow(name, split.eta, 0.0, "ink", "circle"),
+        SplitRow("ruler", split.ruler, 1.3, "ruler", "square"),
+        SplitRow("behaviour", split.behaviour, 2.2, "behaviour", "diamond"),
     ]
     for place, (where, path) in enumerate(zip(("proposed runs", "baseline's runs"), split.paths, strict=False)):
         rows += [
-            SplitRow(f"ruler, {where}", path.ruler, 3.5 + 2.2 * place, GREY, "square-open"),
-            SplitRow(f"behaviour, {where}", path.behaviour, 4.4 + 2.2 * place, GREEN, "diamond-open"),
+            SplitRow(f"ruler, {where}", path.ruler, 3.5 + 2.2 * place, "ruler", "square", True),
+            SplitRow(f"behaviour, {where}", path.behaviour, 4.4 + 2.2 * place, "behaviour", "diamond", True),
         ]
     return rows
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.record.scene import Scene
-from harness.report.palette import BLUE, GREEN, GREY, INK, VERMILION
 from harness.results.replay import Episode, Show, Side
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import BACKGROUND, Camera, camera_for, chain_of, corners_of, draw_arm, require_pillow
 from harness.text import visible
+from harness.video.palette import BLUE, GREEN, GREY, INK, VERMILION
 
 if TYPE_CHECKING:
     from PIL import Image, ImageDraw

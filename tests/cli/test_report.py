@@ -1,5 +1,4 @@
 import json
-import sys
 
 import pytest
 
@@ -152,14 +151,6 @@ def test_summary_into_a_file_is_refused(harness, experiment, tmp_path):
     answer = harness("report", experiment, "--summary", "kept")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "The summary 'kept' cannot be written" in answer.err
-
-
-def test_summary_without_matplotlib_names_the_extra(harness, experiment, monkeypatch):
-    """Status 2 and one line."""
-    monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_svg", None)
-    answer = harness("report", experiment, "--summary", "kept")
-    assert (answer.status, answer.err.count("\n")) == (2, 1)
-    assert "pip install 'fd100-harness[figures]'" in answer.err
 
 
 def test_committed_records_open(harness, experiment):

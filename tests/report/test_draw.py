@@ -9,18 +9,20 @@ import pytest
 
 from harness.report.chart import (
     GAP,
+    WIDTH,
     Area,
     Axis,
     Chart,
     Dots,
     Flag,
     Line,
+    Note,
     Word,
     linear_axis,
     round_ticks,
     share_axis,
 )
-from harness.report.draw import WIDTH, draw_chart
+from harness.report.draw import CHARACTER, draw_chart, draw_figure, figure_height, legend_of
 
 PLAIN = Axis(0.0, 10.0, "across", ((0.0, "0"), (10.0, "10")))
 UP = Axis(-1.0, 1.0, "up", ((-1.0, "-1"), (0.0, "0"), (1.0, "1")))
@@ -99,6 +101,51 @@ def test_flags_have_room_above_the_panel():
     """As many lines of text as they have rows."""
     heights = [points(parts(Chart(PLAIN, UP, marks), "axis")[0])[0][1] for marks in ((), (Flag(1.0, "a", 1),))]
     assert heights[1] - heights[0] == pytest.approx(32.0)
+
+
+def places(chart):
+    """Where each text of the figure stands, [px]."""
+    return {it.text: float(it.get("x")) for it in draw_figure(chart, "told").iter("text")}
+
+
+@pytest.mark.parametrize("x", [0.0, 10.0])
+def test_a_word_stays_in_the_panel(x):
+    """It is moved to the side where it would leave it."""
+    chart = Chart(PLAIN, UP, (Word(x, 0.0, "a long word"),))
+    ((left, _), _, (right, _)) = points(parts(chart, "axis")[0])
+    half = CHARACTER * len("a long word") / 2
+    assert left + half < places(chart)["a long word"] < right - half
+
+
+def test_notes_have_room_beside_the_panel():
+    """Whatever is written there, the figure is as wide as it says."""
+    chart = Chart(PLAIN, UP, (Note(0.0, "a long note"),), width=300.0)
+    (right, _) = points(parts(chart, "axis")[0])[-1]
+    begin = places(chart)["a long note"]
+    assert right < begin
+    assert begin + CHARACTER * len("a long note") <= 300.0
+
+
+def test_figure_is_as_large_as_it_says():
+    """Its legend not counted."""
+    chart = Chart(PLAIN, UP, (Flag(1.0, "a", 1),), width=300.0)
+    assert draw_figure(chart, "told").get("viewBox") == f"0 0 300 {figure_height(chart):g}"
+
+
+def test_legend_names_marks_in_their_order():
+    """Those that have a name for it."""
+    line = Line([0.0], [0.0], "ink", "a line", in_legend=True)
+    dots = Dots([0.0], [0.0], "ink", legend="a dot")
+    assert legend_of(Chart(PLAIN, UP, (dots, line, line._replace(in_legend=False)))) == [
+        ("a dot", dots),
+        ("a line", line),
+    ]
+
+
+def test_hidden_characters_are_written_out():
+    """A browser would obey some of them; XML has no place for others."""
+    drawn = draw_chart(Chart(PLAIN._replace(title="a\x1b"), UP, (Word(0.0, 0.0, "b\u202e"),)), "c\x00")
+    assert all(text in drawn for text in (r"a\x1b", r"b\u202e", r"c\x00"))
 
 
 def test_no_colour_is_fixed():

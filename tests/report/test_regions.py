@@ -15,7 +15,7 @@ VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
 def panel(curve: list[float], kind: Kind = "accumulated") -> Panel:
     """One run whose curve this is."""
     rewards = np.array(curve) if kind == "per-step" else np.diff(curve, prepend=0.0)
-    return Panel("Baseline", "baseline", "#000000", curve_of([rewards], kind), (0,), {})
+    return Panel("Baseline", "baseline", curve_of([rewards], kind), (0,), {})
 
 
 def regions(curve: list[float], kind: Kind = "accumulated"):

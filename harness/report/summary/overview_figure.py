@@ -1,25 +1,43 @@
 """Every combination at a glance: eta_N and eta_P, each with ruler and behaviour."""
 
 import textwrap
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 from harness.report.apart import tell_apart
-from harness.report.palette import GREEN, GREY, GRID, INK
-from harness.report.rows import BETTER, SCALES
+from harness.report.chart import Axis, Chart, Dots, Line, Mark, Note
+from harness.report.draw import CHARACTER
+from harness.report.rows import BETTER, SCALES, ratio_text
+from harness.report.split_figure import draw_ratio, ratio_axis
 from harness.report.split_rows import SplitRow
-from harness.report.summary.headline import height_of, put_headline
-from harness.report.summary.ratio_marks import ENDLESS, draw_marks
-from harness.report.summary.svg import draw_svg
+from harness.report.summary.svg import INTERVALS, Panel, draw_svg
 from harness.results.combination import Combination
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-LINE = 44
-"""Characters of a name."""
+NAME = 44
+"""Characters of a line of a name."""
 REWARD = 4
 """Place of the proposed reward in a name."""
+LINE = 18.0
+"""From one number to the next, [px]."""
+AIR = 0.8
+"""Between two combinations, in lines."""
+WIDTH = 340.0
+"""Of a panel with its numbers, [px]."""
+LEGEND = {"eta": "eta, equal to", "ruler": "ruler times", "behaviour": "behaviour"}
+
+
+class Row(NamedTuple):
+    """A combination and where it stands, in lines from the top."""
+
+    combination: Combination
+    label: list[str]
+    top: float
+    bottom: float
+
+    @property
+    def middle(self) -> float:
+        """Between top and bottom."""
+        return (self.top + self.bottom) / 2
 
 
 def draw_overview(combinations: Sequence[Combination], missing: Sequence[str]) -> bytes | None:
@@ -33,17 +51,17 @@ def draw_overview(combinations: Sequence[Combination], missing: Sequence[str]) -
         return None
     shared, names = name_apart(combinations)
     labels = [_label(*given) for given in zip(names, combinations, missing, strict=True)]
-    row = max(0.62, *(height_of(label) + 0.15 for label in labels))
-    height = 1.7 + height_of(shared) + row * len(labels)
+    rows = list(_rows(combinations, labels))
+    panels = [Panel(name, _chart(name, rows, is_first=number == 0)) for number, name in enumerate(BETTER)]
     title = "eta = ruler x behaviour of every combination"
-    return draw_svg(title, 10.0, height, lambda figure: _fill(figure, combinations, labels, shared))
+    return draw_svg(title, (title, shared), panels, [SCALES, INTERVALS])
 
 
 def name_apart(combinations: Sequence[Combination]) -> tuple[str, list[str]]:
     """What all combinations share, and for each what it does not."""
     told = [_parts(combination) for combination in combinations]
     apart = tell_apart(told, keep=REWARD if len(told) == 1 else None)
-    return textwrap.fill(apart.shared, 110), apart.names
+    return apart.shared, apart.names
 
 
 def _parts(combination: Combination) -> tuple[str, ...]:
@@ -53,47 +71,52 @@ def _parts(combination: Combination) -> tuple[str, ...]:
     return (*group.labels.values(), proposed, f"against {combination.baseline}", manner)
 
 
-def _label(name: str, combination: Combination, missing: str) -> str:
+def _label(name: str, combination: Combination, missing: str) -> list[str]:
     count = len(combination.seeds)
     told = [name, f"{count} seed{'s' * (count != 1)}" + (f"; {missing}" if missing else "")]
-    return "\n".join(textwrap.fill(line, LINE) for line in told if line)
+    return [line for text in told for line in textwrap.wrap(text, NAME)]
 
 
-def _fill(figure: "Figure", combinations: Sequence[Combination], labels: list[str], shared: str) -> None:
-    put_headline(figure, shared)
-    grid = figure.subplots(1, 2, sharey=True, squeeze=False)
-    for axes, name in zip(grid[0], BETTER, strict=True):
-        rows = [row for place, combination in enumerate(combinations) for row in _rows(combination, name, place)]
-        for place in range(1, len(combinations), 2):
-            axes.axhspan(place - 0.5, place + 0.5, color=GRID, alpha=0.4, linewidth=0, zorder=0)
-        draw_marks(axes, rows, with_intervals=False)
-        axes.set_title(name)
-        axes.set_xlabel(f"ratio; {BETTER[name]} is called better")
-        axes.set_yticks(range(len(labels)), labels)
-        axes.set_ylim(len(labels) - 0.5, -0.5)
-    _explain(figure)
+def _rows(combinations: Sequence[Combination], labels: Sequence[list[str]]) -> Iterator[Row]:
+    """One below the other, each as high as its three numbers or its name."""
+    top = 0.0
+    for combination, label in zip(combinations, labels, strict=True):
+        bottom = top + max(3, len(label)) + AIR
+        yield Row(combination, label, top, bottom)
+        top = bottom
 
 
-def _rows(combination: Combination, name: str, place: int) -> list[SplitRow]:
-    """The first path alone: the other one is in the combination's own figure."""
-    split = combination.splits[name]
+def _chart(name: str, rows: Sequence[Row], is_first: bool) -> Chart:
+    """The panel of an eta; the first one has the names of the rows."""
+    parts = [part for row in rows for part in _split(row, name)]
+    ratios = ratio_axis(name, parts)
+    names = [place for row in rows for place in _places(row)] if is_first else []
+    between = [Line([ratios.low, ratios.high], [-row.top] * 2, "ruler", width=0.5) for row in rows[1:]]
+    width = WIDTH + CHARACTER * max((len(line) for _, line in names), default=0)
+    height = rows[-1].bottom
+    places = Axis(-height, 0.0, "", tuple(names), has_grid=False)
+    return Chart(ratios, places, (*between, *_marks(parts, ratios)), height=LINE * height, width=width)
+
+
+def _places(row: Row) -> list[tuple[float, str]]:
+    """Every line of its label, around its middle."""
+    first = row.middle - (len(row.label) - 1) / 2
+    return [(-(first + number), line) for number, line in enumerate(row.label)]
+
+
+def _split(row: Row, name: str) -> list[SplitRow]:
+    """The means of both paths: these are in the combination's own figure."""
+    split, place = row.combination.splits[name], row.middle
     return [
-        SplitRow(name, split.eta, place - 0.27, INK, "circle"),
-        SplitRow("ruler", split.ruler, place, GREY, "square"),
-        SplitRow("behaviour", split.behaviour, place + 0.27, GREEN, "diamond"),
+        SplitRow("eta", split.eta, place - 1.0, "ink", "circle"),
+        SplitRow("ruler", split.ruler, place, "ruler", "square"),
+        SplitRow("behaviour", split.behaviour, place + 1.0, "behaviour", "diamond"),
     ]
 
 
-def _explain(figure: "Figure") -> None:
-    from matplotlib.lines import Line2D
-
-    kinds = (("eta, equal to", INK, "o"), ("ruler times", GREY, "s"), ("behaviour", GREEN, "D"))
-    handles = [Line2D([], [], color=colour, marker=shape, label=name) for name, colour, shape in kinds]
-    figure.legend(
-        handles=handles,
-        loc="outside lower left",
-        ncols=3,
-        frameon=False,
-        title=f"{SCALES}\n{ENDLESS}",
-        alignment="left",
-    )
+def _marks(parts: Iterable[SplitRow], ratios: Axis) -> Iterator[Mark]:
+    """The number of each, or the word in its place, stands beside the panel."""
+    for part in parts:
+        for mark in draw_ratio(part, ratios):
+            yield mark._replace(legend=LEGEND[part.label]) if isinstance(mark, Dots) else mark
+        yield Note(-part.place, ratio_text(part.ratio))

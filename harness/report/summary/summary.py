@@ -17,15 +17,12 @@ from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
 from harness.report.summary.curves import CURVES, write_curves
+from harness.report.summary.figures import learning_file, runs_file, split_file
 from harness.report.summary.files import put_files
-from harness.report.summary.learning_figure import draw_learning
 from harness.report.summary.markdown import Pictures, write_markdown
 from harness.report.summary.missing import missing_text
 from harness.report.summary.names import figure_stems
 from harness.report.summary.overview_figure import draw_overview
-from harness.report.summary.runs_figure import draw_runs
-from harness.report.summary.split_figure import draw_splits
-from harness.report.summary.svg import require_matplotlib
 from harness.results import Results
 from harness.results.learning import learning_of
 
@@ -39,10 +36,9 @@ def write_summary(results: Results, folder: Path) -> None:
     Everything is made before anything is written: an error leaves the old files.
 
     Raises:
-        UsageError: matplotlib is missing, or `folder` cannot be written, or is an experiment's own.
+        UsageError: `folder` cannot be written, or is an experiment's own.
         SchemaError: A file of the experiment is damaged or written by a newer version.
     """
-    require_matplotlib()
     if (folder / PLAN).exists():
         raise UsageError(f"--summary '{folder}' is the folder of an experiment: name another")
     figures, overview, pictures = _draw(results)
@@ -74,9 +70,9 @@ def _draw(results: Results) -> tuple[dict[str, bytes], str, list[Pictures]]:
     for combination, stem, told in zip(combinations, figure_stems(combinations), missing, strict=True):
         learning = learning_of(results, combination)
         drawn = {
-            "runs": draw_runs(combination, told),
-            "split": draw_splits(combination, told),
-            "learning": draw_learning(combination, learning, told) if learning else None,
+            "runs": runs_file(combination, told),
+            "split": split_file(combination, told),
+            "learning": learning_file(combination, learning, told) if learning else None,
         }
         paths = {what: keep(f"{stem}.{what}", figure) for what, figure in drawn.items()}
         pictures.append({what: path for what, path in paths.items() if path})

@@ -1,80 +1,116 @@
-"""Static figures: SVG by matplotlib, the same bytes from the same numbers."""
+"""Charts as an SVG file: colours written in, no script, no font, the same bytes from the same numbers."""
 
 import re
-from collections.abc import Callable
-from io import BytesIO
-from typing import TYPE_CHECKING, Any
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
 
-from harness.errors import UsageError
-from harness.report.palette import GRID, INK
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from harness.report.chart import Chart, Dots, Line
+from harness.report.draw import CHARACTER, SAMPLE, draw_figure, draw_sample, figure_height, legend_of, panel_left
+from harness.text import visible
 
 CREATOR = "harness report --summary"
 """Written into every figure: which figures in a folder are ours."""
-STYLE: dict[str, Any] = {
-    "svg.fonttype": "none",  # text stays text: it can be found, read out and scaled
-    "svg.hashsalt": "harness",  # ids would be random
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib and is wide: another font in its place leaves room
-    "font.size": 10,
-    "text.parse_math": False,  # a label is no formula
-    "text.color": INK,
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "axes.titlesize": 10.5,
-    "axes.titlelocation": "left",
-    "axes.titleweight": "bold",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.unicode_minus": False,
-    "grid.color": GRID,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "figure.facecolor": "#ffffff",  # readable on a dark page too
-    "figure.constrained_layout.w_pad": 0.1,  # [inch]; numbers beside a panel keep off the edge
-    "figure.constrained_layout.h_pad": 0.08,
-    "lines.solid_joinstyle": "round",
-    "path.simplify": False,
-}
+INTERVALS = "Bars: 95% intervals over seeds; one that ends at the edge of its panel goes on."
+STYLES = Path(__file__).parent.parent
+FONT = "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+EDGE, BETWEEN = 16.0, 24.0
+"""Around the figure and between its panels, [px]."""
+LINE = 18.0
+"""Height of a line of text, [px]."""
+BOLD = 1.12
+"""How much wider a bold text is."""
 
 
-def require_matplotlib() -> None:
-    """See to it that figures can be drawn.
+class Panel(NamedTuple):
+    """A chart and its heading."""
 
-    Raises:
-        UsageError: matplotlib is not installed.
-    """
-    try:
-        import matplotlib.backends.backend_svg  # noqa: F401
-    except ImportError as error:
-        raise UsageError(f"--summary needs {error.name}: pip install 'fd100-harness[figures]'") from error
+    heading: str
+    """Empty where the headline says it."""
+    chart: Chart
 
 
-def draw_svg(title: str, width: float, height: float, draw: Callable[["Figure"], None]) -> bytes:
-    """A figure as a file.
+def draw_svg(title: str, headline: Sequence[str], panels: Sequence[Panel], notes: Sequence[str] = ()) -> bytes:
+    """A figure as a file: the headline, the panels side by side, one legend for all, notes.
 
     Args:
         title: What it shows, for those who cannot see it.
-        width: [inch]; a browser shows 96 pixels for each.
-        height: [inch].
-        draw: Fills it.
+        headline: Paragraphs; the first is bold.
+        panels: From left to right, one at least.
+        notes: Paragraphs below.
     """
-    import matplotlib.style
-    from matplotlib.figure import Figure
+    width = 2 * EDGE + sum(panel.chart.width for panel in panels) + BETWEEN * (len(panels) - 1)
+    svg = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "class": "chart", "style": FONT, "role": "img"})
+    SubElement(svg, "title").text = visible(title)
+    SubElement(svg, "metadata").text = CREATOR
+    SubElement(svg, "style").text = chart_style()
+    SubElement(svg, "rect", {"width": "100%", "height": "100%", "style": "fill: #fff"})  # readable on a dark page too
+    room = width - 2 * EDGE
+    y = EDGE
+    for number, text in enumerate(headline):
+        y = _write(svg, EDGE, y, text, room, is_bold=number == 0)
+    y = _draw_panels(svg, panels, y + LINE / 2, title)
+    y = _draw_legend(svg, panels, y, room)
+    for text in notes:
+        y = _write(svg, EDGE, y, text, room)
+    height = y + EDGE
+    svg.attrib.update({"viewBox": f"0 0 {width:g} {height:g}", "width": f"{width:g}", "height": f"{height:g}"})
+    return ElementTree.tostring(svg)
 
-    with matplotlib.style.context(["default", STYLE]):  # whatever the user's own settings are
-        figure = Figure(figsize=(width, height), layout="constrained")
-        draw(figure)
-        buffer = BytesIO()
-        figure.savefig(buffer, format="svg", metadata={"Title": title, "Creator": CREATOR, "Date": None})
-    return _shorten(buffer.getvalue().decode()).encode()
+
+def chart_style() -> str:
+    """The page's rules for charts, with the colours of its light screen in the place of their names."""
+    page, rules = ((STYLES / name).read_text(encoding="utf-8") for name in ("report.css", "chart.css"))
+    colours = dict(re.findall(r"--([\w-]+): ([^;]+);", page.partition("}")[0]))
+    return re.sub(r"var\(--([\w-]+)\)", lambda name: colours[name[1]], rules)
 
 
-def _shorten(svg: str) -> str:
-    """Coordinates of curves with two digits, which no eye can tell from six; no reference to a file on the web."""
-    svg = re.sub(r"<!DOCTYPE.*?>\n", "", svg, flags=re.DOTALL)
-    return re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]).replace(" \n", " "), svg)
+def _draw_panels(svg: Element, panels: Sequence[Panel], y: float, title: str) -> float:
+    """Headings, then charts, whose tops are level; returns where the highest ends."""
+    x, tops = EDGE, []
+    for panel in panels:
+        left = panel_left(panel.chart)
+        tops.append(_write(svg, x + left, y, panel.heading, panel.chart.width - left, is_bold=True))
+        x += panel.chart.width + BETWEEN
+    x, top = EDGE, max(tops)
+    for panel in panels:
+        figure, height = draw_figure(panel.chart, panel.heading or title), figure_height(panel.chart)
+        _place(svg, figure, x, top, (panel.chart.width, height))
+        x += panel.chart.width + BETWEEN
+    return top + max(figure_height(panel.chart) for panel in panels) + LINE / 2
+
+
+def _draw_legend(svg: Element, panels: Sequence[Panel], y: float, room: float) -> float:
+    """Every name once, in lines as long as there is room; returns where they end."""
+    named: dict[str, Line | Dots] = {}
+    for panel in panels:
+        for name, mark in legend_of(panel.chart):
+            named.setdefault(name, mark)
+    x = EDGE
+    for name, mark in named.items():
+        taken = SAMPLE[0] + 6.0 + CHARACTER * len(name)
+        if x > EDGE and x + taken > EDGE + room:
+            x, y = EDGE, y + LINE
+        _place(svg, draw_sample(mark), x, y + (LINE - SAMPLE[1]) / 2, SAMPLE)
+        y = _write(svg, x + SAMPLE[0] + 6.0, y, name, room - SAMPLE[0] - 6.0) - LINE
+        x += taken + 1.5 * LINE
+    return y + 1.5 * LINE if named else y
+
+
+def _place(svg: Element, figure: Element, x: float, y: float, size: tuple[float, float]) -> None:
+    figure.attrib.update(dict(zip(("x", "y", "width", "height"), (f"{it:g}" for it in (x, y, *size)), strict=True)))
+    svg.append(figure)
+
+
+def _write(svg: Element, x: float, y: float, text: str, room: float, is_bold: bool = False) -> float:
+    """As many lines as the text needs; returns where they end."""
+    for line in textwrap.wrap(visible(text), int(room / (CHARACTER * (BOLD if is_bold else 1.0)))):
+        element = SubElement(svg, "text", {"x": f"{x:g}", "y": f"{y + 0.75 * LINE:g}"})
+        element.text = line
+        if is_bold:
+            element.set("font-weight", "bold")
+        y += LINE
+    return y

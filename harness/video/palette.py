@@ -1,7 +1,7 @@
-"""The colours and the letters of every figure."""
+"""The colours of a film: those of the page on a light screen."""
 
 BLUE, VERMILION = "#0072B2", "#D55E00"
 """For baseline and proposed; apart for every kind of colour vision (Okabe and Ito), and in grey."""
 GREY, GREEN = "#767676", "#009E73"
-"""For ruler and behaviour; their rows are named too. Random actions are grey."""
-INK, GRID = "#1a1a1a", "#e3e3e3"
+"""For random actions, and for what is beside the two."""
+INK = "#1a1a1a"
