@@ -22,6 +22,8 @@ SAMPLE = (26.0, 12.0)
 NOWHERE = Axis(0.0, 1.0, "", ())
 BESIDE = {"start": (0.0, 1.0), "middle": (0.5, 0.5), "end": (1.0, 0.0)}
 """Which shares of a text lie before and behind its place."""
+OFF = 4.0
+"""From a line to a word beside it, [px]."""
 
 
 class Frame(NamedTuple):
@@ -173,8 +175,9 @@ def _(mark: Dots, svg: Element, frame: Frame) -> None:
 @_draw.register
 def _(mark: Word, svg: Element, frame: Frame) -> None:
     x, y = frame.across([mark.x])[0], frame.down([mark.y])[0]
-    before, behind = (3.0 + CHARACTER * len(mark.text) * share for share in BESIDE[mark.anchor])
-    inside = max(frame.left + before, min(x, frame.left + frame.width - behind))
+    before, behind = BESIDE[mark.anchor]
+    long, beside = CHARACTER * len(mark.text), x + OFF * (behind - before)
+    inside = max(frame.left + OFF + before * long, min(beside, frame.left + frame.width - OFF - behind * long))
     _text(svg, inside, y + 4.0 - mark.rise, mark.text, mark.anchor).set("class", "word")
 
 

@@ -117,6 +117,12 @@ def test_a_word_stays_in_the_panel(x):
     assert left + half < places(chart)["a long word"] < right - half
 
 
+def test_a_word_keeps_off_its_line():
+    """One that begins at a point stands a little beside it."""
+    drawn = places(Chart(PLAIN, UP, (Word(5.0, 0.0, "n/a", "start"), Word(5.0, 0.0, "x"))))
+    assert drawn["n/a"] == drawn["x"] + 4.0
+
+
 def test_notes_have_room_beside_the_panel():
     """Whatever is written there, the figure is as wide as it says."""
     chart = Chart(PLAIN, UP, (Note(0.0, "a long note"),), width=300.0)

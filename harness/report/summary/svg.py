@@ -69,18 +69,18 @@ def chart_style() -> str:
 
 
 def _draw_panels(svg: Element, panels: Sequence[Panel], y: float, title: str) -> float:
-    """Headings, then charts, whose tops are level; returns where the highest ends."""
+    """Headings, then charts, whose horizontal axes are level; returns where they end."""
     x, tops = EDGE, []
     for panel in panels:
         left = panel_left(panel.chart)
         tops.append(_write(svg, x + left, y, panel.heading, panel.chart.width - left, is_bold=True))
         x += panel.chart.width + BETWEEN
-    x, top = EDGE, max(tops)
+    x, bottom = EDGE, max(tops) + max(figure_height(panel.chart) for panel in panels)
     for panel in panels:
         figure, height = draw_figure(panel.chart, panel.heading or title), figure_height(panel.chart)
-        _place(svg, figure, x, top, (panel.chart.width, height))
+        _place(svg, figure, x, bottom - height, (panel.chart.width, height))
         x += panel.chart.width + BETWEEN
-    return top + max(figure_height(panel.chart) for panel in panels) + LINE / 2
+    return bottom + LINE / 2
 
 
 def _draw_legend(svg: Element, panels: Sequence[Panel], y: float, room: float) -> float:

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from harness.report.chart import Chart, Dots, Line, Note, linear_axis
+from harness.report.chart import Chart, Dots, Flag, Line, Note, linear_axis
 from harness.report.draw import CHARACTER
 from harness.report.summary.svg import CREATOR, Panel, chart_style, draw_svg
 
@@ -83,6 +83,15 @@ def test_legend_has_every_name_once(figure):
     """Though both panels have it."""
     samples = [node for node in ET.fromstring(figure).iter() if node.get("class") == "chart sample"]
     assert len(samples) == 1
+
+
+def test_horizontal_axes_are_level():
+    """Though one panel has a text above it, and the other one a long heading."""
+    flagged = CHART._replace(marks=(Flag(0.5, "here", 1),))
+    svg = ET.fromstring(draw_svg("a title", ("first",), [Panel("one", flagged), Panel(LABEL, CHART)]))
+    ends = [float(node.get("y")) + float(node.get("height")) for node in svg if node.get("role") == "img"]
+    assert len(ends) == 2
+    assert ends[0] == ends[1]
 
 
 def test_samples_of_dots_are_drawn():
