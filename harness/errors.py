@@ -31,15 +31,17 @@ class SimulationDiverged(HarnessError):
 
 
 class ContractViolation(HarnessError):
-    """A simulator, reward or algorithm breaks its interface's contract.
+    """A plugin breaks its interface's contract.
 
     Attributes:
         check: Name of the check that failed.
+        level: ``error``; ``warning`` where the contract is kept, but something is slow or was not tried.
+        sentence: What is wrong, without the name of the check.
     """
 
-    def __init__(self, check: str, message: str) -> None:
+    def __init__(self, check: str, message: str, level: str = "error") -> None:
         super().__init__(f"{check}: {message}")
-        self.check = check
+        self.check, self.level, self.sentence = check, level, message
 
 
 class SchemaError(HarnessError):

@@ -19,7 +19,7 @@ from harness.testing.metrics import METRIC_CHECKS, check_metric
 from harness.testing.rewards import REWARD_CHECKS, check_reward
 from harness.testing.simulators import SIMULATOR_CHECKS, check_simulator
 from harness.testing.tasks import TASK_CHECKS, check_task
-from harness.testing.violations import violations
+from harness.testing.violations import Check, check, violations
 
 __all__ = [
     "ALGORITHM_CHECKS",
@@ -28,7 +28,9 @@ __all__ = [
     "REWARD_CHECKS",
     "SIMULATOR_CHECKS",
     "TASK_CHECKS",
+    "Check",
     "IdealSimulator",
+    "check",
     "check_algorithm",
     "check_executor",
     "check_metric",

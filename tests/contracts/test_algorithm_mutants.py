@@ -289,7 +289,7 @@ def failing(mutant: type) -> list[str]:
 @pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
 def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
     """An algorithm that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant) == [check.__name__]
+    assert failing(mutant) == [check.name]
 
 
 def test_an_algorithm_that_never_learns_fails_all_checks_of_learning():

@@ -21,6 +21,7 @@ from harness.testing import (
     REWARD_CHECKS,
     SIMULATOR_CHECKS,
     TASK_CHECKS,
+    Check,
     IdealSimulator,
     check_algorithm,
     check_executor,
@@ -61,7 +62,7 @@ CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS, 
 def registered(kind: str, checks: tuple[Callable[..., None], ...]) -> pytest.MarkDecorator:
     """Every registered thing of a kind with every check."""
     cases = [
-        pytest.param(check, name, id=f"{name}-{check.__name__}", marks=[pytest.mark.slow] * ((name, check) in SLOW))
+        pytest.param(check, name, id=f"{name}-{check.name}", marks=[pytest.mark.slow] * ((name, check) in SLOW))
         for name in REGISTRY.names(kind)
         for check in checks
     ]
@@ -153,7 +154,7 @@ def test_reward_of_the_easy_task(check: Callable[..., None]):
 @pytest.mark.parametrize("check", CHECKS)
 def test_every_check_says_what_it_holds(check: Callable[..., None]):
     """Every check has a docstring for the author of a plugin."""
-    assert len(check.__doc__ or "") > 40
+    assert len(check.fact) > 40
 
 
 @pytest.mark.parametrize(
@@ -161,9 +162,9 @@ def test_every_check_says_what_it_holds(check: Callable[..., None]):
 )
 def test_first_violation_is_raised(check: Callable[..., None]):
     """Something that is no plugin at all fails at the first check, which the error names."""
-    with pytest.raises(ContractViolation, match="settings_are_frozen: object is no dataclass") as caught:
+    with pytest.raises(ContractViolation, match="settings-frozen: object is no dataclass") as caught:
         check(object())
-    assert caught.value.check == "settings_are_frozen"
+    assert caught.value.check == "settings-frozen"
 
 
 def test_all_is_well_without_an_error():
@@ -179,7 +180,7 @@ def test_whatever_a_check_meets_is_a_violation():
     def divides(_: object) -> None:
         raise ZeroDivisionError("by nothing")
 
-    (violation,) = violations([divides], object())
+    (violation,) = violations([Check("divides", divides)], object())
     assert str(violation) == "divides: raised ZeroDivisionError: by nothing"
     assert isinstance(violation.__cause__, ZeroDivisionError)
 
