@@ -44,9 +44,8 @@ class Plugin:
     @property
     def complaint(self) -> str:
         """Whose it is and what is wrong with it, in a line."""
-        return (
-            f"plugin '{self.name}' of {self.distribution} {self.version}".rstrip() + f" is {self.status}: {self.reason}"
-        )
+        package = f"{self.distribution} {self.version}".rstrip()
+        return f"plugin '{self.name}' of {package} is {self.status}: {self.reason}"
 
 
 @dataclass

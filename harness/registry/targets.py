@@ -96,11 +96,11 @@ def examined(registry: Registry) -> list[Plugin]:
     for spec in registry.all_specs():
         if reason := why_absent(spec):
             absent.setdefault((spec.plugin, spec.distribution), []).append(reason)
+    found = {owner: "; ".join(reasons) for owner, reasons in absent.items()}
+    owners = [(plugin.name, plugin.distribution) for plugin in registry.plugins]
     return [
-        replace(it, status="broken", reason="; ".join(found))
-        if (found := absent.get((it.name, it.distribution)))
-        else it
-        for it in registry.plugins
+        replace(plugin, status="broken", reason=found[owner]) if owner in found else plugin
+        for plugin, owner in zip(registry.plugins, owners, strict=True)
     ]
 
 

@@ -115,9 +115,11 @@ class Whole:
     """A reward."""
 
     def initial_carry(self, begin_distance):
+        """Nothing."""
         return ()
 
     def __call__(self, carry, sample):
+        """Some."""
         return carry, sample.distance
 
 
@@ -126,6 +128,7 @@ class Silent:
     """Lacks the call."""
 
     def initial_carry(self, begin_distance):
+        """Nothing."""
         return ()
 
 
@@ -134,6 +137,7 @@ class Eager(Whole):
     """Is called with too few."""
 
     def __call__(self, sample):
+        """Some."""
         return sample.distance
 
 
