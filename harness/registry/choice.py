@@ -11,10 +11,10 @@ from typing import Any
 
 from harness.errors import UsageError, sentence
 from harness.hookspecs import NOUNS
+from harness.registry.members import require_members
 from harness.registry.parameters import build, parameters_of, resolved
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on
-from harness.registry.targets import require_members
 
 LONGEST = 10_000
 """Characters of a name with its parameters: a hundred times what a reward has."""

@@ -12,9 +12,10 @@ from harness.errors import PluginError
 from harness.executor import Executor
 from harness.hookspecs import KINDS
 from harness.metric import Metric
+from harness.registry.members import MEMBERS, missing_members, require_members
 from harness.registry.registry import Registry, load_registry
 from harness.registry.spec import Spec
-from harness.registry.targets import MEMBERS, examined, missing_members, require_members, why_absent, why_unfit
+from harness.registry.targets import examined, why_absent, why_unfit
 from harness.reward import Reward
 from harness.simulator import Simulator
 from harness.task import Task
