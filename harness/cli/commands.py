@@ -5,7 +5,8 @@ from typing import Any
 
 import typer
 
-from harness.registry.registry import Registry, conflict
+from harness.errors import PluginError
+from harness.registry.registry import Registry
 
 KIND = "commands"
 PANEL = "Of plugins"
@@ -14,13 +15,17 @@ PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_optio
 
 
 def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
-    """Add the commands of plugins, by name and summary alone; a name of ours stays ours."""
+    """Add the commands of plugins, by name and summary alone; a name of ours stays ours.
+
+    A name that several claim is there too: calling it tells the qualified names.
+    """
     own = names_of(app)
-    for name in registry.names(KIND):
-        if name not in own:
-            specs = registry.specs[KIND, name]
-            summary = conflict(specs) if len(specs) > 1 else specs[0].summary
-            app.command(name, help=summary, rich_help_panel=PANEL, context_settings=PASS_ON)(_called(registry, name))
+    specs = [spec for spec in registry.all_specs() if spec.kind == KIND]
+    claimed = {spec.name for spec in specs} - set(own)
+    qualified = {spec.qualified for spec in specs if spec.name in own}
+    for name in sorted({*registry.names(KIND), *claimed, *qualified} - set(own)):
+        help_line = _summary_of(registry, name)
+        app.command(name, help=help_line, rich_help_panel=PANEL, context_settings=PASS_ON)(_called(registry, name))
 
 
 def names_of(app: typer.Typer) -> list[str]:
@@ -36,11 +41,18 @@ def hidden_commands(registry: Registry, own: Collection[str]) -> list[str]:
         own: Names of our commands: what `harness.cli.app.main` hands every command as the object of its context.
     """
     return [
-        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.distribution}) is hidden by our own"
-        for name in registry.names(KIND)
-        if name in own
-        for spec in registry.specs[KIND, name]
+        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.package}) is hidden by our own: "
+        f"write harness {spec.qualified}"
+        for spec in registry.all_specs()
+        if spec.kind == KIND and spec.name in own
     ]
+
+
+def _summary_of(registry: Registry, name: str) -> str:
+    try:
+        return registry.get(KIND, name).summary
+    except PluginError as error:  # several claim it
+        return str(error)
 
 
 def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:

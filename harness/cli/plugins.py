@@ -7,6 +7,7 @@ import typer
 
 from harness.cli.commands import hidden_commands
 from harness.registry.registry import load_registry
+from harness.registry.targets import examined
 
 
 def plugins(
@@ -15,14 +16,15 @@ def plugins(
 ) -> None:
     """Show every plugin, where it comes from, what it registered, and what is wrong with it."""
     registry = load_registry()
-    conflicts = registry.conflicts() + hidden_commands(registry, context.obj)
+    found = examined(registry)
+    conflicts = registry.conflicts() + hidden_commands(registry, context.obj) + registry.notes
     if as_json:
         import json
 
-        shown = {"plugins": [asdict(plugin) for plugin in registry.plugins], "conflicts": conflicts}
+        shown = {"plugins": [asdict(plugin) for plugin in found], "conflicts": conflicts}
         typer.echo(json.dumps(shown, indent=1))
         return
-    for plugin in registry.plugins:
+    for plugin in found:
         typer.echo(f"{plugin.name}  {plugin.status}  {plugin.distribution} {plugin.version}  ({plugin.module})")
         typer.echo(f"  {plugin.reason or ', '.join(plugin.registered) or 'registers nothing'}")
     for line in conflicts:

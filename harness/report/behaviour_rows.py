@@ -8,7 +8,10 @@ from harness.eta.headline import SUCCESS, count_seeds
 from harness.report.rows import NOTHING, Grid, format_number, format_p
 from harness.results.combination import Combination, StepChange
 from harness.results.measured import TRAINING
+from harness.text import shortened
 
+SHOWN = 60
+"""Characters of the reason why a metric failed."""
 HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
 
 
@@ -39,8 +42,11 @@ def defined_changes(combination: Combination, manner: str) -> list[Change]:
 
 
 def behaviour_row(change: Change) -> BehaviourRow:
-    """One measure."""
+    """One measure; of a metric that failed for all seeds the reason stands in place of its values."""
     text = _text_of(change)
+    if change.reason and (change.baseline, change.proposed) == (None, None):
+        told = f"n/a ({shortened(change.reason, SHOWN)})"
+        return BehaviourRow(_name(change), told, *(NOTHING,) * 3, change.measure.better, NOTHING, "")
     return BehaviourRow(
         _name(change),
         text(change.baseline),
@@ -75,12 +81,16 @@ def seeds_grid(combination: Combination) -> Grid:
 
 def _grid(combination: Combination, manner: str) -> Grid:
     ordered = defined_changes(combination, manner)
-    notes = [
-        f"{change.name.replace('_', ' ')}: {count_seeds(change.seeds)} compared, {change.left_out} without a value"
-        for change in ordered
-        if change.left_out
-    ]
-    return Grid(HEADINGS, [tuple(behaviour_row(change)) for change in ordered], notes, _title(combination, manner))
+    notes = [_note(change) for change in ordered if change.left_out]
+    failed = [it for it in combination.changes_of(manner) if it.reason and it not in ordered]
+    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed)]
+    return Grid(HEADINGS, rows, notes, _title(combination, manner))
+
+
+def _note(change: Change) -> str:
+    why = f" ({shortened(change.reason, SHOWN)})" if change.reason else ""
+    name, compared = change.name.replace("_", " "), count_seeds(change.seeds)
+    return f"{name}: {compared} compared, {change.left_out} without a value{why}"
 
 
 def _title(combination: Combination, manner: str) -> str:

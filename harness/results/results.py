@@ -3,7 +3,7 @@
 import html
 import importlib.util
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import repeat
 from pathlib import Path
@@ -33,6 +33,7 @@ class Results(Records):
             "curve": self.kind,
             "combinations": [combination.to_json() for combination in self.combinations],
             "cells": [cell_to_json(manifest) for manifest in self.manifests],
+            "not_measured": self.not_measured,
         }
 
     def write_table(self) -> Path:
@@ -63,15 +64,17 @@ class Results(Records):
         return map(row_of, self.manifests, measured, repeat(self.metrics))
 
 
-def load_results(folder: str | Path, kind: Kind = "accumulated") -> Results:
+def load_results(folder: str | Path, kind: Kind = "accumulated", metrics: Iterable[str] | str | None = None) -> Results:
     """The results in an experiment's folder.
 
     Args:
         folder: The experiment's.
         kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
+        metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`.
 
     Raises:
-        UsageError: The folder is no experiment's.
+        UsageError: The folder is no experiment's, or a named metric is not registered.
+        PluginError: A named metric is broken.
         SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
     """
-    return Results(Path(folder), load_registry(), kind)
+    return Results(Path(folder), load_registry(), kind, metrics=metrics)
