@@ -6,6 +6,7 @@ import inspect
 import re
 import symtable
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -63,11 +64,16 @@ def why_unfit(spec: Spec) -> str:
     return f"{spec.title} {missing}" if missing else ""
 
 
-def examined(registry: Registry) -> list[Plugin]:
-    """Every plugin of a registry, as broken where a target that it registered does not exist; see `why_absent`."""
+def examined(registry: Registry, why_not: Callable[[Spec], str] = why_absent) -> list[Plugin]:
+    """Every plugin of a registry, as broken where something speaks against a target that it registered.
+
+    Args:
+        registry: The plugins.
+        why_not: What speaks against one: `why_absent`, or `why_unfit`, which imports it.
+    """
     absent: dict[tuple[str, str], list[str]] = {}
     for spec in registry.all_specs():
-        if reason := why_absent(spec):
+        if reason := why_not(spec):
             absent.setdefault((spec.plugin, spec.distribution), []).append(reason)
     found = {owner: "; ".join(reasons) for owner, reasons in absent.items()}
     owners = [(plugin.name, plugin.distribution) for plugin in registry.plugins]

@@ -331,6 +331,20 @@ SIMULATOR_CHECKS: tuple[Check, ...] = (
 )
 
 
+@check("sim-render-tried", "warning")
+def frames_were_tried(simulator: Simulator, robot: Robot) -> None:
+    """`render` gives a frame on this machine: where it does not, it was never tried."""
+    with opened(simulator, robot) as simulation:
+        start_at_home(simulation, robot)
+        try:
+            simulation.render(0, TARGET, 64, 48)
+        except UsageError as error:
+            raise AssertionError(f"rendering was not tried: {error}") from error
+
+
+SIMULATOR_WARNINGS: tuple[Check, ...] = (frames_were_tried,)
+
+
 def _require_there_at_rest(state: State, qpos: Float) -> None:
     error = np.abs(state.qpos - qpos).max()
     require(error < MAX_PLACEMENT_ERROR, f"the joints are {error:.2g} rad from where they were put")

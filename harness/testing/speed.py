@@ -15,7 +15,7 @@ from harness.testing.metrics import ALL_ENDS
 from harness.testing.samples import pay, random_samples
 from harness.testing.simulations import PERIOD, opened, ramps, start_at_home
 from harness.testing.traces import recorded_trace
-from harness.testing.trainings import steps_for, train
+from harness.testing.trainings import steps_for, train_anew
 from harness.testing.violations import check, require
 
 TRAINING = 100_000
@@ -50,7 +50,7 @@ def a_training_is_quick(algorithm: Algorithm) -> None:
         return
     steps = steps_for(algorithm, LEARNING_STEPS)
     start = time.perf_counter()
-    train(algorithm, steps)
+    train_anew(algorithm, steps)
     seconds = (time.perf_counter() - start) / steps
     require(seconds <= MOST_LEARNING, f"a step of training takes {_told(seconds)}: {_training(seconds)}")
 

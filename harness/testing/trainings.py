@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -145,6 +145,8 @@ def train(
 ) -> Training:
     """Train on the easy task for `steps`, or a few more to make it a multiple of the algorithm's envs.
 
+    A training that was done before is not done again, see `train_anew`: most checks look at the same one.
+
     Args:
         algorithm: What learns.
         steps: Environment steps.
@@ -153,12 +155,27 @@ def train(
         bonus: Paid on top on every step of one env.
         env: Which one.
     """
+    wanted = space or min(algorithm.action_spaces)
+    try:
+        hash(algorithm)
+    except TypeError:  # not frozen: another check says so
+        return train_anew(algorithm, steps, seed, wanted, bonus, env)
+    return _train_once(algorithm, steps, seed, wanted, bonus, env)
+
+
+def train_anew(
+    algorithm: Algorithm, steps: int, seed: int = 0, space: ActionSpace | None = None, bonus: float = 0.0, env: int = 0
+) -> Training:
+    """As `train`, whatever was done before."""
     watched = WatchedEnv(algorithm.num_envs, space or min(algorithm.action_spaces))
     watched.bonus[env] = bonus
     watched.reset(seed=ENV_SEED)
     watched.seeds.clear()
     policy = algorithm.train(watched, steps_for(algorithm, steps), seed, watched.told)
     return Training(policy, watched, watched.told.steps)
+
+
+_train_once = lru_cache(maxsize=16)(train_anew)
 
 
 def in_several_envs(algorithm: Algorithm) -> Algorithm:

@@ -63,7 +63,7 @@ def violations(checks: Iterable[Check], *subject: Any) -> Iterator[ContractViola
             each(*copy.deepcopy(subject))
         except AssertionError as error:
             yield _violation(each, str(error), error)
-        except Exception as error:  # a plugin may raise anything
+        except (Exception, SystemExit) as error:  # a plugin may raise anything
             yield _violation(each, f"raised {one_line(error)}", error)
 
 

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +37,7 @@ from harness.testing.algorithms import (
     the_same_seed_gives_the_same_policy,
 )
 from harness.testing.simulators import frames_show_the_target, render_gives_a_frame_or_says_why_not
-from harness.testing.trainings import NegativeDistance, Training, train
+from harness.testing.trainings import NegativeDistance
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
@@ -109,18 +108,9 @@ def test_reward(check: Callable[..., None], name: str):
     check(build("rewards", name))
 
 
-@pytest.fixture(scope="module")
-def train_once() -> Callable[..., Training]:
-    """As `train`; a training that another check has done is not done again."""
-    return cache(train)
-
-
 @registered("algorithms", ALGORITHM_CHECKS)
-def test_algorithm(check: Callable[..., None], name: str, train_once: Callable[..., Training], monkeypatch: Any):
+def test_algorithm(check: Check, name: str):
     """Every registered algorithm keeps the contract, learning included."""
-    if check is not the_same_seed_gives_the_same_policy:
-        monkeypatch.setattr("harness.testing.algorithms.train", train_once)
-        monkeypatch.setattr("harness.testing.trainings.train", train_once)
     check(build("algorithms", name))
 
 
