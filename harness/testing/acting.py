@@ -8,7 +8,7 @@ An algorithm that tells its policy on the way, by `harness.progress.Progress.pol
 policy of that step. Of one that does not, only the last steps are compared with what it yields in the end, roughly.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,9 @@ MARGIN = {True: 0.08, False: 0.25}
 """By how much the share of actions above the policy's may be off one half."""
 SURE = {True: 4.5, False: 6.0}
 """Standard errors that it has to be off besides."""
+FEWEST_TOGETHER = 6
+MOST_TOGETHER = 2.5
+"""The mean of the squares, in standard errors, over so many shares or more: together they tell what none tells alone."""
 FEWEST = 30
 """Actions that anything is concluded from."""
 AT_THE_END = 1e-4
@@ -65,35 +68,54 @@ def _require_most_frequent(done: Any, own: Any, tells: bool) -> None:
 
 def _require_median(done: Float, own: Float, episodes: Any, tells: bool) -> None:
     """Training actions are as often above the policy's as below, where that one is large and where it is small."""
-    for number in range(own.shape[1]):
-        inside = np.abs(own[:, number]) < 1.0 - AT_THE_END
-        middle = np.median(own[inside, number]) if inside.any() else 0.0
-        for part, where in (("", inside), (" where it is large", inside & (own[:, number] > middle)),
-                            (" where it is small", inside & (own[:, number] <= middle))):  # fmt: skip
-            _require_half(done[:, number], own[:, number], where, episodes, f"action {number + 1}{part}", tells)
+    shares = [
+        _share_above(done[:, number], own[:, number], where, episodes, f"action {number + 1}{part}")
+        for number in range(own.shape[1])
+        for part, where in _parts(own[:, number])
+        if np.count_nonzero(where) >= FEWEST
+    ]
+    for share in shares:
+        require(share.off <= max(MARGIN[tells], SURE[tells] * share.error), share.told)
+    together = np.array([(share.off / share.error) ** 2 for share in shares])
+    if tells and len(together) >= FEWEST_TOGETHER:
+        worst = shares[int(together.argmax())]
+        require(together.mean() <= MOST_TOGETHER, f"{worst.told}; the other actions are off too")
 
 
-def _require_half(done: Float, own: Float, where: Mask, episodes: Any, name: str, tells: bool) -> None:
-    if np.count_nonzero(where) < FEWEST:
-        return
-    above = np.where(done > own, 1.0, np.where(done < own, 0.0, 0.5))[where]
-    share, error = _mean_over_episodes(above, episodes[where])
-    off = abs(share - 0.5)
-    require(
-        off <= MARGIN[tells] or off <= SURE[tells] * error,
-        f"{share:.0%} of the actions in training are above the policy's {name}, which is {own[where].mean():.2f} on "
-        f"average, in training {done[where].mean():.2f}; half of them should be: the policy does not act as it trained",
+def _parts(own: Float) -> list[tuple[str, Mask]]:
+    """Where an action of the policy is inside the box: large, and small."""
+    inside: Mask = np.abs(own) < 1.0 - AT_THE_END
+    middle = np.median(own[inside]) if inside.any() else 0.0
+    return [(" where it is large", inside & (own > middle)), (" where it is small", inside & (own <= middle))]
+
+
+class _Share(NamedTuple):
+    """How far the share of actions above the policy's is off one half, its standard error, and that in words."""
+
+    off: float
+    error: float
+    told: str
+
+
+def _share_above(done: Float, own: Float, where: Mask, episodes: Any, name: str) -> _Share:
+    done, own = done[where], own[where]
+    above = float(np.where(done > own, 1.0, np.where(done < own, 0.0, 0.5)).mean())
+    told = (
+        f"{above:.0%} of the actions in training are above the policy's {name}, and half of them should be: it is "
+        f"{own.mean():.2f} on average, in training {done.mean():.2f}; the policy does not act as it trained"
     )
+    return _Share(abs(above - 0.5), _error_of_share(done - own, episodes[where]), told)
 
 
-def _mean_over_episodes(values: Float, episodes: Any) -> tuple[float, float]:
-    """The mean, and its standard error; noise may last for an episode, so that episodes count and not steps."""
-    names, numbers = np.unique(episodes, return_inverse=True)
-    counts = np.bincount(numbers)
-    mean = float(values.mean())
-    sums = np.bincount(numbers, weights=values - mean)
-    if len(names) < 2:
-        return mean, np.inf
-    # Of a mean of clusters of unequal size.
-    error = np.sqrt((sums**2).sum() * len(names) / (len(names) - 1)) / counts.sum()
-    return mean, float(error)
+def _error_of_share(noise: Float, episodes: Any) -> float:
+    """The standard error of the share of actions that are above: that of a coin, thrown as often as noise was drawn.
+
+    Some learners draw noise anew in every step, some keep it for an episode: what the steps of an episode have in common
+    tells, their intraclass correlation.
+    """
+    _, numbers, counts = np.unique(episodes, return_inverse=True, return_counts=True)
+    means = np.bincount(numbers, weights=noise) / counts
+    total, within = float(noise.var()), float(((noise - means[numbers]) ** 2).mean())
+    common = 1.0 - within / total if total > 0.0 else 1.0
+    drawn = len(noise) / (1.0 + (counts.mean() - 1.0) * common)
+    return float(0.5 / np.sqrt(drawn))
