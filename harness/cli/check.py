@@ -108,5 +108,5 @@ def _conclude(kind: str, given: str, found: list["Finding"], as_json: bool) -> N
         checks = [{key: value for key, value in asdict(finding).items() if key != "story"} for finding in found]
         typer.echo(json.dumps({"kind": NOUNS[kind], "name": given, **numbers, "checks": checks}, indent=1))
         return
-    told = ", ".join(f"{number} {noun}" for noun, number in numbers.items())
+    told = ", ".join(f"{number} {noun.removesuffix('s') if number == 1 else noun}" for noun, number in numbers.items())
     say(f"{NOUNS[kind]} {given}: {told}. {DOCS} says what each check holds.")

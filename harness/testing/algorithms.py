@@ -269,8 +269,8 @@ def _require_rise(algorithm: Algorithm, steps: int) -> None:
             if after > before + MIN_RISE:
                 break
         else:
-            where = f"with {space} actions, in {algorithm.num_envs} envs"
-            require(False, f"{where}, the return goes from {before:.2f} to {after:.2f} in {given} steps")
+            where = f"with {space} actions, in {algorithm.num_envs} {'env' if algorithm.num_envs == 1 else 'envs'}"
+            require(False, f"{where}, the mean return goes from {before:.2f} to {after:.2f} in {given} steps")
 
 
 def _same_weights(first: Policy, second: Policy) -> bool:

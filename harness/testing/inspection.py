@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeAlias
 
 import typer
 
-from harness.errors import ContractViolation, HarnessError, PluginError, UsageError, one_line
+from harness.errors import HarnessError, PluginError, UsageError, one_line
 from harness.hookspecs import NOUNS
 from harness.registry.choice import choose, parse
 from harness.registry.registry import Registry
@@ -132,13 +132,18 @@ def _finding(check: Check, subject: tuple[Any, ...]) -> Finding:
     seconds = time.perf_counter() - begun
     if failed is None:
         return Finding(check.name, "ok", seconds=seconds)
-    return Finding(check.name, check.level, failed.sentence, seconds, _story_of(failed))
-
-
-def _story_of(failed: ContractViolation) -> str:
-    """The traceback of what a plugin raised; a check's own sentence needs none."""
     cause = failed.__cause__
-    return "" if cause is None or isinstance(cause, AssertionError) else "".join(traceback.format_exception(cause))
+    if cause is None or isinstance(cause, AssertionError):  # a check's own sentence says it all
+        return Finding(check.name, check.level, failed.sentence, seconds)
+    sentence = f"{failed.sentence} ({_place_of(cause)}). What has to hold: {check.fact}"
+    return Finding(check.name, check.level, sentence, seconds, "".join(traceback.format_exception(cause)))
+
+
+def _place_of(error: BaseException) -> str:
+    """File and line where the plugin raised it: of the last call that is none of the kit's."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if Path(frame.filename).parent != Path(__file__).parent] or frames
+    return f"{Path(own[-1].filename).name}, line {own[-1].lineno}"
 
 
 def _command_finding(function: Any) -> Finding:
