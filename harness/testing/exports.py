@@ -60,12 +60,12 @@ def both_act_the_same(policy: Policy, act: Act, seen: Float32) -> None:
         told = f"at {differing} of {len(seen)} observations the policy chooses otherwise than the model"
         require(differing <= TOLERANCE * len(seen), f"{told}, first {_first_pair(own, other)}")
         return
-    error = np.abs(own - other)
+    error = np.abs(own - other) / _half_of_box(policy)
     row, number = np.unravel_index(int(error.argmax()), error.shape)
     require(
         error[row, number] <= TOLERANCE,  # what is no number is not
         f"action {number + 1} of the policy is {own[row, number]:.3f} where that of the model is "
-        f"{other[row, number]:.3f}; they differ by {error.mean():.2g} on average{_guess(own, other)}",
+        f"{other[row, number]:.3f}; they differ by {np.abs(own - other).mean():.2g} on average{_guess(own, other)}",
     )
 
 
@@ -90,6 +90,13 @@ def _some() -> Float32:
     seen = observations()
     drawn = seen + np.random.default_rng(0).normal(0.0, LARGE, seen.shape)
     return np.concatenate([seen, drawn.astype(np.float32)])
+
+
+def _half_of_box(policy: Policy) -> Float:
+    """Half of what lies between the ends of each action; 1 where the policy does not say."""
+    low, high = getattr(policy, "action_low", None), getattr(policy, "action_high", None)
+    half: Float = np.ones(1) if low is None or high is None else 0.5 * (np.array(high) - np.array(low))
+    return half
 
 
 def _first_pair(own: Any, other: Any) -> str:

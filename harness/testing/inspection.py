@@ -73,25 +73,30 @@ def inspect_plugin(
         raise UsageError(f"{NOUNS[kind]} '{given}' is checked without a robot: leave --robot out")
     spec = registry.get(kind, parse(given)[0])
     unfit = f"{spec.name} needs {', '.join(spec.missing)}: {spec.remedy}" if spec.missing else why_unfit(spec)
-    yield Finding(TARGET, "error" if unfit else "ok", unfit)
     if unfit:
-        return
-    if kind == "commands":
+        yield Finding(TARGET, "error", unfit)
+    elif kind == "commands":
+        yield Finding(TARGET, "ok")
         yield _command_finding(spec.load())
-        return
+    else:
+        yield from _inspect_built(registry, kind, given, robot, long)
+
+
+def _inspect_built(registry: Registry, kind: str, given: str, robot: str | None, long: bool) -> Iterator[Finding]:
     try:
         built = choose(registry, kind, given).build(registry, kind)
         subject = (built, *_beside(kind, built, robot, registry))
     except PluginError as error:
-        yield Finding("settings", "error", str(error), story=traceback.format_exc())
+        yield Finding(TARGET, "error", str(error), story=traceback.format_exc())
         return
+    yield Finding(TARGET, "ok")
     yield from _run(KITS[kind], kind, subject, long)
 
 
 def inspect_robot(registry: Registry, name_or_path: str) -> Iterator[Finding]:
     """Check a registered robot, or the one that a path leads to; see `inspect_plugin`."""
     try:
-        robot = load_robot(name_or_path, registry)
+        robot = _robot(name_or_path, registry)
     except HarnessError as error:
         yield Finding(LOADS, "error", str(error))
         return
@@ -102,8 +107,14 @@ def inspect_robot(registry: Registry, name_or_path: str) -> Iterator[Finding]:
 def _beside(kind: str, built: Any, robot: str | None, registry: Registry) -> tuple[Robot, ...]:
     """What the checks of a kind take beside the plugin."""
     if kind == "simulators":
-        return (load_robot(robot or DEFAULT_ROBOT, registry),)
-    return (load_robot(robot or built.robot, registry),) if kind == "tasks" else ()
+        return (_robot(robot or DEFAULT_ROBOT, registry),)
+    return (_robot(robot or built.robot, registry),) if kind == "tasks" else ()
+
+
+def _robot(name_or_path: str, registry: Registry) -> Robot:
+    """A registered robot; or that of a folder beside, whose name needs no slash here."""
+    is_folder = not registry.kinds_of(name_or_path) and Path(name_or_path).is_dir()
+    return load_robot(Path(name_or_path) if is_folder else name_or_path, registry)
 
 
 def _run(kit: Kit, kind: str, subject: tuple[Any, ...], long: bool) -> Iterator[Finding]:
