@@ -25,7 +25,9 @@ def check(
     ] = None,
     kind: Annotated[
         str | None,
-        typer.Option(help="Of what the name is, where it could be several: reward.", metavar="KIND", show_default=False),
+        typer.Option(
+            help="Of what the name is, where it could be several: reward.", metavar="KIND", show_default=False
+        ),
     ] = None,
     robot: Annotated[
         str | None,

@@ -25,7 +25,7 @@ SURE = {True: 4.5, False: 6.0}
 """Standard errors that it has to be off besides."""
 FEWEST_TOGETHER = 6
 MOST_TOGETHER = 2.5
-"""The mean of the squares, in standard errors, over so many shares or more: together they tell what none tells alone."""
+"""The mean of the squares, in standard errors, over so many shares or more: together they tell more than one alone."""
 FEWEST = 30
 """Actions that anything is concluded from."""
 AT_THE_END = 1e-4
@@ -44,8 +44,13 @@ def require_in_the_middle(training: Training) -> None:
     if training.env.space == "discrete":
         _require_most_frequent(done, own, tells)
     else:
-        episodes = np.concatenate([each.episode * len(each.episode) + np.arange(len(each.episode)) for each in compared])
+        episodes = np.concatenate([_numbers_of_episodes(each) for each in compared])
         _require_median(done.astype(float), own.astype(float), episodes, tells)
+
+
+def _numbers_of_episodes(decision: Decision) -> Any:
+    """No two of different envs are alike, (num_envs,)."""
+    return decision.episode * len(decision.episode) + np.arange(len(decision.episode))
 
 
 def _own_action(decision: Decision, last: Policy) -> Any:
@@ -108,10 +113,10 @@ def _share_above(done: Float, own: Float, where: Mask, episodes: Any, name: str)
 
 
 def _error_of_share(noise: Float, episodes: Any) -> float:
-    """The standard error of the share of actions that are above: that of a coin, thrown as often as noise was drawn.
+    """Standard error of the share of actions that are above: that of a coin, thrown as often as noise was drawn.
 
-    Some learners draw noise anew in every step, some keep it for an episode: what the steps of an episode have in common
-    tells, their intraclass correlation.
+    Some learners draw noise anew in every step, some keep it for an episode. The intraclass correlation of the steps of
+    an episode tells which.
     """
     _, numbers, counts = np.unique(episodes, return_inverse=True, return_counts=True)
     means = np.bincount(numbers, weights=noise) / counts

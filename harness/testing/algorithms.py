@@ -17,7 +17,15 @@ from harness.algorithm import Algorithm, learns
 from harness.policy import Policy, load_policy
 from harness.testing.acting import require_in_the_middle
 from harness.testing.checkpoints import differences, train_with_checkpoints
-from harness.testing.trainings import in_several_envs, mean_return, observations, steps_for, train, train_anew, trainings
+from harness.testing.trainings import (
+    in_several_envs,
+    mean_return,
+    observations,
+    steps_for,
+    train,
+    train_anew,
+    trainings,
+)
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 FEW, MANY = 200, 1000

@@ -1,13 +1,14 @@
 """Whether each env of a simulation is its own: in its own place of the arrays, with its own ground contact."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.robot import Robot
-from harness.simulator import Simulator
+from harness.simulator import Simulator, State
 from harness.testing.simulations import (
     NUM_ENVS,
     PERIOD,
@@ -39,19 +40,19 @@ TOLERANCE = 0.1
 
 @check("sim-methods")
 def a_simulation_has_its_methods(simulator: Simulator, robot: Robot) -> None:
-    """What `open` returns has `reset`, `drive`, `place`, `read`, `render` and `close`, with the interface's arguments."""
+    """What `open` returns has `reset`, `drive`, `place`, `read`, `render` and `close`, with the right arguments."""
     with opened(simulator, robot, 1) as simulation:
         for name, arguments in METHODS.items():
             method = getattr(simulation, name, None)
             require(callable(method), f"{type(simulation).__name__} has no method {name}()")
-            taken = list(inspect.signature(method).parameters) if callable(method) else []
+            taken = list(inspect.signature(method).parameters) if method else []
             fits = _takes(method, arguments)
             require(fits, f"{name}({', '.join(taken)}) cannot be called as {name}({', '.join(arguments)}): rename them")
 
 
 @check("sim-batch-order")
 def every_env_does_what_it_was_told(simulator: Simulator, robot: Robot) -> None:
-    """Row k of what is told moves env k, and row k of the state is env k: envs that go different ways are not mixed up."""
+    """Row k of what is told moves env k, and row k of the state is env k: different ways are not mixed up."""
     with opened(simulator, robot) as simulation:
         home = start_at_home(simulation, robot).qpos
         way = SHARES[:, None] * MOVE * robot.max_speed * PERIOD * turns(robot, 1)
@@ -89,7 +90,7 @@ def states_are_not_the_callers_arrays(simulator: Simulator, robot: Robot) -> Non
     """No array of a state is the one that the caller gave: it tells what the engine holds, not what it was told."""
     with opened(simulator, robot) as simulation:
         qpos = poses_near_home(robot, NUM_ENVS)
-        calls = {
+        calls: dict[str, Callable[[Float], State]] = {
             "reset": lambda given: simulation.reset(given, np.ones(NUM_ENVS, bool)),
             "place": simulation.place,
             "drive": lambda given: simulation.drive(given, PERIOD),
@@ -101,7 +102,7 @@ def states_are_not_the_callers_arrays(simulator: Simulator, robot: Robot) -> Non
                 require(not np.shares_memory(array, given), f"{name}(qpos) returns the caller's own qpos as {field}")
 
 
-def _takes(method: object, arguments: tuple[str, ...]) -> bool:
+def _takes(method: Any, arguments: tuple[str, ...]) -> bool:
     """Whether a method can be called with these arguments, by position and by name."""
     if not callable(method):
         return False
@@ -116,4 +117,3 @@ def _takes(method: object, arguments: tuple[str, ...]) -> bool:
 
 def _is_near(told: Float, wanted: Float) -> bool:
     return bool((np.abs(told - wanted) <= TOLERANCE * np.abs(wanted)).all())
-

@@ -29,7 +29,8 @@ def check_export(policy: Policy, act: Act, seen: Float32 | None = None) -> None:
 
     Args:
         policy: What the algorithm yields.
-        act: What the library's own model does without noise, as ``lambda seen: model.predict(seen, deterministic=True)[0]``.
+        act: What the library's own model does without noise,
+            ``lambda seen: model.predict(seen, deterministic=True)[0]``.
         seen: Observations to compare at, (count, size); by default those of the kit's easy task with the FD100, and
             larger ones.
 
@@ -75,7 +76,9 @@ def it_acts_the_same_from_its_folder(policy: Policy, act: Act, seen: Float32) ->
     with tempfile.TemporaryDirectory() as folder:
         policy.save(Path(folder) / "policy")
         loaded = load_policy(Path(folder) / "policy")
-    require(np.array_equal(policy.act(seen), loaded.act(seen)), "the policy that is read from its folder acts otherwise")
+    require(
+        np.array_equal(policy.act(seen), loaded.act(seen)), "the policy that is read from its folder acts otherwise"
+    )
 
 
 EXPORT_CHECKS: tuple[Check, ...] = (

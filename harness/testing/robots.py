@@ -46,15 +46,19 @@ def check_robot(robot: Robot | str | Path) -> None:
 
 @check("robot-limits")
 def limits_are_finite(robot: Robot) -> None:
-    """Each joint has a range, a largest speed and a largest acceleration: finite, lower below upper, the rest positive."""
+    """Each joint has a range, a largest speed and acceleration: finite, lower end below upper, speeds positive."""
     for name in ("lower", "upper", "max_speed", "max_acceleration", "home"):
         array = getattr(robot, name)
         require(array.shape == (robot.dof,), f"{name} has shape {array.shape} for {robot.dof} joints")
         require(np.isfinite(array).all(), f"{name} is {_told(robot, array)}")
     for joint, low, high in zip(robot.joint_names, robot.lower, robot.upper, strict=True):
-        require(low < high, f"joint '{joint}' ranges from {low:.4g} to {high:.4g}: the lower end has to be below the upper")
+        require(
+            low < high, f"joint '{joint}' ranges from {low:.4g} to {high:.4g}: the lower end has to be below the upper"
+        )
     for name in ("max_speed", "max_acceleration"):
-        require((getattr(robot, name) > 0.0).all(), f"{name} is {_told(robot, getattr(robot, name))}: it has to be positive")
+        require(
+            (getattr(robot, name) > 0.0).all(), f"{name} is {_told(robot, getattr(robot, name))}: it has to be positive"
+        )
 
 
 @check("robot-home")
@@ -70,7 +74,9 @@ def home_is_above_the_ground(robot: Robot) -> None:
     height = float(robot.end_effector(robot.home)[2])
     require(height > 0.0, f"at rest the end effector is {height:.3f} m high, the ground is z = 0: choose another home")
     lowest = float(_lowest(robot, robot.home[None])[0])
-    require(lowest > 0.0, f"at rest a moving link reaches down to {lowest:.3f} m, the ground is z = 0: choose another home")
+    require(
+        lowest > 0.0, f"at rest a moving link reaches down to {lowest:.3f} m, the ground is z = 0: choose another home"
+    )
 
 
 @check("robot-kinematics")
@@ -117,9 +123,13 @@ def masses_are_those_of_bodies(robot: Robot) -> None:
             return
         mass = _number(inertial, "mass", "value")
         require(0.0 < mass <= HEAVIEST, f"link '{link.get('name')}' has a mass of {mass:g} kg")
-        xx, yy, zz, xy, xz, yz = (_number(inertial, "inertia", f"i{axes}") for axes in ("xx", "yy", "zz", "xy", "xz", "yz"))
+        xx, yy, zz, xy, xz, yz = (
+            _number(inertial, "inertia", f"i{axes}") for axes in ("xx", "yy", "zz", "xy", "xz", "yz")
+        )
         moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        require(moments[0] > 0.0, f"link '{link.get('name')}' has the moments of inertia {moments}: none may be 0 or less")
+        require(
+            moments[0] > 0.0, f"link '{link.get('name')}' has the moments of inertia {moments}: none may be 0 or less"
+        )
 
 
 @check("robot-meshes")
@@ -155,7 +165,9 @@ def moving_links_can_touch(robot: Robot) -> None:
 @check("robot-own-numbers", "warning")
 def the_numbers_are_given(robot: Robot) -> None:
     """Resting pose, speeds and accelerations are the author's: results depend on them."""
-    ruled = [f"{name} is {origin}" for name, origin in robot.origins.items() if name != "end_effector" and origin != FILE]
+    ruled = [
+        f"{name} is {origin}" for name, origin in robot.origins.items() if name != "end_effector" and origin != FILE
+    ]
     require(not ruled, f"{'; '.join(ruled)}: write them in {FILE}, so that they stay when the rules change")
 
 

@@ -1,7 +1,8 @@
-"""What a plugin costs, in the words of who waits for it. These checks are warnings: nothing is wrong with a slow plugin."""
+"""What a plugin costs, in the words of who waits for it. These checks warn: nothing is wrong with a slow plugin."""
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -39,7 +40,7 @@ def a_simulation_is_quick(simulator: Simulator, robot: Robot) -> None:
     targets = ramps(robot, 1)
     with opened(simulator, robot, 1) as simulation:
         start_at_home(simulation, robot, 1)
-        seconds = median_seconds([lambda target=target: simulation.drive(target, PERIOD) for target in targets])
+        seconds = median_seconds([partial(simulation.drive, target, PERIOD) for target in targets])
     require(seconds <= MOST_STEP, f"a step of one arm takes {_told(seconds)}: {_training(seconds)}")
 
 
@@ -60,7 +61,7 @@ def a_reward_is_quick(reward: Reward) -> None:
     """A step is paid in less than 0.2 ms."""
     samples = random_samples(0)
     carry = reward.initial_carry(samples[0].begin_distance)
-    seconds = median_seconds([lambda sample=sample: pay(reward, carry, sample) for sample in samples])
+    seconds = median_seconds([partial(pay, reward, carry, sample) for sample in samples])
     require(seconds <= MOST_REWARD, f"a step is paid in {_told(seconds)}: {_training(seconds)} for the reward alone")
 
 

@@ -135,7 +135,9 @@ def targets_do_not_depend_on_the_count(task: Task, robot: Robot) -> None:
             return  # one after the other from the stream
     for axis, name in enumerate("xyz"):
         alike = ks_2samp(single[:, axis], many[:, axis]).pvalue >= UNLIKELY
-        spreads = " and ".join(f"{draws[:, axis].min():.3g} .. {draws[:, axis].max():.3g} m" for draws in (single, many))
+        spreads = " and ".join(
+            f"{draws[:, axis].min():.3g} .. {draws[:, axis].max():.3g} m" for draws in (single, many)
+        )
         require(alike, f"{name} of a target depends on count: one at a time and {count} at once, it is in {spreads}")
 
 

@@ -160,7 +160,7 @@ def train(
         hash(algorithm)
     except TypeError:  # not frozen: another check says so
         return train_anew(algorithm, steps, seed, wanted, bonus, env)
-    return _train_once(algorithm, steps, seed, wanted, bonus, env)
+    return _train_once(algorithm, steps, seed, wanted, bonus, env)  # type: ignore[arg-type]  # it has a hash
 
 
 def train_anew(

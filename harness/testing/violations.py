@@ -11,7 +11,6 @@ from typing import Any, Literal, TypeAlias
 from harness.errors import ContractViolation, one_line
 from harness.registry.parameters import build, values_of
 
-
 Level: TypeAlias = Literal["error", "warning"]
 """``error``: the contract is broken. ``warning``: it is kept, but something is slow, or was not tried."""
 
@@ -93,7 +92,7 @@ def settings_survive_json(plugin: Any, *_: Any) -> None:
     require(again == values, f"the settings {values} come back from JSON as {again}")
 
 
-def _violation(failed: Check, message: str, cause: Exception) -> ContractViolation:
+def _violation(failed: Check, message: str, cause: BaseException) -> ContractViolation:
     violation = ContractViolation(failed.name, message, failed.level)
     violation.__cause__ = cause
     return violation

@@ -74,7 +74,7 @@ class Spaceless:
 def wave(times: int = 1) -> None:
     """Wave."""
 
-def wink(eye: dict) -> None:
+def wink(eye: "NoSuch") -> None:
     """Wink."""
 '''
 

@@ -297,7 +297,7 @@ def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
 
 @pytest.mark.parametrize(("mutant", "check"), COARSE_MUTANTS.items())
 def test_coarse_mutant_fails_its_check(mutant: type, check: Callable[..., None]):
-    """An algorithm that is broken in a way that shows in several places fails, among others, the check nearest to it."""
+    """An algorithm that is broken in a way that shows in several places fails the check that is nearest."""
     assert check.name in failing(mutant)
 
 

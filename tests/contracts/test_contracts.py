@@ -18,6 +18,7 @@ from harness.testing import (
     EXECUTOR_CHECKS,
     METRIC_CHECKS,
     REWARD_CHECKS,
+    ROBOT_CHECKS,
     SIMULATOR_CHECKS,
     TASK_CHECKS,
     Check,
@@ -33,8 +34,8 @@ from harness.testing import (
 from harness.testing.algorithms import (
     a_training_goes_on_where_it_stood,
     checkpoints_change_nothing,
+    the_policy_acts_as_it_trained,
     the_return_rises,
-    the_same_seed_gives_the_same_policy,
 )
 from harness.testing.simulators import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness.testing.trainings import NegativeDistance
@@ -43,14 +44,17 @@ REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
 FRAME_CHECKS = (render_gives_a_frame_or_says_why_not, frames_show_the_target)
 OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
-SLOW = {(name, the_return_rises) for name in ("sac", "td3", "dqn", "ddqn", "ppo")}
+LARGE = ("sac", "td3", "dqn", "ddqn")
+"""Their default networks take long to train; `SMALLER` ones show the same in most checks."""
+SMALLER = {"net_arch": (16,), "batch_size": 32}
+SLOW = {(name, the_return_rises) for name in (*LARGE, "ppo")}
 """Whole trainings of up to half a minute; the other algorithms' show in every run that the check is able to fail."""
 SLOW |= {
     (name, check)
-    for name in ("sac", "td3", "dqn", "ddqn")
-    for check in (checkpoints_change_nothing, a_training_goes_on_where_it_stood)
+    for name in LARGE
+    for check in (the_policy_acts_as_it_trained, checkpoints_change_nothing, a_training_goes_on_where_it_stood)
 }
-"""Several trainings with the default networks; `test_checkpoint_mutants` runs both checks with smaller ones."""
+"""The same, or several trainings; `test_checkpoint_mutants` runs the last two with smaller networks."""
 SLOW |= {("ray", check) for check in EXECUTOR_CHECKS}
 """Each starts a cluster; the other executors' show the checks in every run."""
 NEED_A_CLUSTER = ("slurm",)
@@ -111,7 +115,22 @@ def test_reward(check: Callable[..., None], name: str):
 @registered("algorithms", ALGORITHM_CHECKS)
 def test_algorithm(check: Check, name: str):
     """Every registered algorithm keeps the contract, learning included."""
-    check(build("algorithms", name))
+    is_smaller = name in LARGE and (name, check) not in SLOW
+    check(REGISTRY.get("algorithms", name).load()(**SMALLER) if is_smaller else build("algorithms", name))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LARGE)
+def test_algorithm_with_its_default_networks(name: str):
+    """Every check of those that the runs before did with smaller ones."""
+    checks = [check for check in ALGORITHM_CHECKS if (name, check) not in SLOW]
+    assert list(violations(checks, build("algorithms", name))) == []
+
+
+@registered("robots", ROBOT_CHECKS)
+def test_robot(check: Check, name: str):
+    """Every registered robot keeps the contract."""
+    check(harness.load_robot(name, REGISTRY))
 
 
 @registered("metrics", METRIC_CHECKS)

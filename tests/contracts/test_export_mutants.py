@@ -38,7 +38,9 @@ class SavesCarelessly(SquashedGaussian):
 
 def with_weights(**factors: float) -> SquashedGaussian:
     """The policy with some weights scaled."""
-    scaled = {name: np.float32(factors.get(name.replace(".", "_"), 1.0)) * array for name, array in POLICY.weights.items()}
+    scaled = {
+        name: np.float32(factors.get(name.replace(".", "_"), 1.0)) * array for name, array in POLICY.weights.items()
+    }
     return replace(POLICY, weights=scaled)
 
 
@@ -59,7 +61,7 @@ MUTANTS: dict[str, tuple[Callable[[], Any], Check, str]] = {
     "hidden bias dropped": (partial(with_weights, hidden_0_bias=0.0), exports.both_act_the_same, "action"),
     "weights x 3": (partial(with_weights, mean_weight=3.0, mean_bias=3.0), exports.both_act_the_same, "action"),
     "weights 1 % off": (partial(with_weights, mean_weight=1.01), exports.both_act_the_same, "action"),
-    "other sign": (partial(with_weights, mean_weight=-1.0, mean_bias=-1.0), exports.both_act_the_same, "the other sign"),
+    "other sign": (partial(with_weights, mean_weight=-1.0, mean_bias=-1.0), exports.both_act_the_same, "other sign"),
     "half the box": (half_the_box, exports.both_act_the_same, "the model's are 2 times as large"),
     "other activation": (lambda: replace(POLICY, activation="relu"), exports.both_act_the_same, "action"),
     "no squashing": (lambda: Unsquashed(POLICY), exports.both_act_the_same, "action"),
@@ -116,5 +118,7 @@ def test_choices_are_compared_too():
     weights = {"value.weight": np.eye(3, SEEN, dtype=np.float32), "value.bias": np.zeros(3, np.float32)}
     greedy = Greedy(weights, "relu", 3)
     assert check_export(greedy, lambda seen: seen[:, :3].argmax(axis=1)) is None
-    (violation,) = violations([exports.both_act_the_same], greedy, lambda seen: seen[:, :3].argmin(axis=1), exports._some())
+    (violation,) = violations(
+        [exports.both_act_the_same], greedy, lambda seen: seen[:, :3].argmin(axis=1), exports._some()
+    )
     assert "the policy chooses otherwise than the model" in violation.sentence

@@ -144,4 +144,3 @@ def test_rewards_last(name: str):
     """10,000 steps of every registered reward."""
     built = REGISTRY.get("rewards", name).load()()
     assert not list(violations([long_runs.a_long_episode_is_paid_without_growing], built))
-

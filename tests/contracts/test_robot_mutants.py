@@ -80,7 +80,7 @@ MUTANTS: dict[str, tuple[Callable[[], Robot], Check]] = {
     "no acceleration": (
         lambda: replace(ROBOT, max_acceleration=at(5, -1.0, ROBOT.max_acceleration)), robots.limits_are_finite,
     ),
-    "rests beyond its range": (lambda: replace(ROBOT, home=at(5, 10.0, ROBOT.home)), robots.home_is_in_the_joint_ranges),
+    "rests beyond": (lambda: replace(ROBOT, home=at(5, 10.0, ROBOT.home)), robots.home_is_in_the_joint_ranges),
     "rests in the ground": (
         lambda: replace(ROBOT, home=way_into_the_ground(ROBOT)[-1]), robots.home_is_above_the_ground,
     ),
