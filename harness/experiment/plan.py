@@ -3,7 +3,7 @@
 import hashlib
 import itertools
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias
@@ -17,6 +17,7 @@ from harness.experiment.task_form import task_for
 from harness.record.cell import Cell
 from harness.record.plan_file import control_seeds
 from harness.registry.choice import Choice, choose, split_list
+from harness.registry.given import Given as HandGiven
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
 from harness.registry.toml_file import read_toml
@@ -78,6 +79,9 @@ class Experiment:
         Interval, Field(description="environment steps from one evaluation to the next; 0: at the end alone")
     ] = 0
     deterministic: Annotated[bool, Field(description="whether evaluated policies draw no actions")] = True
+    plugins: Annotated[
+        list[Given], Field(max_length=MOST_NAMES, description="plugins that have to be given by hand, with --plugin")
+    ] = Field(default_factory=list)
 
     @property
     def seed_list(self) -> list[int]:
@@ -173,7 +177,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         baseline.label,
         tuple(cell for cell in cells if not reasons[cell.algorithm]),
         tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
-        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot),
+        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot, registry.given),
         control=control,
     )
 
@@ -236,11 +240,13 @@ def _resolve(
     rewards: list[Choice],
     task: Choice,
     robot: str,
+    given: Sequence[HandGiven],
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
-    values = {field.name: getattr(experiment, field.name) for field in fields(experiment)}
+    values = {field.name: getattr(experiment, field.name) for field in fields(experiment) if field.name != "plugins"}
     return {
         **values,
+        **({"plugins": [it.need for it in given]} if given else {}),
         "sim": [table_of(choice) for choice in simulators],
         "algo": [table_of(choice) for choice in algorithms],
         "reward": [table_of(choice) for choice in rewards],

@@ -4,17 +4,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Required, TypeAlias, TypedDict
 
+from harness.algorithm import Algorithm
 from harness.eta.curve import Kind
 from harness.experiment.changed import Changed
+from harness.reward import Reward
+from harness.simulator import Simulator
+from harness.task import Task
 
-Name: TypeAlias = str | Mapping[str, Any]
-"""``"arp:k2=2"``, or a table ``{"name": "arp", "k2": 2}``."""
+Name: TypeAlias = str | Mapping[str, Any] | Simulator | Algorithm | Reward | Task
+"""``"arp:k2=2"``, a table ``{"name": "arp", "k2": 2}``, or an object whose class workers can import."""
 Names: TypeAlias = Name | Sequence[Name]
 """One, text with commas, or a list."""
 
 
 class RunArguments(TypedDict, total=False):
-    """The fields of `harness.experiment.plan.Experiment`, then those of `harness.experiment.experiment.RunOptions`."""
+    """The fields of `harness.experiment.plan.Experiment`, of `harness.experiment.experiment.RunOptions`, and plugins."""
 
     sim: Required[Names]
     algo: Required[Names]
@@ -43,3 +47,5 @@ class RunArguments(TypedDict, total=False):
     cell_time: float
     cell_memory: float
     fresh: bool
+    metrics: str | Sequence[str] | None
+    plugins: Sequence[str | Path | type]
