@@ -31,9 +31,11 @@ def audit(
     """Say what a reward pays for: scripted policies are scored under it, and it is tried on numbers. Trains nothing."""
     from harness.audit.audit import audit_reward
     from harness.audit.rollout import record_rollouts
+    from harness.audit.score import score_rollout
     from harness.registry.choice import choose
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
+    from harness.registry.spec import blamed_on
     from harness.robot.load import load_robot
     from harness.testing import IdealSimulator
 
@@ -50,7 +52,11 @@ def audit(
     robot = robot or world.robot
     rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)
     judged, other = (choice.build(registry, "rewards") for choice in rewards)
-    found = audit_reward(judged, other, rollouts, gamma)
+    specs = [registry.get("rewards", choice.name) for choice in rewards]
+    with blamed_on(specs[1], "it was audited"):
+        score_rollout(other, rollouts[0])
+    with blamed_on(specs[0], "it was audited"):
+        found = audit_reward(judged, other, rollouts, gamma)
     names = [choice.label for choice in rewards]
     if as_json:
         import json

@@ -20,6 +20,7 @@ from harness.registry.choice import Choice, choose, split_list
 from harness.registry.given import Given as HandGiven
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
+from harness.registry.spec import PLANNED, blamed_on
 from harness.registry.toml_file import read_toml
 from harness.robot import Robot
 from harness.robot.load import load_robot
@@ -145,6 +146,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     Raises:
         UsageError: A name or parameter is unknown, a library is missing, the robot cannot do the task, or there are
             more cells than `MOST_CELLS`.
+        PluginError: A plugin is broken, or raises; says whose it is.
     """
     simulators = _choose_each(registry, "simulators", experiment.sim)
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
@@ -154,7 +156,8 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     built = task.build(registry, "tasks")
     robot = _locate(experiment.robot or built.robot, registry)
     arm = load_robot(robot, registry)
-    built.check(arm)
+    with blamed_on(registry.get("tasks", task.name), PLANNED):
+        built.check(arm)
     seeds = experiment.seed_list
     control = control_seeds(seeds) if baseline in rewards else {}
     paid = dict.fromkeys([baseline, *rewards])
@@ -221,15 +224,16 @@ class Fit(NamedTuple):
 
 
 def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:
-    try:
-        form = task_for(algorithm, task, robot, registry)
-    except UsageError as error:
-        return Fit(task, str(error))
-    built: Algorithm = algorithm.build(registry, "algorithms")
-    if steps % built.num_envs:
-        envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
-        return Fit(form, f"steps={steps} is not a multiple of {envs}")
-    return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
+    with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
+        try:
+            form = task_for(algorithm, task, robot, registry)
+        except UsageError as error:
+            return Fit(task, str(error))
+        built: Algorithm = algorithm.build(registry, "algorithms")
+        if steps % built.num_envs:
+            envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
+            return Fit(form, f"steps={steps} is not a multiple of {envs}")
+        return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
 
 
 def _resolve(

@@ -18,7 +18,7 @@ Names: TypeAlias = Name | Sequence[Name]
 
 
 class RunArguments(TypedDict, total=False):
-    """The fields of `harness.experiment.plan.Experiment`, of `harness.experiment.experiment.RunOptions`, and plugins."""
+    """The fields of `harness.experiment.plan.Experiment`, of `harness.experiment.experiment.RunOptions`; plugins."""
 
     sim: Required[Names]
     algo: Required[Names]

@@ -20,6 +20,7 @@ from harness.registry.choice import Choice, choose, split_list
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
+from harness.registry.spec import PLANNED, blamed_on
 from harness.results import Results
 from harness.robot.load import load_robot
 from harness.transfer.evaluation import EvaluateElsewhere
@@ -202,7 +203,9 @@ def _require_plugins(cells: Iterable[Cell], folder: Path, registry: Registry) ->
     """Raises UsageError where something of the cells that is no simulator is not here any more."""
     for robot, task, reward in dict.fromkeys((cell.robot, cell.task, cell.reward) for cell in cells):
         try:
-            task.build(registry, "tasks").check(load_robot(robot, registry))
+            built, arm = task.build(registry, "tasks"), load_robot(robot, registry)
+            with blamed_on(registry.get("tasks", task.name), PLANNED):
+                built.check(arm)
             reward.build(registry, "rewards")
         except UsageError as error:
             raise UsageError(f"Cells of '{folder}' cannot be evaluated: {error}") from None
