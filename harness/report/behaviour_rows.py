@@ -41,6 +41,12 @@ def defined_changes(combination: Combination, manner: str) -> list[Change]:
     return sorted(changes, key=lambda change: change.name != SUCCESS)
 
 
+def failed_changes(combination: Combination, manner: str) -> list[Change]:
+    """Those whose metric failed for every seed: they stand below the others, with the reason."""
+    defined = {change.name for change in defined_changes(combination, manner)}
+    return [change for change in combination.changes_of(manner) if change.reason and change.name not in defined]
+
+
 def behaviour_row(change: Change) -> BehaviourRow:
     """One measure; of a metric that failed for all seeds the reason stands in place of its values."""
     text = _text_of(change)
@@ -82,8 +88,7 @@ def seeds_grid(combination: Combination) -> Grid:
 def _grid(combination: Combination, manner: str) -> Grid:
     ordered = defined_changes(combination, manner)
     notes = [_note(change) for change in ordered if change.left_out]
-    failed = [it for it in combination.changes_of(manner) if it.reason and it not in ordered]
-    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed)]
+    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed_changes(combination, manner))]
     return Grid(HEADINGS, rows, notes, _title(combination, manner))
 
 
