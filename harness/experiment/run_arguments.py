@@ -18,7 +18,7 @@ Names: TypeAlias = Name | Sequence[Name]
 
 
 class RunArguments(TypedDict, total=False):
-    """The fields of `harness.experiment.plan.Experiment`, of `harness.experiment.experiment.RunOptions`; plugins."""
+    """The fields of `harness.experiment.plan.Experiment`, then those of `harness.experiment.experiment.RunOptions`."""
 
     sim: Required[Names]
     algo: Required[Names]
@@ -31,6 +31,7 @@ class RunArguments(TypedDict, total=False):
     evaluation_episodes: int
     evaluate_every: int
     deterministic: bool
+    plugins: Sequence[str | Path | type]
     out: str | Path | None
     jobs: int | None
     executor: str | Mapping[str, Any]
@@ -48,4 +49,3 @@ class RunArguments(TypedDict, total=False):
     cell_memory: float
     fresh: bool
     metrics: str | Sequence[str] | None
-    plugins: Sequence[str | Path | type]
