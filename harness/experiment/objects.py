@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.errors import UsageError
-from harness.hookspecs import NOUNS
 from harness.registry.given import Given, PluginClass, class_given
+from harness.registry.members import MEMBERS
 from harness.registry.parameters import values_of
 from harness.registry.registry import load_registry
 
@@ -37,8 +37,8 @@ def _named(key: str, item: Any, found: dict[PluginClass, None]) -> Any:
         return item
     kind = KINDS[key]
     if inspect.isclass(item) or not dataclasses.is_dataclass(item):
-        told = f"{key}={item!r}: give a name, or an object of a dataclass that is {NOUNS[kind]}"
-        raise UsageError(f"{told}, as MyPlugin(); a function or a lambda cannot be sent to a worker")
+        told = f"{key}={item!r}: give a name, or an object of a dataclass with {', '.join(MEMBERS[kind])}"
+        raise UsageError(f"{told}. A function, a lambda or a class cannot be sent to a worker")
     given = class_given(type(item), kind)
     registered = [it for it in load_registry().all_specs() if (it.kind, it.target) == (kind, given.target)]
     if registered:

@@ -60,7 +60,9 @@ def test_object_of_another_class_is_named_by_its_module(importable: type[Steps])
 @pytest.mark.parametrize("given", [lambda carry, sample: 0.0, Steps, object()])
 def test_what_is_no_object_of_a_dataclass_is_refused(given: object):
     """In one line that says what to give."""
-    with pytest.raises(UsageError, match="give a name, or an object of a dataclass that is reward") as error:
+    with pytest.raises(
+        UsageError, match="give a name, or an object of a dataclass with initial_carry, __call__"
+    ) as error:
         name_objects({"reward": given})
     assert "\n" not in str(error.value)
 
