@@ -45,7 +45,7 @@ class PluginFile:
 
     @property
     def name(self) -> str:
-        """Of the file, ``my_reward.py``: what stands for the distribution."""
+        """Of the file, without its folder: what stands for the distribution."""
         return Path(self.path).name
 
     @property
