@@ -4,16 +4,28 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.completion import names_of
 from harness.cli.lines import say
-from harness.cli.options import PluginFiles
+from harness.cli.options import ROBOTS, PluginFiles
 from harness.errors import UsageError
+from harness.hookspecs import KINDS
 
 
 def describe(
-    name: Annotated[str, typer.Argument(help="Anything that `harness list` shows, as arp or arp:k2=2; or a URDF.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="Anything that `harness list` shows, as arp or arp:k2=2; or a URDF.", autocompletion=names_of(*KINDS)
+        ),
+    ],
     robot: Annotated[
         str | None,
-        typer.Option(help="The robot that a task is described for.", show_default="the task's", metavar="NAME"),
+        typer.Option(
+            help="The robot that a task is described for.",
+            show_default="the task's",
+            metavar="NAME",
+            autocompletion=ROBOTS,
+        ),
     ] = None,
     plugin: PluginFiles = None,
 ) -> None:
