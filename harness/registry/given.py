@@ -255,7 +255,9 @@ def require_given(needs: Sequence[str | Mapping[str, Any]], given: Sequence[Give
     names = {it.name for it in given}
     for need in needs:
         told = {"path": need} if isinstance(need, str) else need
-        what, digest = str(told.get("path") or told.get("target")), str(told.get("sha256", ""))
+        what, digest = str(told.get("path") or told.get("target") or ""), str(told.get("sha256", ""))
+        if not what:
+            raise UsageError(f"plugins: {need!r} names nothing: write the path of a file, or {{path = '...'}}")
         if Path(what).name not in names:
             which = f" (SHA-256 {digest[:8]})" if digest else ""
             raise UsageError(f"The experiment needs the plugin {Path(what).name}{which}: give --plugin {what}")

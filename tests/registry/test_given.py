@@ -238,6 +238,8 @@ def test_what_an_experiment_names_has_to_be_given(lay: Lay):
         require_given([need], ())
     with pytest.raises(UsageError, match="needs the plugin a:B: give --plugin a:B"):
         require_given([{"target": "a:B"}], given)
+    with pytest.raises(UsageError, match="names nothing: write the path of a file"):
+        require_given([{"name": "my_reward"}], given)
 
 
 def test_same_text_is_one_module(lay: Lay):
