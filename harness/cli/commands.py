@@ -4,8 +4,10 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 import typer
+from typer.exceptions import TyperException
 
-from harness.errors import PluginError
+from harness.cli.unexpected import describe_fault
+from harness.errors import HarnessError, PluginError
 from harness.registry.registry import Registry
 
 KIND = "commands"
@@ -60,8 +62,14 @@ def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:
 
     def command(context: typer.Context) -> Any:
         one = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-        one.command(name)(registry.get(KIND, name).load())
-        loaded = typer.main.get_command(one)
-        return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)
+        spec = registry.get(KIND, name)
+        one.command(name)(spec.load())
+        try:
+            loaded = typer.main.get_command(one)
+            return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)
+        except (HarnessError, TyperException, OSError, typer.Abort, typer.Exit):
+            raise
+        except Exception as error:  # whose fault it is that something else passes
+            raise PluginError(describe_fault(spec.title, error)) from error
 
     return command

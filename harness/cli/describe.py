@@ -4,25 +4,40 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.completion import names_of
 from harness.cli.lines import say
+from harness.cli.options import ROBOTS, PluginFiles
 from harness.errors import UsageError
+from harness.hookspecs import KINDS
 
 
 def describe(
-    name: Annotated[str, typer.Argument(help="Anything that `harness list` shows, as arp or arp:k2=2; or a URDF.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="Anything that `harness list` shows, as arp or arp:k2=2; or a URDF.", autocompletion=names_of(*KINDS)
+        ),
+    ],
     robot: Annotated[
         str | None,
-        typer.Option(help="The robot that a task is described for.", show_default="the task's", metavar="NAME"),
+        typer.Option(
+            help="The robot that a task is described for.",
+            show_default="the task's",
+            metavar="NAME",
+            autocompletion=ROBOTS,
+        ),
     ] = None,
+    plugin: PluginFiles = None,
 ) -> None:
     """Explain a task, reward, simulator, algorithm, metric or robot, with its parameters."""
     from harness.describe import describe_name
     from harness.registry.choice import parse
+    from harness.registry.given import read_given
     from harness.registry.names import unknown_name
     from harness.registry.registry import load_registry
     from harness.robot.load import is_path
 
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) else [])
     if not kinds:
         raise UsageError(unknown_name("name", parse(name)[0], registry.all_names()))

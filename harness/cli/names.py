@@ -5,8 +5,10 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import complain
+from harness.cli.options import PluginFiles
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
+from harness.registry.given import read_given
 from harness.registry.names import unknown_name
 from harness.registry.registry import load_registry
 
@@ -15,11 +17,12 @@ def list_names(
     kind: Annotated[
         str | None, typer.Argument(help=f"One of: {', '.join(KINDS)}.", metavar="[KIND]", show_default=False)
     ] = None,
+    plugin: PluginFiles = None,
 ) -> None:
     """List simulators, algorithms, rewards, metrics, robots, tasks, executors and the commands of plugins."""
     if kind is not None and kind not in KINDS:
         raise UsageError(unknown_name("kind", kind, KINDS))
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     for shown in KINDS if kind is None else (kind,):
         typer.echo(f"{shown}:")
         for name in registry.names(shown):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.lines import complain, say
-from harness.cli.options import REWARDS
+from harness.cli.options import REWARDS, PluginFiles
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,15 +31,17 @@ def score(
         Path | None,
         typer.Option(help="Folder for the scores of files.", show_default="beside each file", metavar="DIR"),
     ] = None,
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
     """Pay recorded runs again under other rewards, exactly; the recordings are not touched."""
     from harness.registry.choice import choose, split_list
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
     if not reward and not every:
         raise UsageError("No reward is named: give --reward NAME, or --all for those of the experiment")
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     scoring = [choose(registry, "rewards", name) for name in split_list(reward or [])]
     if len(targets) == 1 and Path(targets[0]).is_dir():
         failed = _score_experiment(Path(targets[0]), scoring, every, registry, as_json)

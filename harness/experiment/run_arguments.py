@@ -4,11 +4,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Required, TypeAlias, TypedDict
 
+from harness.algorithm import Algorithm
 from harness.eta.curve import Kind
 from harness.experiment.changed import Changed
+from harness.reward import Reward
+from harness.simulator import Simulator
+from harness.task import Task
 
-Name: TypeAlias = str | Mapping[str, Any]
-"""``"arp:k2=2"``, or a table ``{"name": "arp", "k2": 2}``."""
+Name: TypeAlias = str | Mapping[str, Any] | Simulator | Algorithm | Reward | Task
+"""``"arp:k2=2"``, a table ``{"name": "arp", "k2": 2}``, or an object whose class workers can import."""
 Names: TypeAlias = Name | Sequence[Name]
 """One, text with commas, or a list."""
 
@@ -27,6 +31,7 @@ class RunArguments(TypedDict, total=False):
     evaluation_episodes: int
     evaluate_every: int
     deterministic: bool
+    plugins: Sequence[str | Path | type]
     out: str | Path | None
     jobs: int | None
     executor: str | Mapping[str, Any]
@@ -43,3 +48,4 @@ class RunArguments(TypedDict, total=False):
     cell_time: float
     cell_memory: float
     fresh: bool
+    metrics: str | Sequence[str] | None

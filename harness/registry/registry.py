@@ -1,8 +1,8 @@
 """Who registered what: entry points in, specs out. Nothing heavy is imported before a spec is loaded."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from importlib.metadata import EntryPoint, entry_points
 from types import ModuleType
 from typing import NamedTuple
@@ -11,7 +11,8 @@ import pluggy
 
 from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
-from harness.registry.hooks import fault_of
+from harness.registry.given import Given, PluginClass, PluginFile, class_of_file, import_file
+from harness.registry.hooks import fault_of, hooks_of
 from harness.registry.names import unknown_name
 from harness.registry.spec import Spec, canonical
 from harness.registry.wanted import Wanted
@@ -56,11 +57,13 @@ class Registry:
         plugins: Every plugin, loaded or not.
         specs: By kind and name, who claims the name.
         notes: What there is to say of the environment variable HARNESS_PLUGINS.
+        given: What was given by hand: whoever does the work elsewhere needs it too.
     """
 
     plugins: list[Plugin] = field(default_factory=list)
     specs: dict[tuple[str, str], list[Spec]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    given: tuple[Given, ...] = ()
 
     def names(self, kind: str) -> list[str]:
         """Every name of one kind that can be used, sorted; a qualified one where the plain one means another's."""
@@ -157,14 +160,18 @@ def _usable_names(specs: list[Spec]) -> Iterator[str]:
             yield spec.qualified
 
 
-def load_registry(found: Iterable[EntryPoint] | None = None) -> Registry:
+def load_registry(found: Iterable[EntryPoint] | None = None, given: Sequence[Given] = ()) -> Registry:
     """Load the plugins one by one; a broken one is recorded and breaks nothing else.
 
     Args:
+        given: What was given by hand, beside those.
         found: Entry points to load; those of the installed distributions if None. The environment variable
             HARNESS_PLUGINS, where it is set, says which of them; see `harness.registry.wanted.Wanted`.
+
+    Raises:
+        UsageError: What was given by hand cannot be loaded, registers nothing, or claims a name that is taken.
     """
-    registry = Registry()
+    registry = Registry(given=tuple(given))
     manager = pluggy.PluginManager(PROJECT)
     manager.add_hookspecs(Hooks)
     wanted = Wanted.from_environment()
@@ -181,6 +188,8 @@ def load_registry(found: Iterable[EntryPoint] | None = None) -> Registry:
             continue
         _load_plugin(point, origin, manager, registry)
     registry.notes += wanted.unknown([(plugin.name, plugin.distribution) for plugin in registry.plugins])
+    for one in given:
+        _load_given(one, manager, registry)
     return registry
 
 
@@ -207,22 +216,62 @@ def _load_plugin(point: EntryPoint, origin: Origin, manager: pluggy.PluginManage
         return
     manager.register(module)
     try:
-        specs = _collect_specs(point, origin, module, manager)
+        specs = _collect_specs(point.name, origin, module, manager)
     except (Exception, SystemExit) as error:  # the same for its hooks
         registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
         return
+    registry.plugins.append(_plugin(point, origin, "ok", registered=_add(specs, registry)))
+
+
+def _load_given(given: Given, manager: pluggy.PluginManager, registry: Registry) -> None:
+    """One that was given by hand; what is wrong with it is an error, for it was asked for."""
+    if isinstance(given, PluginClass):
+        origin, specs = Origin(given.spec.distribution, ""), [given.spec]
+    else:
+        origin, specs = Origin(given.name, given.digest[:8]), _specs_of_file(given, manager)
+        for spec in specs:
+            _require_free(spec, given, registry)
+    registered = _add(specs, registry)
+    registry.plugins.append(Plugin(given.name, *origin, specs[0].target.split(":")[0], "ok", "", registered))
+
+
+def _specs_of_file(file: PluginFile, manager: pluggy.PluginManager) -> list[Spec]:
+    module, origin = import_file(file), Origin(file.name, file.digest[:8])
+    if not hooks_of(module):
+        return [replace(class_of_file(file, module), version=origin.version)]
+    manager.register(module)
+    try:
+        specs = _collect_specs(file.name, origin, module, manager)
+    except (Exception, SystemExit) as error:
+        raise UsageError(f"Plugin file '{file.path}': its hooks raise {one_line(error)}") from None
+    if not specs:
+        raise UsageError(f"Plugin file '{file.path}' registers nothing")
+    return specs
+
+
+def _require_free(spec: Spec, file: PluginFile, registry: Registry) -> None:
+    if not _NAME.fullmatch(spec.name):
+        told = f"its name '{spec.name}' must be lower-case letters, digits, '-' and '_'"
+        raise UsageError(f"Plugin file '{file.path}': {told}. Rename the file")
+    claimed = registry.specs.get((spec.kind, spec.name))
+    if claimed:
+        what = f"the name of {NOUNS[spec.kind]} '{spec.name}' is taken by package {claimed[0].package}"
+        raise UsageError(f"Plugin file '{file.path}': {what}. Rename the file, or what its hook registers")
+
+
+def _add(specs: list[Spec], registry: Registry) -> tuple[str, ...]:
+    """Take specs in; returns what to say of them."""
     for spec in specs:
         registry.specs.setdefault((spec.kind, spec.name), []).append(spec)
-    registered = tuple(f"{NOUNS[spec.kind]} {spec.name}" for spec in specs)
-    registry.plugins.append(_plugin(point, origin, "ok", registered=registered))
+    return tuple(f"{NOUNS[spec.kind]} {spec.name}" for spec in specs)
 
 
-def _collect_specs(point: EntryPoint, origin: Origin, module: ModuleType, manager: pluggy.PluginManager) -> list[Spec]:
+def _collect_specs(plugin: str, origin: Origin, module: ModuleType, manager: pluggy.PluginManager) -> list[Spec]:
     specs: list[Spec] = []
     others = [plugin for plugin in manager.get_plugins() if plugin is not module]
     for kind in KINDS:
         caller = manager.subset_hook_caller(f"register_{kind}", others)
-        caller(register=_register_into(specs, kind, point.name, origin))
+        caller(register=_register_into(specs, kind, plugin, origin))
     return specs
 
 

@@ -14,6 +14,9 @@ from harness.hookspecs import NOUNS
 OURS = "fd100-harness"
 """The distribution whose plugins are built in."""
 
+PLANNED = "the experiment was planned"
+"""What plugins are asked for before anything runs."""
+
 
 @dataclass(frozen=True)
 class Spec:

@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS, count_seeds
-from harness.report.rows import NOTHING, Grid, format_number, format_p
+from harness.report.rows import Grid, format_number, format_p
 from harness.results.combination import Combination, StepChange
 from harness.results.measured import TRAINING
+from harness.results.overview import NOTHING
 from harness.text import shortened
 
 SHOWN = 60
@@ -39,6 +40,12 @@ def defined_changes(combination: Combination, manner: str) -> list[Change]:
     """The success rate first; what is not defined under either reward is left out."""
     changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
     return sorted(changes, key=lambda change: change.name != SUCCESS)
+
+
+def failed_changes(combination: Combination, manner: str) -> list[Change]:
+    """Those whose metric failed for every seed: they stand below the others, with the reason."""
+    defined = {change.name for change in defined_changes(combination, manner)}
+    return [change for change in combination.changes_of(manner) if change.reason and change.name not in defined]
 
 
 def behaviour_row(change: Change) -> BehaviourRow:
@@ -82,8 +89,7 @@ def seeds_grid(combination: Combination) -> Grid:
 def _grid(combination: Combination, manner: str) -> Grid:
     ordered = defined_changes(combination, manner)
     notes = [_note(change) for change in ordered if change.left_out]
-    failed = [it for it in combination.changes_of(manner) if it.reason and it not in ordered]
-    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed)]
+    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed_changes(combination, manner))]
     return Grid(HEADINGS, rows, notes, _title(combination, manner))
 
 

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from harness.eta.headline import SUCCESS
 from harness.report.apart import BETWEEN
-from harness.report.behaviour_rows import along_grid, behaviour_grids, defined_changes, seeds_grid
+from harness.report.behaviour_rows import along_grid, behaviour_grids, defined_changes, failed_changes, seeds_grid
 from harness.report.chart import Chart
 from harness.report.draw import draw_chart
 from harness.report.figure import draw_panels
@@ -65,7 +65,7 @@ def comparison_section(
         "tests": claims_text(combination),
         "summary": describe_comparison(combination),
         "behaviour": grids[0] if grids else None,
-        "strips": [draw_strip(change) for change in defined_changes(combination, combination.manner)],
+        "strips": _strips(combination),
         "outcomes": outcome_bars(combination),
         "learning": _learning_panels(results, combination),
         "splits": _split_panels(combination),
@@ -103,13 +103,20 @@ def describe_comparison(combination: Combination) -> str:
         else f"once paid by {combination.baseline}, once by {combination.proposed}"
     )
     return (
-        f"The robot {group.robot} learned {group.task.label} in {group.labels['simulator']} with "
+        f"The robot {group.robot} did {group.task.label} in {group.labels['simulator']} with "
         f"{group.algorithm.label}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: {paid}. {SCALES}"
     )
 
 
 def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:
     return Panel(heading, draw_chart(chart, f"{what} {heading}. {caption}"), caption)
+
+
+def _strips(combination: Combination) -> list[str]:
+    """One for each row of the behaviour; none where there is no value."""
+    manner = combination.manner
+    drawn = [draw_strip(change) for change in defined_changes(combination, manner)]
+    return [*drawn, *[""] * len(failed_changes(combination, manner))]
 
 
 def _learning_panels(results: Results, combination: Combination) -> list[Panel]:

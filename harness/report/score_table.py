@@ -7,7 +7,8 @@ from rich.text import Text
 
 from harness.report.behaviour_rows import SHOWN
 from harness.report.grid_table import show_grid
-from harness.report.rows import NOTHING, Grid
+from harness.report.rows import Grid
+from harness.results.overview import NOTHING
 from harness.results.score_matrix import ScoreMatrix
 from harness.text import shortened
 

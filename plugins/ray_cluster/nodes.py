@@ -1,5 +1,6 @@
 """The nodes of a cluster: which of them have what the cells need."""
 
+import math
 import sys
 import tempfile
 import time
@@ -14,6 +15,7 @@ from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 from harness.errors import UsageError, one_line
 from harness.experiment.installation import describe_installation, differences
 from harness.record.cell import Cell
+from harness.registry.given import Given, given_to_json
 from harness.registry.registry import load_registry
 from harness.text import one_line_of
 
@@ -21,6 +23,8 @@ from .node import Found, look_around
 
 LOOK_EVERY: Final = 2.0
 """Seconds from one look at the cluster to the next."""
+ALONE_AFTER: Final = 10.0
+"""Seconds without a node that can be used, after which that is said."""
 
 
 @dataclass(eq=False)
@@ -60,20 +64,24 @@ class Nodes:
         folder: Where their folders have to be.
         cpus: That each of them reserves.
         gpus: The same.
+        plugins: Given by hand.
     """
 
     cells: Sequence[Cell]
     folder: Path
     cpus: float
     gpus: float
+    plugins: Sequence[Given] = ()
     known: dict[str, Node] = field(default_factory=dict)
     _looked: float = -LOOK_EVERY
+    _seen: float = field(default_factory=time.monotonic)
+    """When there last was a node that can be used, or may be; infinite when it has been said that there is none."""
 
     def __post_init__(self) -> None:
         """Note what this machine has, and lay down what tells that a node sees the folder."""
         alike = {(*(choice.name for choice in _choices(cell)), cell.robot): cell for cell in self.cells}
         self._asked = [cell.to_json() for cell in alike.values()]
-        self._here = describe_installation(alike.values(), load_registry())
+        self._here = describe_installation(alike.values(), load_registry(given=self.plugins))
         self._token = tempfile.NamedTemporaryFile(dir=self.folder, prefix=".", suffix=".token")  # noqa: SIM115
 
     def close(self) -> None:
@@ -104,13 +112,28 @@ class Nodes:
         if all(node.refusal or not node.slots for node in self.known.values()):
             raise UsageError(f"No node of the Ray cluster can run these cells: {'; '.join(self._complaints())}")
 
+        self._tell_if_alone()
+
+    def _tell_if_alone(self) -> None:
+        """Say once that no node is left, so that nobody waits without knowing for what."""
+        now = time.monotonic()
+        if any(node.is_usable or node.answer is not None for node in self.known.values()):
+            self._seen = now
+        elif now - self._seen >= ALONE_AFTER:
+            self._seen = math.inf
+            sys.stderr.write(
+                "harness: every node of the Ray cluster that can run these cells is lost. The run waits, and goes on "
+                "when a node joins. Ctrl-C ends it: finished cells are kept, and the same command does the others\n"
+            )
+
     def _ask(self, told: dict[str, Any]) -> Node:
         has = told["Resources"]
         rooms = [has.get(kind, 0.0) / needed for kind, needed in (("CPU", self.cpus), ("GPU", self.gpus)) if needed]
         here = NodeAffinitySchedulingStrategy(told["NodeID"], soft=False)
         task = ray.remote(look_around).options(num_cpus=0, scheduling_strategy=here, max_retries=1)
+        given = given_to_json(self.plugins)
         name = f"{told['NodeManagerHostname']} ({told['NodeManagerAddress']})"
-        return Node(told["NodeID"], name, int(min(rooms)), task.remote(self._asked, self._token.name))
+        return Node(told["NodeID"], name, int(min(rooms)), task.remote(self._asked, self._token.name, given))
 
     def _hear(self, node: Node) -> None:
         answer, node.answer = node.answer, None
