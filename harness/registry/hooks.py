@@ -34,7 +34,7 @@ def fault_of(module: ModuleType) -> str:
 def _faults_of(hook: FunctionType) -> Iterator[str]:
     name = _name_of(hook)
     if name not in HOOKS:
-        yield f"no hook {name}; there is: {', '.join(HOOKS)}.{did_you_mean(name, HOOKS)}"
+        yield f"there is no hook {name}.{did_you_mean(name, HOOKS) or ' There is: ' + ', '.join(HOOKS)}"
         return
     parameters = inspect.signature(hook).parameters
     needed = [it.name for it in parameters.values() if it.default is it.empty]

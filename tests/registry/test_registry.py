@@ -170,7 +170,7 @@ def test_name_registered_before_a_hook_broke_is_not_kept(write_plugin: Write):
 INCOMPATIBLE = {
     "unknown hook": (
         _plugin_with("pass", "register_rewrads(register)"),
-        "register_commands. Did you mean 'register_rewards'?",
+        "there is no hook register_rewrads. Did you mean 'register_rewards'?",
     ),
     "wrong signature": (
         _plugin_with("pass", "register_rewards(registrar)"),
@@ -178,6 +178,10 @@ INCOMPATIBLE = {
     ),
     "newer interfaces": ("harness_api = 2\n" + _reward(), "written for harness_api 2, this is 1"),
     "no hook": ("import harness\n", "implements no hook: mark its functions with"),
+    "strange hook": (
+        _plugin_with("pass", "paint(register)"),
+        "there is no hook paint. There is: register_simulators, ",
+    ),
     "unmarked hook": (
         _plugin_with("pass", "register_metrics(register)") + "def register_rewards(register): ...\n",
         "register_rewards is not marked: write @harness.hookimpl above it",
