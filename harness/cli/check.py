@@ -39,7 +39,7 @@ def check(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
-    """Check that a simulator, algorithm, reward, task, metric, executor, command or robot keeps its contract.
+    """Check that a simulator, algorithm, reward, task, metric, executor, tracker, command or robot keeps its contract.
 
     Status 1 where it does not.
     """

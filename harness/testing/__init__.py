@@ -1,4 +1,4 @@
-"""The contract kit: what simulators, tasks, rewards, algorithms, metrics and executors must satisfy.
+"""The contract kit: what simulators, tasks, rewards, algorithms, metrics, executors and trackers must satisfy.
 
 In the tests of a plugin::
 
@@ -21,6 +21,7 @@ from harness.testing.rewards import REWARD_CHECKS, check_reward
 from harness.testing.robots import ROBOT_CHECKS, check_robot
 from harness.testing.simulators import SIMULATOR_CHECKS, check_simulator
 from harness.testing.tasks import TASK_CHECKS, check_task
+from harness.testing.trackers import TRACKER_CHECKS, check_tracker
 from harness.testing.violations import Check, check, violations
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "ROBOT_CHECKS",
     "SIMULATOR_CHECKS",
     "TASK_CHECKS",
+    "TRACKER_CHECKS",
     "Check",
     "IdealSimulator",
     "check",
@@ -43,5 +45,6 @@ __all__ = [
     "check_robot",
     "check_simulator",
     "check_task",
+    "check_tracker",
     "violations",
 ]

@@ -30,6 +30,8 @@ LOADS = "robot-loads"
 DEFAULT_ROBOT = "fd100"
 WITH_ROBOT = ("simulators", "tasks")
 """The kinds that are checked with a robot."""
+WITH_FOLDER = ("executors", "trackers")
+"""The kinds that are checked in a folder."""
 
 
 @dataclass(frozen=True)
@@ -127,8 +129,8 @@ def _run(kit: Kit, kind: str, subject: tuple[Any, ...], long: bool) -> Iterator[
 
 @contextlib.contextmanager
 def _place(kind: str) -> Iterator[tuple[Path, ...]]:
-    """An empty folder for each check of an executor; nothing for the others."""
-    if kind != "executors":
+    """An empty folder for each check of an executor or a tracker; nothing for the others."""
+    if kind not in WITH_FOLDER:
         yield ()
         return
     with tempfile.TemporaryDirectory() as folder:

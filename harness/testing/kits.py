@@ -20,6 +20,7 @@ from harness.testing.speed import (
     an_episode_is_drawn_quickly,
 )
 from harness.testing.tasks import TASK_CHECKS, TASK_WARNINGS
+from harness.testing.trackers import TRACKER_CHECKS
 from harness.testing.violations import Check
 
 
@@ -56,6 +57,7 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "tasks": Kit(TASK_CHECKS, (*TASK_WARNINGS, an_episode_is_drawn_quickly)),
         "robots": Kit(ROBOT_CHECKS, ROBOT_WARNINGS),
         "executors": Kit(EXECUTOR_CHECKS),
+        "trackers": Kit(TRACKER_CHECKS),
     }
 )
 """By kind, as `harness.hookspecs.KINDS` has them; commands have none."""
