@@ -10,7 +10,7 @@ ROBOT = "Robot: a name, a URDF, or a folder with robot.toml."
 
 Names = list[str] | None
 SIMULATORS, ALGORITHMS, REWARDS = names_of("simulators"), names_of("algorithms"), names_of("rewards")
-TASKS, ROBOTS = names_of("tasks"), names_of("robots")
+TASKS, ROBOTS, TRACKERS = names_of("tasks"), names_of("robots"), names_of("trackers")
 """What a shell offers behind these flags."""
 
 RewardNames = Annotated[

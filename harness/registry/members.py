@@ -32,6 +32,7 @@ MEMBERS: Mapping[str, Mapping[str, int | None]] = MappingProxyType(
             "target_reward_in_words": 0,
         },
         "executors": {"run": 3},
+        "trackers": {"why_not": 0, "begin": 1},
     }
 )
 """What a target of each kind must have: of a method how many arguments it is called with, of a value None."""

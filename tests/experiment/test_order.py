@@ -19,7 +19,7 @@ from harness.tune.validation import ValidatePolicy
 
 PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
 WORKS: dict[str, Callable[[Cell], Work]] = {
-    "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tensorboard=True)),
+    "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tracked=True)),
     "evaluate elsewhere": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco", (("substeps", 4),), "m")),
     "train by a file": lambda cell: TrainCell(cell, CellOptions(plugins=PLUGINS)),
     "evaluate by a file": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco"), PLUGINS),

@@ -19,10 +19,11 @@ from harness.registry.targets import examined, why_absent, why_unfit
 from harness.reward import Reward
 from harness.simulator import Simulator
 from harness.task import Task
+from harness.tracker import Tracker
 
 PROTOCOLS = {
     "simulators": Simulator, "algorithms": Algorithm, "rewards": Reward, "metrics": Metric, "tasks": Task,
-    "executors": Executor,
+    "executors": Executor, "trackers": Tracker,
 }  # fmt: skip
 
 
