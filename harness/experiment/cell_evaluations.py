@@ -95,7 +95,7 @@ class CellEvaluations:
             return
         try:
             scalars = evaluation_scalars(read_trace(path), self._registry)
-        except Exception:  # a metric may raise anything: what is there to look at decides no result
+        except Exception:  # what is there to look at decides no result
             with (self._folder / LOG).open("a") as log:
                 traceback.print_exc(file=log)
         else:

@@ -28,7 +28,8 @@ from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
 from harness.registry.choice import choose
-from harness.registry.given import Given, read_given, require_given
+from harness.registry.given import Given as Plugins
+from harness.registry.given import read_given, require_given
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.metrics import load_metrics
@@ -298,7 +299,7 @@ class _FirstFailure(Exception):
     """A cell has failed, and nothing more is to be done."""
 
 
-def prepare(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Given] = ()) -> ExperimentRun:
+def prepare(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Plugins] = ()) -> ExperimentRun:
     """Check everything that an experiment needs, then make its folder, or look whether it can go on with one.
 
     Args:
@@ -314,7 +315,7 @@ def prepare(experiment: Experiment, options: RunOptions = DEFAULTS, given: Seque
     return ready
 
 
-def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Given] = ()) -> ExperimentRun:
+def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Plugins] = ()) -> ExperimentRun:
     """Check everything that an experiment needs. Writes nothing; see `prepare`.
 
     Raises:

@@ -11,20 +11,24 @@ from harness.reward import Reward
 from harness.simulator import Simulator
 from harness.task import Task
 
-Name: TypeAlias = str | Mapping[str, Any] | Simulator | Algorithm | Reward | Task
-"""``"arp:k2=2"``, a table ``{"name": "arp", "k2": 2}``, or an object whose class workers can import."""
+Name: TypeAlias = str | Mapping[str, Any]
+"""``"arp:k2=2"``, or a table ``{"name": "arp", "k2": 2}``."""
 Names: TypeAlias = Name | Sequence[Name]
+"""One, text with commas, or a list."""
+Thing: TypeAlias = Name | Simulator | Algorithm | Reward | Task
+"""A name, or an object whose class workers can import."""
+Things: TypeAlias = Thing | Sequence[Thing]
 """One, text with commas, or a list."""
 
 
 class RunArguments(TypedDict, total=False):
     """The fields of `harness.experiment.plan.Experiment`, then those of `harness.experiment.experiment.RunOptions`."""
 
-    sim: Required[Names]
-    algo: Required[Names]
-    reward: Names
-    baseline: Name
-    task: Name
+    sim: Required[Things]
+    algo: Required[Things]
+    reward: Things
+    baseline: Thing
+    task: Thing
     robot: str | None
     seeds: int | Sequence[int]
     steps: int

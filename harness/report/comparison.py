@@ -56,6 +56,7 @@ def comparison_section(
     """What the template shows of a combination, `points` of each run."""
     headline = combination.headline
     grids = behaviour_grids(combination)
+    changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
     bars = outcome_bars(combination)
     return {
         "title": title,
@@ -70,11 +71,14 @@ def comparison_section(
         "tests": claims_text(combination),
         "summary": describe_comparison(combination),
         "behaviour": grids[0] if grids else None,
-        "strips": _strips(combination),
+        "strips": [draw_strip(change) for change in changes],
         "outcomes": bars,
         "episodes": links.all if links else [],
         "endings": _endings(links, bars),
-        "showing": _showing(links, combination),
+        "showing": [
+            {"baseline": links.showing(BASELINE, it), "proposed": links.showing(PROPOSED, it)} if links else {}
+            for it in changes
+        ],
         "learning": _learning_panels(results, combination),
         "splits": _split_panels(combination),
         "curves": _curve_panels(combination, points),
@@ -126,23 +130,6 @@ def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | No
 
 def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:
     return Panel(heading, draw_chart(chart, f"{what} {heading}. {caption}"), caption)
-
-
-def _strips(combination: Combination) -> list[str]:
-    """One for each row of the behaviour; none where there is no value."""
-    manner = combination.manner
-    drawn = [draw_strip(change) for change in defined_changes(combination, manner)]
-    return [*drawn, *[""] * len(failed_changes(combination, manner))]
-
-
-def _showing(links: EpisodeLinks | None, combination: Combination) -> list[dict[str, Link | None]]:
-    """Of each row of the behaviour, the episodes that show it; none where there is no value."""
-    manner = combination.manner
-    shown = [
-        {"baseline": links.showing(BASELINE, it), "proposed": links.showing(PROPOSED, it)} if links else {}
-        for it in defined_changes(combination, manner)
-    ]
-    return [*shown, *[{}] * len(failed_changes(combination, manner))]
 
 
 def _learning_panels(results: Results, combination: Combination) -> list[Panel]:
