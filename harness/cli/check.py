@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.lines import say
-from harness.cli.options import ROBOT
+from harness.cli.options import ROBOT, PluginFiles
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def check(
         str | None,
         typer.Option(help=f"{ROBOT} Without a name it is what is checked.", metavar="NAME", show_default=False),
     ] = None,
+    plugin: PluginFiles = None,
     long: Annotated[bool, typer.Option("--long", help="Run the checks that take minutes too.")] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", help="Show the traceback of what the plugin raised, on standard error.")
@@ -43,10 +44,11 @@ def check(
 
     Status 1 where it does not.
     """
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.testing.inspection import inspect_plugin
 
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     if name is None and robot is None:
         raise UsageError("nothing to check: give a name, as harness check arp, or --robot with a robot's folder")
     given, other = (robot or "", None) if name is None else (name, robot)

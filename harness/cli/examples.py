@@ -43,6 +43,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "harness check sac:gamma=0.9 --kind algorithm",
             "harness check mujoco --robot robots/mine --json",
             "harness check --robot robots/mine",
+            "harness check my-reward --plugin my_reward.py",
         ),
         "doctor": ("harness doctor",),
     }

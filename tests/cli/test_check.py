@@ -1,5 +1,6 @@
 """`harness check`: a verdict and a sentence for every check, whatever the plugin does."""
 
+import inspect
 import json
 
 import pytest
@@ -189,6 +190,25 @@ def test_what_cannot_be_checked_is_a_usage_error(harness, arguments, words):
     assert (answer.status, answer.out) == (2, "")
     assert words in answer.err
     assert answer.err.count("\n") == 1
+
+
+def test_a_single_file_is_checked(harness, tmp_path):
+    """By --plugin, without an installation."""
+    made = """
+        from dataclasses import dataclass
+
+        @dataclass(frozen=True)
+        class Nearer:
+            def initial_carry(self, begin_distance):
+                return ()
+
+            def __call__(self, carry, sample):
+                return carry, -sample.distance
+    """
+    (tmp_path / "nearer.py").write_text(inspect.cleandoc(made))
+    answer = harness("check", "nearer", "--plugin", "nearer.py")
+    assert answer.status == 0, answer.out
+    assert answer.out.splitlines()[-1].startswith("reward nearer: 14 ok")
 
 
 def test_json_has_the_same(harness):

@@ -82,10 +82,10 @@ class SlowAlgorithm:
 
 
 FOUND: dict[str, tuple[Check, tuple[Any, ...], str]] = {
-    "simulator": (speed.a_simulation_is_quick, (SlowSimulator(), ROBOT), "ms: training for 100,000 steps takes 1"),
-    "algorithm": (speed.a_training_is_quick, (SlowAlgorithm(),), "a step of training takes 2"),
-    "reward": (speed.a_reward_is_quick, (SlowReward(),), "a step is paid in 1"),
-    "task": (speed.an_episode_is_drawn_quickly, (SlowTask(), ROBOT), "the start and the target of an episode take 3"),
+    "simulator": (speed.a_simulation_is_quick, (SlowSimulator(), ROBOT), " ms: training for 100,000 steps takes "),
+    "algorithm": (speed.a_training_is_quick, (SlowAlgorithm(),), "a step of training takes "),
+    "reward": (speed.a_reward_is_quick, (SlowReward(),), "a step is paid in "),
+    "task": (speed.an_episode_is_drawn_quickly, (SlowTask(), ROBOT), "the start and the target of an episode take "),
     "metric": (speed.a_metric_is_quick, (SlowMetric(),), "the value of a trace of"),
 }
 
