@@ -6,7 +6,6 @@ Both do 20 physics steps per env step and have no batch.
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
-from unittest import mock
 
 import gymnasium
 
@@ -39,15 +38,16 @@ def panda_reach() -> Any:
 
 
 def fetch_reach() -> Any:
-    """``FetchReach-v4`` of Gymnasium-Robotics, on MuJoCo.
+    """``FetchReach-v4`` of Gymnasium-Robotics, on MuJoCo; from now on its module sees plain enums.
 
     Raises:
         UsageError: It is not installed.
     """
     _require("gymnasium_robotics")
     module: Any = import_module("gymnasium_robotics.utils.mujoco_utils")
-    with mock.patch.object(module, "mujoco", _PlainEnums(module.mujoco)):
-        return gymnasium.make("FetchReach-v4")
+    if not isinstance(module.mujoco, _PlainEnums):  # it looks there when it is made, and in every step
+        module.mujoco = _PlainEnums(module.mujoco)
+    return gymnasium.make("FetchReach-v4")
 
 
 def _require(package: str) -> None:

@@ -1,5 +1,6 @@
 """Soft actor-critic by other people's libraries, with our settings: what ours is timed beside."""
 
+import os
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from importlib.util import find_spec
@@ -8,6 +9,9 @@ from typing import Any
 from harness.errors import UsageError
 
 from .soft_actor_critic import SoftActorCritic
+
+ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+"""For XLA: everything here is timed with one thread."""
 
 
 def soft_actor_critics(settings: SoftActorCritic) -> Mapping[str, Callable[[Any, int, int], Callable[[], None]]]:
@@ -28,18 +32,21 @@ def _with_torch(settings: SoftActorCritic, env: Any, steps: int, seed: int) -> C
 
 
 def _with_jax(settings: SoftActorCritic, env: Any, steps: int, seed: int) -> Callable[[], None]:
-    """The library compiles at its first update; later trainings in the same process take what was compiled."""
+    """One model that goes on: the library would compile anew for each, which takes longer than a short training."""
     _require("sbx", "pip install sbx-rl")
+    os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {ONE_THREAD}"  # read when JAX is imported
     library = import_module("sbx").SAC
     same = ("learning_rate", "gamma", "batch_size", "learning_starts", "train_freq", "gradient_steps", "tau")
     given = {name: getattr(settings, name) for name in same}
     coefficient = settings.ent_coef if settings.learns_coefficient else settings.first_coefficient
+    network = {"net_arch": list(settings.net_arch)}
+    model = library(
+        "MlpPolicy", env, seed=seed, buffer_size=100 * steps, ent_coef=coefficient, policy_kwargs=network, **given
+    )
 
     def run() -> None:
-        network = {"net_arch": list(settings.net_arch)}
-        library(
-            "MlpPolicy", env, seed=seed, buffer_size=steps, ent_coef=coefficient, policy_kwargs=network, **given
-        ).learn(steps)  # fmt: skip
+        model.learning_starts = model.num_timesteps + settings.learning_starts  # as many updates as a new model's
+        model.learn(steps, reset_num_timesteps=False)
 
     return run
 
