@@ -7,8 +7,19 @@ from pathlib import Path
 
 import pytest
 
+import harness
+from harness.testing.opened import train_cell
+
 PLUGIN = "harness.pytest_plugin"
 ROOT = Path(__file__).parents[1]
+ONCE = {"sim": "kinematic", "algo": "random", "reward": "arp", "steps": 4, "evaluation_episodes": 1}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _everything_is_imported(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """A pytest within this process forgets what it was first to import, and others would import it twice."""
+    train_cell(tmp_path_factory.mktemp("once") / "cell", **ONCE)
+    harness.make_env("kinematic", reward="arp", robot="unity-arm").close()
 
 
 @pytest.fixture
@@ -38,12 +49,16 @@ def test_stepping_drives_all_arms_for_a_period(pytester: pytest.Pytester):
         pytester,
         """
         import numpy as np
+        import pytest
         from harness_plugins.simulators.kinematic import KinematicSimulation
 
         closed = []
-        KinematicSimulation.close = lambda self: closed.append(self)
 
-        def test_moves(stepping):
+        @pytest.fixture
+        def watched(monkeypatch):
+            monkeypatch.setattr(KinematicSimulation, "close", lambda self: closed.append(self))
+
+        def test_moves(watched, stepping):
             step = stepping("kinematic", num_envs=3, period=0.5, robot="unity-arm")
             first = step()
             before = first.qpos.copy()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from harness.registry.registry import Registry
 
 WHAT = ("cells", "simulators", "algorithms", "peers")
-CELL_ROUNDS, SPEED_ROUNDS = 3, 7
+CELL_ROUNDS, SPEED_ROUNDS = 3, 9
 
 
 def bench(
@@ -162,8 +162,8 @@ def _speeds(
     sizes = SIZES if num_envs is None else _sizes(num_envs)
     registry = load_registry()
     entries, left_out = plan_entries(registry, [kind for kind in KINDS if kind in what], sim, algo, sizes)
-    named = {"robot": robot, "task": task, "steps": steps}
-    setting = Setting(**{key: value for key, value in named.items() if value is not None})
+    usual = Setting()
+    setting = Setting(robot, usual.task if task is None else task, usual.steps if steps is None else steps)
     found = measure_speeds(registry, entries, left_out, setting, rounds or SPEED_ROUNDS, _tell)
     _show(found, None, as_json, html)
     return 1 if found.failed else 0

@@ -176,7 +176,7 @@ def test_the_same_speed_is_no_regression(harness, timed, tmp_path):
     answer = harness("bench", "--compare", _keep(harness, tmp_path))
     assert answer.status == 0
     assert "Nothing of 2 became slower beyond the noise." in answer.out
-    assert "[14/14] ideal, 8 envs" in answer.err
+    assert "[18/18] ideal, 8 envs" in answer.err
 
 
 def test_a_regression_has_status_1_and_names_what_by_how_much(harness, timed, tmp_path):

@@ -14,7 +14,7 @@ from harness.bench.meter import Clock, Meter
 
 CLOCK: Clock = time.process_time
 """[s] of all threads of this process; what it waits for does not count."""
-FEWEST, MOST = 3, 25
+FEWEST, MOST = 5, 25
 """Turns."""
 LEAST = 0.02
 """Of a turn, [s]: work that takes less is repeated within the turn."""

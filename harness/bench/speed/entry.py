@@ -60,7 +60,7 @@ class Setting:
     robot: str | None = None
     task: str = "fd100-reach"
     steps: int = 256
-    budget: float = 1.5
+    budget: float = 3.0
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""

@@ -4,6 +4,7 @@ import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from harness.algorithm import learns
 from harness.bench.speed.contest import Round
@@ -63,9 +64,9 @@ def plan_entries(
     return entries, list(dict.fromkeys(left_out))
 
 
-def _chosen(registry: Registry, kind: str, given: Sequence[str], left_out: list[tuple[str, str]]) -> dict[str, object]:
+def _chosen(registry: Registry, kind: str, given: Sequence[str], left_out: list[tuple[str, str]]) -> dict[str, Any]:
     """By label what was named, or else all; of these, those that cannot be loaded are left out."""
-    found: dict[str, object] = {}
+    found: dict[str, Any] = {}
     for name in split_list(given) or registry.names(kind):
         try:
             choice = choose(registry, kind, name)

@@ -60,7 +60,7 @@ def _micro(seconds: float) -> str:
 
 def comparison_grid(comparison: Comparison) -> Grid:
     """Every line of both runs: its speed then and now, what changed, and what noise explains."""
-    rows = [
+    rows: list[tuple[str, ...]] = [
         (
             name_of(change.title, change.contender),
             f"{spread_of(change.old).median:.2f}",

@@ -5,7 +5,7 @@ import pytest
 
 from harness.bench.speed.comparison import FALSE_ALARMS, compare_speeds, described, summary
 
-ROUNDS, LINES = 7, 16
+ROUNDS, LINES = 9, 16
 
 
 def _rows(rng: np.random.Generator, noise: float, factor: float = 1.0) -> np.ndarray:

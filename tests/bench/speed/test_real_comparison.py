@@ -12,7 +12,7 @@ from harness.bench.speed.measure import measure_speeds
 from harness.registry.registry import load_registry
 
 pytestmark = pytest.mark.slow
-RUNS, ROUNDS = 7, 7
+RUNS, ROUNDS = 7, 9
 """Every two of seven runs are compared: 21 comparisons."""
 HOOKS = """
 import harness
