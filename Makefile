@@ -66,6 +66,7 @@ clean:
 # torch stands in no lock: its files differ by build and index. What it needs besides is there before it, from the lock.
 # pip check: --no-deps asks for nothing, so only this says what a lock lacks on this platform.
 $(VENV)/.installed: pyproject.toml constraints.txt requirements/run.txt
+	@echo "Installing into $(VENV), once: some minutes, most of them for torch."
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(INSTALL_LOCK) requirements/run.txt
 	$(INSTALL) --constraint constraints.txt $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX)) torch

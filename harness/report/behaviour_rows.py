@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS, count_seeds
-from harness.report.rows import NOTHING, Grid, format_number, format_p
+from harness.report.rows import Grid, format_number, format_p
 from harness.results.combination import Combination, StepChange
 from harness.results.measured import TRAINING
+from harness.results.overview import NOTHING
 
 HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
 

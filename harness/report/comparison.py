@@ -103,7 +103,7 @@ def describe_comparison(combination: Combination) -> str:
         else f"once paid by {combination.baseline}, once by {combination.proposed}"
     )
     return (
-        f"The robot {group.robot} learned {group.task.label} in {group.labels['simulator']} with "
+        f"The robot {group.robot} did {group.task.label} in {group.labels['simulator']} with "
         f"{group.algorithm.label}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: {paid}. {SCALES}"
     )
 
