@@ -27,7 +27,7 @@ def bench(
             help="cells: where the time of a training goes. simulators, algorithms: beside the bare engine, the bare "
             "library. peers: beside what others have.",
             show_default="cells",
-            metavar="[WHAT]...",
+            metavar="WHAT",
         ),
     ] = None,
     sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
