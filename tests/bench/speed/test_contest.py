@@ -31,8 +31,8 @@ def test_they_take_turns():
     """A slow moment meets both; the first time of each warms up."""
     work = Work()
     contenders = {name: Contender(work.of(name, 1.0), 1) for name in "ab"}
-    take_turns(contenders, budget=8.0, clock=work.clock)
-    assert work.order == ["a", "b"] * 5
+    take_turns(contenders, budget=12.0, clock=work.clock)
+    assert work.order == ["a", "b"] * (1 + 6)
 
 
 def test_what_counts_is_an_environment_step_and_no_warm_up():
