@@ -54,6 +54,11 @@ def behaviour_row(change: Change) -> BehaviourRow:
     )
 
 
+def value_text(change: Change, value: float) -> str:
+    """A value of a measure, written as the measure's means are."""
+    return _text_of(change)(value)
+
+
 def along_grid(combination: Combination) -> Grid:
     """What would have been said of the robot at each evaluation, the last one after the trainings."""
     headings = ("", "success: baseline", "proposed", "difference", "the robot")
