@@ -12,7 +12,7 @@ from harness.bench.speed.measure import measure_speeds
 from harness.registry.registry import load_registry
 
 pytestmark = pytest.mark.slow
-RUNS, ROUNDS = 7, 9
+RUNS, ROUNDS = 7, 5
 """Every two of seven runs are compared: 21 comparisons."""
 HOOKS = """
 import harness
@@ -50,7 +50,7 @@ def measured(install, monkeypatch):
     folder = str(Path(importlib.import_module(install("brakes", HOOKS, arm=ARM)).__file__ or "").parent)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH")])))
     entries = [Entry("simulators", "simulators", "brakes", size) for size in (1, 64)]
-    return lambda: measure_speeds(load_registry(), entries, (), Setting(), ROUNDS, lambda *news: None)
+    return lambda: measure_speeds(load_registry(), entries, (), Setting(budget=1.0), ROUNDS, lambda *news: None)
 
 
 def test_no_false_alarm_in_twenty_and_a_slowdown_is_found(measured, monkeypatch):
