@@ -11,8 +11,8 @@ from harness.robot.kinematics import link_frames
 class GroundContact:
     """The collision shapes of a robot's moving links against the plane z = 0, without an engine.
 
-    Exact for boxes, cylinders, capsules, spheres and meshes: the lowest point of a mesh is a vertex. Links that no joint
-    moves may stand in the ground.
+    Exact for boxes, cylinders, capsules, spheres and meshes: the lowest point of a mesh is a vertex. Links that no
+    joint moves may stand in the ground.
     """
 
     def __init__(self, robot: Robot) -> None:
