@@ -16,9 +16,9 @@ from harness.bench.speed.speeds import Speed, Speeds
 
 FEWEST_ROUNDS = 3
 """With fewer, noise cannot be told."""
-FLOOR = math.log(1.05)
-"""A change of less than so much is none, however small the noise: two processes differ by some percent where memory
-happens to lie."""
+FLOOR = math.log(1.1)
+"""A change of less than so much is none, however small the noise within the runs: what else the machine did moved the
+ratios of the same code by up to 7 % from run to run."""
 FALSE_ALARMS = 1e-3
 """Of a comparison of the same code: how likely it is that noise alone makes it complain of anything."""
 

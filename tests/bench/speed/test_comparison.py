@@ -48,10 +48,10 @@ def test_a_planted_slowdown_is_found(make_speeds, noise: float, factor: float, a
 
 
 def test_a_small_change_is_none_however_small_the_noise(make_speeds):
-    """4 % may be where memory lies; 6 % is more."""
+    """8 % may be what else the machine did; 10 % is more."""
     old = make_speeds([1.0, 1.0001, 0.9999])
-    assert not compare_speeds(old, make_speeds([0.96, 0.9601, 0.9599])).slower
-    assert compare_speeds(old, make_speeds([0.94, 0.9401, 0.9399])).slower
+    assert not compare_speeds(old, make_speeds([0.92, 0.9201, 0.9199])).slower
+    assert compare_speeds(old, make_speeds([0.9, 0.9001, 0.8999])).slower
 
 
 def test_one_slow_round_is_noise(make_speeds):
@@ -72,7 +72,7 @@ def test_the_sentence_says_how_much_and_how_sure(make_speeds):
     """By name, beside what, by how much, and what noise would explain."""
     [change] = compare_speeds(make_speeds([1.0, 1.001, 0.999]), make_speeds([0.8, 0.801, 0.799])).slower
     assert described(change) == (
-        "sim-0, 1 env: env is 20% slower beside the bare engine than it was (noise explains up to 5%)"
+        "sim-0, 1 env: env is 20% slower beside the bare engine than it was (noise explains up to 9%)"
     )
 
 
