@@ -31,7 +31,12 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "tune": ("harness tune --sim mujoco --algo sac --reward arp",),
         "audit": ("harness audit --reward arp", "harness audit --reward arp:k2=3 --against dense"),
         "parity": ("harness parity --sim mujoco,pybullet",),
-        "bench": ("harness bench --sim mujoco --algo sac",),
+        "bench": (
+            "harness bench --sim mujoco --algo sac",
+            "harness bench simulators --sim mujoco --num-envs 1,64",
+            "harness bench simulators algorithms --json > before.json",
+            "harness bench --compare before.json",
+        ),
         "verify": ("harness verify my-results",),
         "repair": ("harness repair my-results",),
         "merge": ("harness merge from-one from-another --out all",),
