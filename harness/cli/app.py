@@ -11,6 +11,7 @@ from typer.exceptions import TyperException
 
 from harness.cli.audit import audit
 from harness.cli.bench import bench
+from harness.cli.check import check
 from harness.cli.commands import add_plugin_commands, names_of
 from harness.cli.compare import compare
 from harness.cli.demo import demo
@@ -53,7 +54,7 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
         },
         "Ask more": {"audit": audit, "eta": eta, "score": score, "transfer": transfer, "tune": tune},
         "Keep results": {"merge": merge, "verify": verify, "repair": repair},
-        "For who builds": {"plugins": plugins, "parity": parity, "bench": bench},
+        "For who builds": {"plugins": plugins, "check": check, "parity": parity, "bench": bench},
     }
 )
 """Every command by the heading that it stands under in the help: what one needs first comes first."""
