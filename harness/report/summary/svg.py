@@ -58,7 +58,8 @@ def draw_svg(title: str, headline: Sequence[str], panels: Sequence[Panel], notes
         y = _write(svg, EDGE, y, text, room)
     height = y + EDGE
     svg.attrib.update({"viewBox": f"0 0 {width:g} {height:g}", "width": f"{width:g}", "height": f"{height:g}"})
-    return ElementTree.tostring(svg)
+    ElementTree.indent(svg, space="")  # a line for each element: what changed can be seen
+    return ElementTree.tostring(svg, encoding="utf-8") + b"\n"
 
 
 def chart_style() -> str:
