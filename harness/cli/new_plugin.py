@@ -1,0 +1,48 @@
+"""``harness new-plugin``: a package that works, for its author to change."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.cli.lines import say
+
+NEXT = """{folder}: {count} files. Type next:
+
+  pip install -e "{folder}[test]"
+  pytest {folder}
+  {command}
+
+{noun}: {folder}/{module}/{noun}.py is the file to change."""
+
+
+def _kinds(incomplete: str) -> list[str]:
+    """What a shell offers."""
+    from harness.scaffold.package import kinds
+
+    return [kind for kind in kinds() if kind.startswith(incomplete)]
+
+
+def new_plugin(
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help="algorithm, command, executor, metric, reward, robot, simulator or task.",
+            autocompletion=_kinds,
+            metavar="KIND",
+        ),
+    ],
+    name: Annotated[str, typer.Argument(help="What users will type, as my-reward.", metavar="NAME")],
+    into: Annotated[
+        Path, typer.Option(help="Make the new folder in this one.", show_default="here", metavar="DIR")
+    ] = Path(),
+) -> None:
+    """Write a plugin's package: a working implementation, its tests, a README and a CI workflow."""
+    from harness.scaffold.package import command_to_try, package_files, write_package
+    from harness.scaffold.plugin_name import PluginName
+
+    plugin, folder = PluginName(name), into / name
+    files = package_files(kind, plugin)
+    write_package(files, folder)
+    command = command_to_try(kind, plugin)
+    say(NEXT.format(folder=folder, count=len(files), command=command, noun=kind, module=plugin.module))
