@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import say
+from harness.errors import UsageError
 
 NEXT = """{folder}: {count} files. Type next:
 
@@ -13,7 +14,7 @@ NEXT = """{folder}: {count} files. Type next:
   pytest {folder}
   {command}
 
-{noun}: {folder}/{module}/{noun}.py is the file to change."""
+The {noun} is {folder}/{module}/{noun}.py: change that file, and its tests beside it."""
 
 
 def _kinds(incomplete: str) -> list[str]:
@@ -24,6 +25,7 @@ def _kinds(incomplete: str) -> list[str]:
 
 
 def new_plugin(
+    context: typer.Context,
     kind: Annotated[
         str,
         typer.Argument(
@@ -38,11 +40,17 @@ def new_plugin(
     ] = Path(),
 ) -> None:
     """Write a plugin's package: a working implementation, its tests, a README and a CI workflow."""
-    from harness.scaffold.package import command_to_try, package_files, write_package
+    from harness.registry.registry import load_registry
+    from harness.scaffold.package import command_to_try, package_files, require_new, require_unclaimed, write_package
     from harness.scaffold.plugin_name import PluginName
 
-    plugin, folder = PluginName(name), into / name
+    folder = into / name
+    require_new(folder)
+    plugin = PluginName(name)
     files = package_files(kind, plugin)
+    require_unclaimed(kind, plugin, load_registry())
+    if kind == "command" and name in context.obj:
+        raise UsageError(f"The name '{name}' is taken: it is a command of the harness. Choose another name")
     write_package(files, folder)
     command = command_to_try(kind, plugin)
     say(NEXT.format(folder=folder, count=len(files), command=command, noun=kind, module=plugin.module))

@@ -1,8 +1,8 @@
 """A plugin's package: its files from the templates, and how they get onto the disk.
 
-Each folder of `templates` is a kind of plugin; what stands in ``common`` is part of all. Its ``kind.toml`` has the words
-that the common files take: `summary` for ``harness list``, `command` to try the plugin with, `target`, what its module
-defines, `tests`, what its tests are, and `data`, the part of ``pyproject.toml`` for files that are no Python.
+Each folder of `templates` is a kind of plugin, and ``common`` is part of all. A kind's ``kind.toml`` has the words that
+common files take: `summary` for ``harness list``; `command`, to try the plugin with; `target`, what its module defines;
+`tests`, what its tests are; and `data`, the part of ``pyproject.toml`` for files that are no Python.
 """
 
 import re
@@ -14,7 +14,7 @@ from string import Template
 
 from harness.errors import UsageError
 from harness.hookspecs import NOUNS
-from harness.registry.registry import unknown_name
+from harness.registry.registry import Registry, unknown_name
 from harness.scaffold.plugin_name import PluginName
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -47,7 +47,8 @@ def package_files(kind: str, name: PluginName) -> dict[str, str]:
         raise UsageError(unknown_name("kind of plugin", kind, kinds()))
     templates, words = dict(_templates(kind)), _words(kind, name)
     _require_free(name, words["target"], templates.values())
-    return {path.replace(MODULE, f"{name.module}/"): Template(text).substitute(words) for path, text in templates.items()}
+    filled = {path: Template(text).substitute(words) for path, text in templates.items()}
+    return {path.replace(MODULE, f"{name.module}/"): text for path, text in filled.items()}
 
 
 def command_to_try(kind: str, name: PluginName) -> str:
@@ -55,16 +56,45 @@ def command_to_try(kind: str, name: PluginName) -> str:
     return _words(kind, name)["command"]
 
 
+def require_new(folder: Path) -> None:
+    """See that a folder can be made.
+
+    Raises:
+        UsageError: It is there already, or the folder to hold it is not.
+    """
+    if folder.exists() or folder.is_symlink():
+        raise UsageError(
+            f"'{folder}' is there already, and nothing is written over: choose another name, or --into DIR"
+        )
+    if not folder.parent.is_dir():
+        raise UsageError(f"'{folder.parent}' is no folder: make it first, or name another after --into")
+
+
+def require_unclaimed(kind: str, name: PluginName, registry: Registry) -> None:
+    """See that nobody else's plugin has the name: two that claim one name stand in each other's way.
+
+    Raises:
+        UsageError: Something of this kind, or another plugin, is called so; names whose it is.
+    """
+    claims = registry.specs.get((plural_of(kind), name.text), [])
+    owners = [f"a {kind} of '{spec.plugin}' ({spec.distribution})" for spec in claims]
+    owners += [f"a plugin of {plugin.distribution}" for plugin in registry.plugins if plugin.name == name.text]
+    if owners:
+        raise UsageError(f"The name '{name.text}' is taken: there is {owners[0]} of that name. Choose another name")
+
+
+def plural_of(kind: str) -> str:
+    """As the hooks and the registry call a kind, ``rewards``."""
+    return next(plural for plural, noun in NOUNS.items() if noun == kind)
+
+
 def write_package(files: Mapping[str, str], folder: Path) -> None:
     """Write a package's files into a new folder, all of them or none.
 
     Raises:
-        UsageError: The folder is there already, or cannot be made there.
+        UsageError: See `require_new`.
     """
-    if folder.exists() or folder.is_symlink():
-        raise UsageError(f"'{folder}' is there already, and nothing is written over: choose another name, or --into DIR")
-    if not folder.parent.is_dir():
-        raise UsageError(f"'{folder.parent}' is no folder: make it first, or name another after --into")
+    require_new(folder)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as draft:
         whole = Path(draft) / folder.name
         for path, text in files.items():
@@ -90,7 +120,7 @@ def _words(kind: str, name: PluginName) -> dict[str, str]:
         "Class": name.class_name,
         "noun": kind,
         "article": "An" if kind[0] in "aeiou" else "A",
-        "hook": next(f"register_{kinds}" for kinds, noun in NOUNS.items() if noun == kind),
+        "hook": f"register_{plural_of(kind)}",
     }
     told = tomllib.loads((TEMPLATES / kind / "kind.toml").read_text(encoding="utf-8"))
     return own | {word: Template(text).substitute(own) for word, text in (DEFAULTS | told).items()}
@@ -99,4 +129,6 @@ def _words(kind: str, name: PluginName) -> dict[str, str]:
 def _require_free(name: PluginName, target: str, texts: Iterable[str]) -> None:
     """See that what the module defines is called so alone; a placeholder, as in ``$Class``, is no use of a name."""
     if any(re.search(rf"(?<![$\w]){target}\b", text) for text in texts if target != CONSTANT):
-        raise UsageError(f"The name '{name.text}' would make '{target}' mean two things in its code: choose another")
+        raise UsageError(
+            f"The name '{name.text}' would make '{target}' mean two things in its code: choose another name"
+        )

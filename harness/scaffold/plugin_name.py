@@ -33,7 +33,9 @@ class PluginName:
             )
         owner = self._owner()
         if owner:
-            raise UsageError(f"The name '{self.text}' becomes the module '{self.module}', which is {owner}: choose another")
+            raise UsageError(
+                f"The name '{self.text}' becomes the module '{self.module}', which is {owner}: choose another name"
+            )
 
     @property
     def module(self) -> str:
@@ -57,5 +59,5 @@ class PluginName:
 
 
 def _suggestion(text: str) -> str:
-    near = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-0123456789")
+    near = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
     return f" Did you mean '{near}'?" if _NAME.fullmatch(near) and len(near) <= LONGEST else ""
