@@ -29,6 +29,7 @@ class SbxSac:
     num_envs: Count = 1
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
+    sources: ClassVar[tuple[str, ...]] = ("sbx_sac",)  # the manifest has a hash of all modules
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> SquashedGaussian:
         """See `harness.algorithm.Algorithm`."""
