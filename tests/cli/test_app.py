@@ -37,6 +37,17 @@ def test_what_nobody_foresaw_is_one_line_and_a_log(harness, logs, monkeypatch):
     assert "in broken" in log.read_text(encoding="utf-8")
 
 
+def test_interruption_before_a_command_runs_is_quiet(harness, monkeypatch):
+    """Ctrl-C while plugins are looked for: status 130 and no traceback."""
+
+    def interrupted(args: list[str]) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(app, "_run", interrupted)
+    answer = harness("doctor")
+    assert (answer.status, answer.out, answer.err) == (130, "", "")
+
+
 def test_where_no_log_can_be_written_the_traceback_is_shown(harness, logs, monkeypatch):
     """Rather that than nothing."""
     monkeypatch.setattr(app, "_run", broken)
