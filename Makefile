@@ -14,7 +14,7 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
 # What install and dev set up, of pyproject.toml's extras.
 RUN_EXTRAS := mujoco sb3 report
-DEV_EXTRAS := mujoco sb3 report pybullet dm-control figures tune tensorboard ray slurm video dev
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control figures tune tensorboard wandb ray slurm video dev
 
 .PHONY: install dev lock run reference test slow plugins examples browser bench check format clean
 
@@ -51,9 +51,9 @@ plugins: dev
 examples: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/test_installed_packages.py -k example -m '' -rs
 
-# The report page in a Chromium that is installed; without one they are skipped.
+# The pages in a Chromium that is installed; without one these tests are skipped, and say why.
 browser: dev
-	$(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
 
 bench: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s
@@ -74,6 +74,7 @@ clean:
 # torch stands in no lock: its files differ by build and index. What it needs besides is there before it, from the lock.
 # pip check: --no-deps asks for nothing, so only this says what a lock lacks on this platform.
 $(VENV)/.installed: pyproject.toml constraints.txt requirements/run.txt
+	@echo "Installing into $(VENV), once: some minutes, most of them for torch."
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(INSTALL_LOCK) requirements/run.txt
 	$(INSTALL) --constraint constraints.txt $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX)) torch

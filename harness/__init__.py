@@ -32,12 +32,13 @@ def __getattr__(name: str) -> Any:
 
 
 def _register_envs(gymnasium: Any) -> None:
-    """Make `gymnasium.make("harness/Reach-v0")` work, whichever of the two is imported first."""
+    """Make `gymnasium.make("harness/Reach-v0")` work, whichever of the two is imported first; ReachGoal-v0 too."""
     gymnasium.register(
         "harness/Reach-v0",
         entry_point="harness.env.single_env:ReachEnv",
         vector_entry_point="harness.env.make:make_env",
     )
+    gymnasium.register("harness/ReachGoal-v0", entry_point="harness.env.goal_env:ReachGoalEnv")
 
 
 wrapt.when_imported("gymnasium")(_register_envs)

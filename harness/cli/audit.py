@@ -4,13 +4,15 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.options import REWARDS, SIMULATORS, RobotName
+from harness.cli.options import REWARDS, SIMULATORS, TASKS, RobotName
 from harness.errors import UsageError
 
 
 def audit(
     reward: Annotated[str, typer.Option(help="The reward, as arp:k2=2.", metavar="NAME", autocompletion=REWARDS)],
-    task: Annotated[str, typer.Option(help="As fd100-reach:epsilon=0.02.", metavar="NAME")] = "fd100-reach",
+    task: Annotated[
+        str, typer.Option(help="As fd100-reach:epsilon=0.02.", metavar="NAME", autocompletion=TASKS)
+    ] = "fd100-reach",
     robot: RobotName = None,
     sim: Annotated[
         str | None,
@@ -21,7 +23,8 @@ def audit(
         ),
     ] = None,
     against: Annotated[
-        str, typer.Option(help="The reward that the distance is measured to.", metavar="NAME")
+        str,
+        typer.Option(help="The reward that the distance is measured to.", metavar="NAME", autocompletion=REWARDS),
     ] = "baseline",
     episodes: Annotated[int, typer.Option(help="Episodes of each scripted policy.", metavar="N")] = 100,
     gamma: Annotated[float, typer.Option(help="The learner's discount per step.", metavar="G")] = 0.95,

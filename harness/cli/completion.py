@@ -6,11 +6,11 @@ from typing import TypeAlias
 Complete: TypeAlias = Callable[[str], list[tuple[str, str]]]
 
 
-def names_of(kind: str) -> Complete:
-    """Offers the names of one kind, after a comma too, each with its summary."""
+def names_of(*kinds: str) -> Complete:
+    """Offers the names of some kinds of plugins, after a comma too, each with its summary."""
 
     def complete(incomplete: str) -> list[tuple[str, str]]:
-        return list(_offers(kind, incomplete))
+        return [offer for kind in kinds for offer in _offers(kind, incomplete)]
 
     return complete
 

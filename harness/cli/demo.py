@@ -18,6 +18,7 @@ SEEDS, STEPS, EPISODES = 3, 200, 20
 ASKED = {
     "sim": "kinematic",
     "algo": "ik",
+    "task": "fd100-reach:speed=0.1",
     "reward": "arp",
     "seeds": SEEDS,
     "steps": STEPS,
@@ -39,6 +40,8 @@ ANSWER = (
 )
 ONWARD = """
 Where to go on:
+  open {folder}/report.html in a browser
+      its replay shows both arms side by side: they move alike
   harness report {folder} --details
       all that was measured here
   harness audit --reward arp

@@ -4,20 +4,32 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.completion import names_of
 from harness.cli.lines import say
+from harness.cli.options import ROBOTS
 from harness.errors import UsageError
+from harness.hookspecs import KINDS
 
 
 def describe(
-    name: Annotated[str, typer.Argument(help="Anything that `harness list` shows, as arp or arp:k2=2; or a URDF.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="Anything that `harness list` shows, as arp or arp:k2=2; or a URDF.", autocompletion=names_of(*KINDS)
+        ),
+    ],
     robot: Annotated[
         str | None,
-        typer.Option(help="The robot that a task is described for.", show_default="the task's", metavar="NAME"),
+        typer.Option(
+            help="The robot that a task is described for.",
+            show_default="the task's",
+            metavar="NAME",
+            autocompletion=ROBOTS,
+        ),
     ] = None,
 ) -> None:
     """Explain a task, reward, simulator, algorithm, metric or robot, with its parameters."""
     from harness.describe import describe_name
-    from harness.hookspecs import KINDS
     from harness.registry.choice import parse
     from harness.registry.registry import load_registry, unknown_name
     from harness.robot.load import is_path

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import say
-from harness.cli.options import CurveKind
+from harness.cli.options import REWARDS, CurveKind
 from harness.errors import UsageError
 
 Globs = list[str]
@@ -19,10 +19,16 @@ def eta(
     curve: CurveKind = "accumulated",
     with_events: Annotated[bool, typer.Option("--with-events", help="Add the event terms to the reward.")] = False,
     baseline_reward: Annotated[
-        str | None, typer.Option(help="What paid the baseline's runs. (default: found out)", metavar="NAME")
+        str | None,
+        typer.Option(
+            help="What paid the baseline's runs.", show_default="found out", metavar="NAME", autocompletion=REWARDS
+        ),
     ] = None,
     proposed_reward: Annotated[
-        str | None, typer.Option(help="What paid the proposed ones. (default: found out)", metavar="NAME")
+        str | None,
+        typer.Option(
+            help="What paid the proposed ones.", show_default="found out", metavar="NAME", autocompletion=REWARDS
+        ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the curves into this .html file.", metavar="FILE")] = None,

@@ -10,6 +10,7 @@ ROBOT = "Robot: a name, a URDF, or a folder with robot.toml."
 
 Names = list[str] | None
 SIMULATORS, ALGORITHMS, REWARDS = names_of("simulators"), names_of("algorithms"), names_of("rewards")
+TASKS, ROBOTS, TRACKERS = names_of("tasks"), names_of("robots"), names_of("trackers")
 """What a shell offers behind these flags."""
 
 RewardNames = Annotated[
@@ -24,7 +25,7 @@ TaskName = Annotated[
         help="As fd100-reach:epsilon=0.02.",
         show_default="fd100-reach",
         metavar="NAME",
-        autocompletion=names_of("tasks"),
+        autocompletion=TASKS,
     ),
 ]
 ExecutorName = Annotated[
@@ -33,7 +34,7 @@ ExecutorName = Annotated[
 ]
 RobotName = Annotated[
     str | None,
-    typer.Option(help=ROBOT, show_default="the task's", metavar="NAME", autocompletion=names_of("robots")),
+    typer.Option(help=ROBOT, show_default="the task's", metavar="NAME", autocompletion=ROBOTS),
 ]
 CurveKind = Annotated[
     Literal["accumulated", "per-step"],

@@ -6,18 +6,27 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import say
-from harness.cli.options import ROBOT
+from harness.cli.options import ROBOT, ROBOTS, SIMULATORS
 from harness.errors import UsageError
 
 
 def parity(
     sim: Annotated[
-        list[str] | None, typer.Option(help="Simulators, as mujoco:substeps=40. (default: all)", metavar="NAMES")
+        list[str] | None,
+        typer.Option(
+            help="Simulators, as mujoco:substeps=40.", show_default="all", metavar="NAME,...", autocompletion=SIMULATORS
+        ),
     ] = None,
     reference: Annotated[
-        str | None, typer.Option(help="What the others are compared with. (default: mujoco)", metavar="NAME")
+        str | None,
+        typer.Option(
+            help="What the others are compared with.",
+            show_default="mujoco",
+            metavar="NAME",
+            autocompletion=SIMULATORS,
+        ),
     ] = None,
-    robot: Annotated[str, typer.Option(help=ROBOT, metavar="NAME")] = "fd100",
+    robot: Annotated[str, typer.Option(help=ROBOT, metavar="NAME", autocompletion=ROBOTS)] = "fd100",
     steps: Annotated[int, typer.Option(help="Control periods of each motion.", metavar="N")] = 200,
     episodes: Annotated[int, typer.Option(help="How many motions, and how many dives.", metavar="N")] = 8,
     seed: Annotated[int, typer.Option(help="Of all that is drawn.", metavar="S")] = 0,

@@ -32,9 +32,13 @@ def report(
         Path | None, typer.Option(help="Write small records and figures into this folder.", metavar="FOLDER")
     ] = None,
 ) -> int:
-    """Show the results in an experiment's folder. Trains nothing and imports no engine."""
+    """Show the results in an experiment's folder, or in one of committed records. Trains nothing, imports no engine."""
+    from harness.report.committed import is_committed
     from harness.results import load_results
 
+    flags = {"--html": html, "--summary": summary, "--details": details}
+    if any(map(is_committed, folders)):
+        return _show_committed(folders, as_json, [name for name, value in flags.items() if value])
     if len(folders) == 1:
         results = load_results(folders[0], curve)
         _leave(results, folders, as_json, html, details, summary)
@@ -48,6 +52,21 @@ def report(
     for path, reason in left_out:
         complain(f"left out: {path}: {reason}")
     return 1 if left_out else 0
+
+
+def _show_committed(folders: Sequence[Path], as_json: bool, flags: Sequence[str]) -> int:
+    """Of records nothing can be computed anew; what they say is shown."""
+    from harness.cli.terminal import show
+    from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
+
+    for folder in filter(is_committed, folders):
+        for flag in flags or ["Reading several folders together"] * (len(folders) > 1):
+            refuse_committed(folder, flag)
+    if as_json:
+        typer.echo(committed_text(folders[0]))
+    else:
+        show(committed_table(folders[0]))
+    return 0
 
 
 def _read_together(folders: Sequence[Path], out: Path, curve: "Kind") -> "tuple[Results, list[LeftOut]]":

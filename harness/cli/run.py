@@ -11,6 +11,7 @@ from harness.cli.options import (
     ALGORITHMS,
     REWARDS,
     SIMULATORS,
+    TRACKERS,
     CurveKind,
     ExecutorName,
     Names,
@@ -80,9 +81,18 @@ def run(
             metavar="N",
         ),
     ] = None,
-    tensorboard: Annotated[
-        bool, typer.Option("--tensorboard", help="Leave event files of scalars in each cell's folder too.")
-    ] = False,
+    tracker: Annotated[
+        Names,
+        typer.Option(
+            help="Show the trainings elsewhere, as wandb:mode=offline.",
+            show_default="nowhere",
+            metavar="NAME,...",
+            autocompletion=TRACKERS,
+        ),
+    ] = None,
+    tensorboard: Annotated[bool, typer.Option("--tensorboard", help="Short for --tracker tensorboard.")] = False,
+    wandb: Annotated[bool, typer.Option("--wandb", help="Short for --tracker wandb.")] = False,
+    mlflow: Annotated[bool, typer.Option("--mlflow", help="Short for --tracker mlflow.")] = False,
     curve: CurveKind = "accumulated",
     wait: Annotated[
         bool, typer.Option("--wait/--no-wait", help="Wait while another run is using the folder, or give up.")
@@ -127,8 +137,10 @@ def run(
     from harness.experiment.experiment import RunOptions, check, prepare
     from harness.experiment.foresee import foresee
 
+    short = {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow}
+    trackers = [*(tracker or ()), *(name for name, is_on in short.items() if is_on)]
     options = RunOptions(
-        out, jobs, executor, checkpoint_every, tensorboard, curve, wait, changed, only, limit, retry_failed, fail_fast,
+        out, jobs, executor, checkpoint_every, trackers, curve, wait, changed, only, limit, retry_failed, fail_fast,
         stall_after, cell_time, cell_memory, fresh,
     )  # fmt: skip
     given = {
@@ -149,9 +161,9 @@ def run(
     with (
         kept_when_interrupted("finished cells are kept", folder),
         ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
-        LiveProgress((*begun.done, *begun.waiting), begun.done, console, ready.store.log_of) as progress,
+        LiveProgress((*begun.spared, *begun.waiting), begun.spared, console, ready.store.log_of) as progress,
     ):
-        results = begun.run(progress)
+        results = begun.run(progress, progress.warn)
     _show(results, as_json)
     if results.failed:
         complain(f"cells that failed: {len(results.failed)}. The same command tries them again, and no other")

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
+from harness.cli.options import SIMULATORS
 
 
 def transfer(
@@ -16,6 +17,7 @@ def transfer(
             help="Simulators to evaluate in, as mujoco:substeps=40.",
             show_default="those of the experiment and all that are installed",
             metavar="NAME,...",
+            autocompletion=SIMULATORS,
         ),
     ] = None,
     jobs: Annotated[

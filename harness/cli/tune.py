@@ -9,7 +9,7 @@ import typer
 
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import say
-from harness.cli.options import ALGORITHMS, SIMULATORS, ExecutorName, Names, RewardNames, RobotName, TaskName
+from harness.cli.options import ALGORITHMS, REWARDS, SIMULATORS, ExecutorName, Names, RewardNames, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -33,7 +33,8 @@ def tune(
     ] = None,
     reward: RewardNames = None,
     baseline: Annotated[
-        str | None, typer.Option(help="Tuned beside them.", show_default="baseline", metavar="NAME")
+        str | None,
+        typer.Option(help="Tuned beside them.", show_default="baseline", metavar="NAME", autocompletion=REWARDS),
     ] = None,
     task: TaskName = None,
     robot: RobotName = None,

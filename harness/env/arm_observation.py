@@ -22,6 +22,9 @@ class ArmObservation:
     offset                        3      target - end effector, [m]
     distance                      1      length of the offset, [m]
     ============================  =====  ==========================================================
+
+    Attributes:
+        arm_columns: Those that say nothing of the target, (3 dof + 3,): the joints' and the end effector's.
     """
 
     def __init__(self, robot: Robot, period: float) -> None:
@@ -35,6 +38,8 @@ class ArmObservation:
         self._low = -self._high
         self._low[-1] = 0.0
         self._columns: NDArray[np.intp] | None = None
+        dof = robot.dof
+        self.arm_columns = np.concatenate([np.arange(3 * dof), np.arange(3 * dof + 3, 3 * dof + 6)])
 
     @property
     def low(self) -> Float32:

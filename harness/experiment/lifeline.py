@@ -6,20 +6,6 @@ import threading
 from collections.abc import Callable, Iterator
 
 
-def end_with_parent() -> None:
-    """From now on this process ends when standard input closes, as it does when the parent ends, however it ends.
-
-    Standard input itself is empty from then on: a plugin that reads it finds the end instead of waiting.
-    """
-
-    def wait(stdin: int) -> None:
-        while os.read(stdin, 1):
-            pass
-        os._exit(1)
-
-    _listen(wait)
-
-
 def lines_of_parent(on_done: Callable[[], None]) -> Iterator[str]:
     """The lines that the parent writes to standard input, one after the other, until it closes it.
 
@@ -32,7 +18,11 @@ def lines_of_parent(on_done: Callable[[], None]) -> Iterator[str]:
     lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
     at_work = threading.Event()
 
-    def read(stdin: int) -> None:
+    stdin = os.dup(0)
+    with open(os.devnull) as nothing:
+        os.dup2(nothing.fileno(), 0)
+
+    def read() -> None:
         with os.fdopen(stdin) as stream:
             for line in stream:
                 at_work.set()
@@ -41,16 +31,8 @@ def lines_of_parent(on_done: Callable[[], None]) -> Iterator[str]:
             os._exit(1)
         lines.put(None)
 
-    _listen(read)
+    threading.Thread(target=read, daemon=True).start()
     while (line := lines.get()) is not None:
         yield line
         at_work.clear()
         on_done()
-
-
-def _listen(listen: Callable[[int], None]) -> None:
-    """In a thread, to what was standard input."""
-    kept = os.dup(0)
-    with open(os.devnull) as nothing:
-        os.dup2(nothing.fileno(), 0)
-    threading.Thread(target=listen, args=(kept,), daemon=True).start()

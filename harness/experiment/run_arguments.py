@@ -31,7 +31,7 @@ class RunArguments(TypedDict, total=False):
     jobs: int | None
     executor: str | Mapping[str, Any]
     checkpoint_every: int | None
-    tensorboard: bool
+    tracker: Names
     curve: Kind
     wait: bool
     changed: Changed

@@ -30,7 +30,7 @@ class WorkerProcess:
     """
 
     def __init__(self, told: "queue.SimpleQueue[Told]") -> None:
-        self.process = start_process("harness.experiment.worker", stdout=subprocess.PIPE)
+        self.process = _start()
         self.given = 0
         assert self.process.stdout is not None
         threading.Thread(target=self._listen, args=(self.process.stdout, told), daemon=True).start()
@@ -38,7 +38,12 @@ class WorkerProcess:
     def give(self, order: Order) -> None:
         """Have it do an order; if it cannot read it, its end tells."""
         self.given += 1
-        write_line(self.process, order.line())
+        assert self.process.stdin is not None
+        try:
+            self.process.stdin.write(order.line() + "\n")
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            self.process.wait()
 
     def memory(self) -> int:
         """Bytes that it and the processes that it started have in memory; 0 when it has ended."""
@@ -74,30 +79,19 @@ class WorkerProcess:
         told.put((self, None))
 
 
-def start_process(module: str, stdout: IO[str] | int, stderr: IO[str] | int | None = None) -> "subprocess.Popen[str]":
-    """Start a Python module in a process of its own, with one thread.
+def _start() -> "subprocess.Popen[str]":
+    """Start a worker, with one thread.
 
     It ends when its standard input is closed, as it is when this process ends (`harness.experiment.lifeline`).
     """
     return subprocess.Popen(
-        [sys.executable, "-m", module],
+        [sys.executable, "-m", "harness.experiment.worker"],
         stdin=subprocess.PIPE,
         text=True,
         env={**os.environ, **ONE_THREAD},
         start_new_session=True,  # Ctrl-C reaches this process alone, which stops the others
-        stdout=stdout,
-        stderr=stderr,
+        stdout=subprocess.PIPE,
     )
-
-
-def write_line(process: "subprocess.Popen[str]", line: str) -> None:
-    """Write a line to its standard input; of a process that has died, the exit status tells."""
-    assert process.stdin is not None
-    try:
-        process.stdin.write(line + "\n")
-        process.stdin.flush()
-    except BrokenPipeError:
-        process.wait()
 
 
 def stop_processes(processes: Collection["subprocess.Popen[str]"]) -> None:

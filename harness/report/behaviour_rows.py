@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS, count_seeds
-from harness.report.rows import NOTHING, Grid, format_number, format_p
+from harness.report.rows import Grid, format_number, format_p
 from harness.results.combination import Combination, StepChange
 from harness.results.measured import TRAINING
+from harness.results.overview import NOTHING
 
 HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
 
@@ -51,6 +52,11 @@ def behaviour_row(change: Change) -> BehaviourRow:
         format_p(change.corrected),
         change.direction,
     )
+
+
+def value_text(change: Change, value: float) -> str:
+    """A value of a measure, written as the measure's means are."""
+    return _text_of(change)(value)
 
 
 def along_grid(combination: Combination) -> Grid:

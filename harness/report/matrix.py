@@ -9,9 +9,10 @@ from harness.eta.behaviour_change import Change
 from harness.eta.headline import Answer
 from harness.report.apart import tell_apart
 from harness.report.behaviour_rows import behaviour_row
-from harness.report.rows import NOTHING, answer_text, interval_text, ratio_text
+from harness.report.rows import answer_text, interval_text, ratio_text
 from harness.report.summary.cells import plain_text
 from harness.results.combination import Combination, Group
+from harness.results.overview import NOTHING
 
 SYMBOLS = {Answer.HELPS: "▲", Answer.HURTS: "▼", Answer.NO_DIFFERENCE: "=", Answer.CANNOT_TELL: "?"}
 """Told apart without colour."""

@@ -6,8 +6,9 @@ A report reads results only: whoever can ask the rewards passes in what they say
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from harness.report.rows import NOTHING, Grid, format_number
+from harness.report.rows import Grid, format_number
 from harness.results.combination import Combination
+from harness.results.overview import NOTHING
 
 
 class Payoffs(NamedTuple):

@@ -1,7 +1,7 @@
 """The agreement of rankings, in words."""
 
 from harness.eta.ranking import Ranking
-from harness.report.rows import NOTHING
+from harness.results.overview import NOTHING
 
 TITLE = "Do the rewards keep their order?"
 EXPLANATION = (

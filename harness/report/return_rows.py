@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 
 from harness.eta.seed_mean import SeedMean
-from harness.report.rows import NOTHING, Grid, format_number
+from harness.report.rows import Grid, format_number
+from harness.results.overview import NOTHING
 from harness.results.return_matrix import ReturnMatrix
 
 TITLE = "Return under every reward"

@@ -13,11 +13,10 @@ from harness.eta.seed_mean import SeedMean
 from harness.eta.swaps import smallest_p
 from harness.record.forms import Status
 from harness.record.plan_file import EXPERIMENT
-from harness.results import Results, overview
+from harness.results import Results
 from harness.results.combination import Combination
+from harness.results.overview import NEAR_ZERO, NOTHING
 
-NOTHING = overview.NOTHING
-NEAR_ZERO = overview.NEAR_ZERO
 SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the robot behaves."
 SPLIT = (
     "eta = ruler x behaviour: the ruler is the same runs scored by the two rewards, "

@@ -4,7 +4,8 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from harness.eta.seed_mean import SeedMean
-from harness.report.rows import NOTHING, Grid, format_number
+from harness.report.rows import Grid, format_number
+from harness.results.overview import NOTHING
 from harness.transfer.matrix import Failure, TransferMatrix
 
 TITLE = "Transfer between simulators"

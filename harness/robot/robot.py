@@ -6,13 +6,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.files.bounded import read_text, reading
+from harness.files.bounded import digest_of, read_text, reading
 from harness.robot.chain_end import find_chain_end
 from harness.robot.joint_limits import describe_origin, read_joint_limits
 from harness.robot.kinematics import Chain, build_chain, chain_length, end_effector_position, position_jacobian
@@ -67,9 +68,15 @@ class Robot:
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of all that decides how the arm moves: the URDF with its meshes' paths, and the numbers beside it."""
+        """SHA-256 of all that decides how the arm moves: the URDF, the meshes' content, and the numbers beside it.
+
+        Where the files lie does not count: a copy of the robot in another folder has the same digest.
+
+        Raises:
+            OSError: A mesh is gone.
+        """
         numbers = np.stack([self.lower, self.upper, self.max_speed, self.max_acceleration, self.home])
-        parts = (self.urdf.encode(), self.end_effector_link.encode(), numbers.tobytes())
+        parts = (_name_meshes_by_content(self.urdf).encode(), self.end_effector_link.encode(), numbers.tobytes())
         return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
     @cached_property
@@ -213,6 +220,16 @@ def _check_count(driven: Sequence[Joint], tip: str) -> None:
             f"{len(driven)} joints move between the root link and '{tip}'; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. "
             f"Fix some, or name another end_effector in a {FILE}."
         )
+
+
+def _name_meshes_by_content(urdf: str) -> str:
+    """The URDF's text with the SHA-256 of each mesh file in the place of its path; a URDF without meshes as it is."""
+    robot = parse_urdf(urdf).element
+    meshes = list(robot.iter("mesh"))
+    for mesh in meshes:
+        path = Path(mesh.get("filename", ""))
+        mesh.set("filename", digest_of(path) + path.suffix.lower())
+    return ElementTree.tostring(robot, encoding="unicode") if meshes else urdf
 
 
 def _origins(settings: RobotSettings, driven: Sequence[Joint]) -> Mapping[str, str]:

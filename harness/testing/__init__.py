@@ -1,4 +1,4 @@
-"""The contract kit: what simulators, tasks, rewards, algorithms, metrics and executors must satisfy.
+"""The contract kit: what simulators, tasks, rewards, algorithms, metrics, executors and trackers must satisfy.
 
 In the tests of a plugin::
 
@@ -19,6 +19,7 @@ from harness.testing.metrics import METRIC_CHECKS, check_metric
 from harness.testing.rewards import REWARD_CHECKS, check_reward
 from harness.testing.simulators import SIMULATOR_CHECKS, check_simulator
 from harness.testing.tasks import TASK_CHECKS, check_task
+from harness.testing.trackers import TRACKER_CHECKS, check_tracker
 from harness.testing.violations import violations
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "REWARD_CHECKS",
     "SIMULATOR_CHECKS",
     "TASK_CHECKS",
+    "TRACKER_CHECKS",
     "IdealSimulator",
     "check_algorithm",
     "check_executor",
@@ -35,5 +37,6 @@ __all__ = [
     "check_reward",
     "check_simulator",
     "check_task",
+    "check_tracker",
     "violations",
 ]

@@ -5,7 +5,7 @@
     tuning.toml           what is searched; reads as a tuning file
     study.log             Optuna's journal of the trials
     trials/               an experiment with the cells of all trials
-    validation/           <cell id>.parquet: the episodes that each policy was judged by; log.txt
+    validation/<cell id>/ evaluation.parquet: the episodes that the policy was judged by; log.txt
     tuned.toml            an experiment with the best settings, once every search has all its trials
 """
 

@@ -1,5 +1,6 @@
 """From cells to outcomes: train what is not trained, validate what is not validated."""
 
+import shutil
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -9,16 +10,17 @@ from typing import TypeAlias
 from harness.executor import Executor, OnEvent
 from harness.experiment.changed import changed_cells, refuse_changed
 from harness.experiment.experiment import ExperimentRun, RunOptions
+from harness.experiment.order import Order
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
+from harness.record.folder import EVALUATION
 from harness.record.manifest import read_manifest
 from harness.record.store import Store
 from harness.record.trace import read_trace
 from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
 from harness.tune.outcome import JUDGES, Outcome, outcome_of
-from harness.tune.validation import Order
-from harness.tune.validator import validate_all
+from harness.tune.validation import REASON, ValidatePolicy, validate_all
 
 TRIALS, VALIDATION = "trials", "validation"
 
@@ -55,7 +57,7 @@ class Measurer:
         self._train(replace(plan, cells=tuple(cells)), store)
         reasons = {cell: read_manifest(store.cell_folder(cell)).reason for cell in cells if not store.is_done(cell)}
         orders = {cell: self._order(cell, store) for cell in cells if cell not in reasons}
-        validate_all(list(orders.values()), self.options.at_once, self.folder / VALIDATION)
+        validate_all(list(orders.values()), self.options.at_once)
         return {**reasons, **{cell: self._outcome(order) for cell, order in orders.items()}}
 
     def require_same_plugins(self) -> None:
@@ -72,8 +74,8 @@ class Measurer:
         """A validation that failed before is tried again, one that was cut short is done anew."""
         folder = self.folder / VALIDATION
         folder.mkdir(exist_ok=True)
-        for path in [*folder.glob("*.failed"), *folder.glob("*.partial")]:
-            path.unlink()
+        for path in [*(reason.parent for reason in folder.glob(f"*/{REASON}")), *folder.glob(".*.partial")]:
+            shutil.rmtree(path)
 
     def _train(self, plan: Plan, store: Store) -> None:
         options = replace(self.options, changed="keep")  # `require_same_plugins` looked at all trials
@@ -82,13 +84,15 @@ class Measurer:
             begun.run(on_event)
 
     def _order(self, cell: Cell, store: Store) -> Order:
-        path = self.folder / VALIDATION / f"{cell.id}.parquet"
-        return Order(str(store.cell_folder(cell)), str(path), self.episodes)
+        return Order(self.folder / VALIDATION / cell.id, ValidatePolicy(store.cell_folder(cell), self.episodes))
 
     def _outcome(self, order: Order) -> Outcome | str:
-        if order.failure.exists():
-            return order.failure.read_text()
+        reason = order.folder / REASON
+        if reason.exists():
+            return reason.read_text()
         try:
-            return outcome_of(read_trace(Path(order.path)), *build_defaults(self.registry, "metrics", JUDGES).values())
+            return outcome_of(
+                read_trace(order.folder / EVALUATION), *build_defaults(self.registry, "metrics", JUDGES).values()
+            )
         except ValueError as error:
             return str(error)

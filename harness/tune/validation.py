@@ -1,73 +1,87 @@
-"""Validation: episodes that policies of a search are judged by. ``python -m harness.tune.validation`` does them.
+"""Validation: episodes that policies of a search are judged by.
 
 Their starts and targets are drawn from another seed than those of the evaluation after a training
 (`harness.experiment.evaluate`), so that no comparison that follows is made on what the settings were chosen by.
-
-The process reads one line of JSON from standard input, a list of orders, and does one after another. What a plugin
-prints goes into the log. It ends when its parent does.
 """
 
-import json
-import os
-import sys
 import traceback
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, ClassVar, Self
 
 from harness.env.make import build_world
 from harness.errors import one_line
 from harness.experiment.evaluate import evaluate
-from harness.experiment.lifeline import end_with_parent
+from harness.experiment.order import Order, Report
+from harness.experiment.workers import News, run_orders
 from harness.policy import Policy, load_policy
 from harness.record.cell import Cell
-from harness.record.folder import POLICY
+from harness.record.folder import EVALUATION, POLICY, partial_folder, publish
 from harness.record.manifest import read_manifest
 from harness.registry.registry import Registry, load_registry
 from harness.robot.load import load_robot
 
 VALIDATION_SEED = 20_230_705
 """Of the starts and targets of every validation; not the evaluation's, and not a small number."""
+REASON = "reason.txt"
+"""In the folder of a validation that failed: why there is no trace."""
 
 
-class Order(NamedTuple):
-    """One policy to validate."""
+@dataclass(frozen=True)
+class ValidatePolicy:
+    """One policy to validate, as a worker is told to do it.
 
-    cell_folder: str
-    """Of the done cell that trained it."""
-    path: str
-    """The trace to leave; there only when it is complete."""
+    It leaves a folder with the trace `EVALUATION`, or with the `REASON` why there is none.
+
+    Attributes:
+        cell_folder: Of the done cell that trained it.
+        episodes: How many.
+    """
+
+    cell_folder: Path
     episodes: int
 
-    @property
-    def failure(self) -> Path:
-        """Where it says why there will be no trace."""
-        return Path(self.path).with_suffix(".failed")
+    noun: ClassVar[str] = "validation"
 
-    @property
-    def is_ended(self) -> bool:
-        """Whether the trace is there, or the reason why it is not."""
-        return Path(self.path).exists() or self.failure.exists()
+    def to_json(self) -> dict[str, Any]:
+        """See `harness.experiment.order.Work`."""
+        return {"cell_folder": str(self.cell_folder), "episodes": self.episodes}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """See `harness.experiment.order.Work`."""
+        return cls(Path(data["cell_folder"]), data["episodes"])
+
+    def do(self, folder: Path, report: Report) -> bool:
+        """See `harness.experiment.order.Work`; a plugin may raise anything."""
+        partial = partial_folder(folder)
+        partial.mkdir(parents=True, exist_ok=True)
+        try:
+            cell, policy = read_manifest(self.cell_folder).cell, load_policy(self.cell_folder / POLICY)
+            record_validation(cell, load_registry(), policy, self.episodes, partial / EVALUATION)
+        except (Exception, SystemExit) as error:
+            traceback.print_exc()
+            _leave_reason(folder, one_line(error))
+            return False
+        publish(partial, folder)
+        return True
 
 
-def main() -> None:
-    """Do what standard input orders."""
-    orders = [Order(*order) for order in json.loads(sys.stdin.readline())]
-    end_with_parent()
-    registry = load_registry()
-    for order in orders:
-        validate(order, registry)
+def validate_all(orders: Sequence[Order], at_once: int) -> None:
+    """Have policies validated, in processes of their own: an engine that crashes costs one policy alone.
 
+    Args:
+        orders: Each a `ValidatePolicy`. Those whose folder is there are not done again; each of the others then has its
+            folder.
+        at_once: How many processes.
+    """
 
-def validate(order: Order, registry: Registry) -> None:
-    """Leave the order's trace, or the reason why there is none: a plugin may raise anything."""
-    partial = Path(f"{order.path}.{os.getpid()}.partial")
-    try:
-        cell = read_manifest(Path(order.cell_folder)).cell
-        record_validation(cell, registry, load_policy(Path(order.cell_folder) / POLICY), order.episodes, partial)
-        partial.rename(order.path)
-    except (Exception, SystemExit) as error:
-        traceback.print_exc()
-        order.failure.write_text(one_line(error))
+    def hear(news: News) -> None:
+        if news.kind == "ended" and news.reason:
+            _leave_reason(news.folder, news.reason)
+
+    run_orders([order for order in orders if not order.folder.exists()], at_once, hear)
 
 
 def record_validation(cell: Cell, registry: Registry, policy: Policy, episodes: int, path: Path) -> None:
@@ -76,5 +90,8 @@ def record_validation(cell: Cell, registry: Registry, policy: Policy, episodes: 
     evaluate(world, policy.act, episodes, path, VALIDATION_SEED)
 
 
-if __name__ == "__main__":
-    main()
+def _leave_reason(folder: Path, reason: str) -> None:
+    partial = partial_folder(folder)
+    (partial / EVALUATION).unlink(missing_ok=True)
+    (partial / REASON).write_text(reason)
+    publish(partial, folder)

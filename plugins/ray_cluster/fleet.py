@@ -157,7 +157,7 @@ class Fleet:
         elif isinstance(told, Part):
             add_part(_arrivals(job.folder), told)
         else:
-            self._on_event(Event("progress", job.cell, told))
+            self._on_event(Event("progress", job.cell, told.steps, scalars=told.scalars))
 
     def _lose(self, seat: _Seat, error: Exception) -> None:
         """The slot of a cell is no more: another one does it, unless that happens again and again."""

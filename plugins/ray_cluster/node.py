@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from harness.authoring.folder_parts import Part, add_parts, parts_of
-from harness.executor import Job
+from harness.executor import Job, Word
 from harness.experiment.installation import describe_workers
 from harness.experiment.jobs import events_of
 from harness.experiment.workers import Pool
@@ -27,8 +27,8 @@ class Ended(NamedTuple):
     """Why it left no folder; empty if it did."""
 
 
-Told: TypeAlias = int | Part | Ended
-"""Steps done so far, some of the cell's files, or the end."""
+Told: TypeAlias = Word | Part | Ended
+"""How far the cell is, some of the cell's files, or the end."""
 
 
 class Found(NamedTuple):
@@ -93,6 +93,6 @@ class Slot:
         for event in events_of([job], 1, self._pool):
             if event.kind == "ended":
                 yield Ended(event.reason)
-            elif event.kind == "progress" and time.monotonic() - told_last >= TELL_EVERY:
+            elif event.kind == "progress" and (event.scalars or time.monotonic() - told_last >= TELL_EVERY):
                 told_last = time.monotonic()
-                yield event.steps
+                yield Word(event.steps, event.scalars)

@@ -1,5 +1,6 @@
 """The nodes of a cluster: which of them have what the cells need."""
 
+import math
 import sys
 import tempfile
 import time
@@ -21,6 +22,8 @@ from .node import Found, look_around
 
 LOOK_EVERY: Final = 2.0
 """Seconds from one look at the cluster to the next."""
+ALONE_AFTER: Final = 10.0
+"""Seconds without a node that can be used, after which that is said."""
 
 
 @dataclass(eq=False)
@@ -68,6 +71,8 @@ class Nodes:
     gpus: float
     known: dict[str, Node] = field(default_factory=dict)
     _looked: float = -LOOK_EVERY
+    _seen: float = field(default_factory=time.monotonic)
+    """When there last was a node that can be used, or may be; infinite when it has been said that there is none."""
 
     def __post_init__(self) -> None:
         """Note what this machine has, and lay down what tells that a node sees the folder."""
@@ -103,6 +108,20 @@ class Nodes:
             self._hear(waiting[answer])
         if all(node.refusal or not node.slots for node in self.known.values()):
             raise UsageError(f"No node of the Ray cluster can run these cells: {'; '.join(self._complaints())}")
+
+        self._tell_if_alone()
+
+    def _tell_if_alone(self) -> None:
+        """Say once that no node is left, so that nobody waits without knowing for what."""
+        now = time.monotonic()
+        if any(node.is_usable or node.answer is not None for node in self.known.values()):
+            self._seen = now
+        elif now - self._seen >= ALONE_AFTER:
+            self._seen = math.inf
+            sys.stderr.write(
+                "harness: every node of the Ray cluster that can run these cells is lost. The run waits, and goes on "
+                "when a node joins. Ctrl-C ends it: finished cells are kept, and the same command does the others\n"
+            )
 
     def _ask(self, told: dict[str, Any]) -> Node:
         has = told["Resources"]

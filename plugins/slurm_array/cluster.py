@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 import submitit
+from submitit.core.utils import FailedJobError, FailedSubmissionError
 
 from harness.errors import UsageError, one_line
+from harness.text import one_line_of
 
 from .task import CellTask
 
@@ -44,8 +46,19 @@ class Cluster:
         return self.at_once - running if self.is_local else (0 if running else MOST)
 
     def submit(self, tasks: Sequence[CellTask]) -> list[SubmittedJob]:
-        """Submit an array."""
-        return list(self._executor.submit_array(tasks))
+        """Submit an array.
+
+        Raises:
+            UsageError: The cluster refuses it; says what sbatch said last.
+        """
+        try:
+            return list(self._executor.submit_array(tasks))
+        except (FailedJobError, FailedSubmissionError) as error:
+            said = str(error).strip().splitlines() or ["nothing"]
+            raise UsageError(
+                f"Slurm takes no jobs: {one_line_of(said[-1])}. Run harness where sbatch works, or with "
+                "--executor processes; the same command then does the cells that are not done"
+            ) from error
 
     def over(self, jobs: Sequence[SubmittedJob]) -> dict[str, str]:
         """The state of those that do not run any more, by their id."""

@@ -35,6 +35,16 @@ def test_names_are_offered_behind_a_comma(toys):
         ("audit --reward ar", "arp"),
         ("tune --sim ide", "ideal"),
         ("bench --algo wan", "wander"),
+        ("parity --sim ide", "ideal"),
+        ("parity --reference ide", "ideal"),
+        ("parity --robot fd", "fd100"),
+        ("transfer --to ide", "ideal"),
+        ("audit --task fd", "fd100-reach"),
+        ("audit --against spa", "sparse"),
+        ("tune --baseline spa", "sparse"),
+        ("eta --baseline-reward ar", "arp"),
+        ("eta --proposed-reward ar", "arp"),
+        ("describe --robot fd", "fd100"),
     ],
 )
 def test_bash_completes(harness, monkeypatch, words, name):
@@ -43,3 +53,9 @@ def test_bash_completes(harness, monkeypatch, words, name):
     monkeypatch.setenv("COMP_WORDS", f"harness {words}")
     monkeypatch.setenv("COMP_CWORD", "3")
     assert name in harness().out.split()
+
+
+def test_names_of_several_kinds_are_offered(toys):
+    """As for ``harness describe``, which takes any."""
+    offered = [name for begun in ("ide", "spa") for name, _ in names_of("simulators", "rewards")(begun)]
+    assert offered == ["ideal", "sparse"]

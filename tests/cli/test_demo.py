@@ -3,7 +3,10 @@
 import subprocess
 import sys
 
+import numpy as np
+
 from harness.results import load_results
+from harness.results.replay import shows_of
 
 
 def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):
@@ -14,10 +17,17 @@ def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):
     assert "comes out at 1.50" in told
     same, recorded = told.partition("In ")[2].partition(" recorded")[0].split(" of ")
     assert same == recorded != "0"
-    (combination,) = load_results(tmp_path / "mine").combinations
+    results = load_results(tmp_path / "mine")
+    (combination,) = results.combinations
     split = combination.splits["eta_P"]
     assert (round(split.ruler.value, 9), round(split.behaviour.value, 9)) == (1.5, 1.0)
     assert "harness report mine --details" in answer.out
+    (show,) = shows_of(results)
+    baseline, proposed = (side.episodes for side in show.sides)
+    assert max(len(episode.steps) for episode in baseline) >= 20  # long enough to be watched
+    for one, other in zip(baseline, proposed, strict=True):
+        np.testing.assert_array_equal(one.qpos, other.qpos)
+    assert 'id="replay-player"' in (tmp_path / "mine" / "report.html").read_text()
 
 
 def test_a_folder_with_something_in_it_is_left_alone(harness, tmp_path):

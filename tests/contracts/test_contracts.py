@@ -13,6 +13,7 @@ import harness
 from harness.errors import ContractViolation
 from harness.motion import MODES
 from harness.reach import ReachTask
+from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.testing import (
     ALGORITHM_CHECKS,
@@ -21,6 +22,7 @@ from harness.testing import (
     REWARD_CHECKS,
     SIMULATOR_CHECKS,
     TASK_CHECKS,
+    TRACKER_CHECKS,
     IdealSimulator,
     check_algorithm,
     check_executor,
@@ -53,9 +55,19 @@ SLOW |= {
 """Several trainings with the default networks; `test_checkpoint_mutants` runs both checks with smaller ones."""
 SLOW |= {("ray", check) for check in EXECUTOR_CHECKS}
 """Each starts a cluster; the other executors' show the checks in every run."""
+LOCAL = {"wandb": "wandb:mode=offline", "mlflow": "mlflow:uri=sqlite:///mlflow.db"}
+"""Settings of trackers with which nothing leaves this machine."""
 NEED_A_CLUSTER = ("slurm",)
 """Executors that start none themselves; `tests/plugins/executors` does, and runs the checks there."""
-CHECKS = [*SIMULATOR_CHECKS, *REWARD_CHECKS, *ALGORITHM_CHECKS, *METRIC_CHECKS, *TASK_CHECKS, *EXECUTOR_CHECKS]
+CHECKS = [
+    *SIMULATOR_CHECKS,
+    *REWARD_CHECKS,
+    *ALGORITHM_CHECKS,
+    *METRIC_CHECKS,
+    *TASK_CHECKS,
+    *EXECUTOR_CHECKS,
+    *TRACKER_CHECKS,
+]
 
 
 def registered(kind: str, checks: tuple[Callable[..., None], ...]) -> pytest.MarkDecorator:
@@ -136,6 +148,19 @@ def test_executor(check: Callable[..., None], name: str, tmp_path: Path):
     if missing or name in NEED_A_CLUSTER:
         pytest.skip(f"{', '.join(missing)} is not installed" if missing else "needs a cluster")
     check(build("executors", name), tmp_path)
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of MLflow, which uses an old part of SQLAlchemy
+@registered("trackers", TRACKER_CHECKS)
+def test_tracker(check: Callable[..., None], name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Every registered tracker keeps the contract, where the library that it needs is installed."""
+    missing = REGISTRY.get("trackers", name).missing
+    if missing:
+        pytest.skip(f"{', '.join(missing)} is not installed")
+    monkeypatch.chdir(tmp_path)
+    experiment = tmp_path / "experiment"
+    experiment.mkdir()
+    check(choose(REGISTRY, "trackers", LOCAL.get(name, name)).build(REGISTRY, "trackers"), experiment)
 
 
 @pytest.mark.parametrize("check", SIMULATOR_CHECKS)

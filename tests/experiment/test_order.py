@@ -15,7 +15,7 @@ from harness.registry.choice import Choice
 from harness.transfer.evaluation import EvaluateElsewhere
 
 WORKS: dict[str, Callable[[Cell], Work]] = {
-    "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tensorboard=True)),
+    "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tracked=True)),
     "evaluate elsewhere": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco", (("substeps", 4),), "m")),
     "time": lambda cell: TimeCell(cell, 12.5),
 }

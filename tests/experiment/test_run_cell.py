@@ -9,12 +9,15 @@ import pytest
 
 from harness import load_robot
 from harness.env.make import build_world
+from harness.executor import Word
 from harness.experiment.evaluate import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
+from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, SCENE, STOCHASTIC, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
+from harness.record.returns import mean_return
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
@@ -109,10 +112,19 @@ def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell: MakeCell, tmp
 
 
 def test_progress_is_told(make_cell: MakeCell, tmp_path: Path):
-    """The number of steps done so far, as the algorithm says it."""
-    told: list[int] = []
+    """Where the training begins, then the number of steps done so far, as the algorithm says it."""
+    told: list[Word] = []
     run_cell(make_cell(steps=3), tmp_path / "cell", told.append)
-    assert told == [1, 2, 3]
+    assert [word.steps for word in told] == [0, 1, 2, 3, 3]
+
+
+def test_the_last_word_tells_success_and_return(make_cell: MakeCell, tmp_path: Path):
+    """However short a training is: of its episodes what their rows in the trace say."""
+    told: list[Word] = []
+    run_cell(make_cell(), tmp_path / "cell", told.append)
+    trace = read_trace(tmp_path / "cell" / TRACE)
+    assert told[-1].scalars[SUCCESS] == 0.0
+    assert told[-1].scalars[RETURN] == pytest.approx(mean_return(trace))
 
 
 def test_cell_that_raises_is_failed(make_cell: MakeCell, tmp_path: Path):

@@ -78,6 +78,11 @@ def test_register_executors(write_plugin: Write):
     _assert_hook_registers("executors", write_plugin)
 
 
+def test_register_trackers(write_plugin: Write):
+    """A name that is registered as a tracker is found among the trackers alone."""
+    _assert_hook_registers("trackers", write_plugin)
+
+
 def test_register_commands(write_plugin: Write):
     """A name that is registered as a command is found among the commands alone."""
     _assert_hook_registers("commands", write_plugin)

@@ -1,5 +1,6 @@
 """Reading a robot's folder."""
 
+import hashlib
 from dataclasses import FrozenInstanceError, replace
 from itertools import pairwise
 from pathlib import Path
@@ -96,6 +97,29 @@ def test_reach_and_digest_are_computed_once(tmp_path: Path, monkeypatch: pytest.
     assert computed == [1]
     assert robot.digest is robot.digest
     assert replace(robot, lower=robot.lower - 1.0).digest != robot.digest
+
+
+def test_digest_is_by_content_wherever_the_files_lie(tmp_path: Path):
+    """A copy in another folder is the same robot; one with another mesh, or the mesh as another format, is not."""
+    mesh = '<link name="base"><visual><geometry><mesh filename="hull.stl"/></geometry></visual></link>'
+    folders = [tmp_path / name for name in ("here", "there", "edited", "renamed")]
+    for folder in folders:
+        folder.mkdir()
+        named = mesh.replace(".stl", ".obj") if folder.name == "renamed" else mesh
+        _write(folder, urdf=URDF.replace('<link name="base"/>', named))
+        content = "another" if folder.name == "edited" else "a hull"
+        (folder / ("hull.obj" if folder.name == "renamed" else "hull.stl")).write_text(content)
+    here, there, edited, renamed = (read_robot(folder).digest for folder in folders)
+    assert here == there
+    assert len({here, edited, renamed}) == 3
+
+
+def test_digest_without_meshes_is_that_of_earlier_versions(tmp_path: Path):
+    """The URDF's text counts as it stands: cells of version 0.1 go on."""
+    robot = read_robot(_write(tmp_path))
+    numbers = np.stack([robot.lower, robot.upper, robot.max_speed, robot.max_acceleration, robot.home])
+    parts = (robot.urdf.encode(), robot.end_effector_link.encode(), numbers.tobytes())
+    assert robot.digest == hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
 def test_shapes_are_those_of_the_urdf(tmp_path: Path):

@@ -1,16 +1,16 @@
 """Searches that take a moment: an ideal arm whose success grows with the setting `effort`, all in this process."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from harness.experiment.order import Order
 from harness.registry.registry import Registry
 from harness.tune.trial import Tuned
 from harness.tune.tune import tune
 from harness.tune.tuning import Setup, check_tuning, resolve
-from harness.tune.validation import validate
 
 QUICK: dict[str, Any] = {
     "sim": "ideal",
@@ -34,10 +34,10 @@ def make_setup(toys: Registry) -> Callable[..., Setup]:
 def tune_here(toys: Registry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Tuned]:
     """Tune without a process for anything; some keys may be said otherwise."""
 
-    def validate_all(orders: Any, at_once: int, folder: Path) -> None:
+    def validate_all(orders: Sequence[Order], at_once: int) -> None:
         for order in orders:
-            if not order.is_ended:
-                validate(order, toys)
+            if not order.folder.exists():
+                order.work.do(order.folder, lambda steps: None)
 
     monkeypatch.setattr("harness.tune.measure.validate_all", validate_all)
     return lambda **keys: tune(**{"out": tmp_path / "tuning", "executor": "here", "jobs": 1, **QUICK, **keys})

@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from harness.record.folder import EVALUATION
 from harness.record.trace import read_trace
 from harness.registry.registry import Registry
 from harness.tune.outcome import Outcome, mean_outcome, outcome_of, score
-from harness.tune.validation import Order, validate
+from harness.tune.validation import ValidatePolicy
 
 DISTANCES = st.floats(0.0, 1e6)
 
@@ -43,8 +44,8 @@ def recorded(toys: Registry, make_cell, tmp_path: Path) -> Path:
     from harness.experiment.run_cell import run_cell
 
     run_cell(make_cell(), tmp_path / "cell", lambda steps: None)
-    validate(Order(str(tmp_path / "cell"), str(tmp_path / "validation.parquet"), 8), toys)
-    return tmp_path / "validation.parquet"
+    ValidatePolicy(tmp_path / "cell", 8).do(tmp_path / "validation", lambda steps: None)
+    return tmp_path / "validation" / EVALUATION
 
 
 def _pay_otherwise(path: Path) -> None:

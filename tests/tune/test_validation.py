@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from harness.experiment.evaluate import EVALUATION_SEED
+from harness.experiment.order import Order
 from harness.experiment.run_cell import run_cell
-from harness.record.folder import EVALUATION
+from harness.record.folder import EVALUATION, LOG
 from harness.record.manifest import read_manifest
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
-from harness.tune.validation import VALIDATION_SEED, Order, validate
-from harness.tune.validator import validate_all
+from harness.tune.validation import REASON, VALIDATION_SEED, ValidatePolicy, validate_all
 
 
 @pytest.fixture
@@ -22,9 +22,15 @@ def trained(toys, make_cell, tmp_path):
 
     def train(name: str = "cell", **fields) -> Order:
         run_cell(make_cell(evaluation_episodes=8, **fields), tmp_path / name, lambda steps: None)
-        return Order(str(tmp_path / name), str(tmp_path / f"{name}.parquet"), 8)
+        return Order(tmp_path / "validation" / name, ValidatePolicy(tmp_path / name, 8))
 
     return train
+
+
+def _validate(order: Order) -> Path:
+    """In this process; the trace."""
+    assert order.work.do(order.folder, lambda steps: None)
+    return order.folder / EVALUATION
 
 
 def _targets(path: Path) -> np.ndarray:
@@ -35,8 +41,7 @@ def _targets(path: Path) -> np.ndarray:
 def test_targets_are_apart_from_the_evaluation(toys, trained):
     """No target of a validation is one of the evaluation, nor is the seed; the number of episodes is the same here."""
     order = trained()
-    validate(order, toys)
-    judged, evaluated = _targets(Path(order.path)), _targets(Path(order.cell_folder) / EVALUATION)
+    judged, evaluated = _targets(_validate(order)), _targets(order.work.cell_folder / EVALUATION)
     assert VALIDATION_SEED != EVALUATION_SEED
     assert not np.isin(judged, evaluated).any()
 
@@ -44,44 +49,44 @@ def test_targets_are_apart_from_the_evaluation(toys, trained):
 def test_targets_are_the_same_for_every_policy(toys, trained):
     """Whatever the reward and the seed that trained it."""
     first, second = trained("one"), trained("two", seed=5, reward=Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp"))
-    for order in (first, second):
-        validate(order, toys)
-    starts = [read_trace(Path(order.path), ["target_x", "step", "env"]) for order in (first, second)]
+    starts = [read_trace(_validate(order), ["target_x", "step", "env"]) for order in (first, second)]
     per_env = [{(env, x) for env, x in zip(t["env"], t["target_x"], strict=True)} for t in starts]
     assert per_env[0] == per_env[1]
 
 
-def test_policies_are_validated_in_processes_of_their_own(trained, tmp_path):
+def test_policies_are_validated_in_processes_of_their_own(trained):
     """Each leaves its trace, one episode per env."""
     orders = [trained("one"), trained("two", seed=1), trained("three", seed=2)]
-    validate_all(orders, 2, tmp_path)
+    validate_all(orders, 2)
     for order in orders:
-        assert len(read_trace(Path(order.path)).episodes) == 8
-        assert not order.failure.exists()
+        assert len(read_trace(order.folder / EVALUATION).episodes) == 8
+        assert not (order.folder / REASON).exists()
 
 
 def _elsewhere(order: Order, then: str) -> Order:
     """The cell as if it had been trained in a simulator that goes wrong."""
-    manifest = read_manifest(Path(order.cell_folder))
+    manifest = read_manifest(order.work.cell_folder)
     simulator = Choice("stuck", (("then", then), ("note", "")), f"stuck:then={then}")
-    replace(manifest, cell=replace(manifest.cell, simulator=simulator)).write(Path(order.cell_folder))
+    replace(manifest, cell=replace(manifest.cell, simulator=simulator)).write(order.work.cell_folder)
     return order
 
 
-def test_what_goes_wrong_costs_itself_alone(trained, tmp_path):
+def test_what_goes_wrong_costs_itself_alone(trained):
     """One that raises and one that kills its process have their reasons; those after them are validated."""
     raising, dying = _elsewhere(trained("raising"), "raise"), _elsewhere(trained("dying"), "be killed")
     fine = trained("fine")
-    validate_all([raising, dying, fine], 1, tmp_path)
-    assert raising.failure.read_text() == "RuntimeError: the arm fell off"
-    assert "exit status -9" in dying.failure.read_text()
-    assert Path(fine.path).exists()
-    assert not fine.failure.exists()
+    validate_all([raising, dying, fine], 1)
+    assert (raising.folder / REASON).read_text() == "RuntimeError: the arm fell off"
+    assert (dying.folder / REASON).read_text() == "its process was ended by SIGKILL"
+    assert "Traceback" in (raising.folder / LOG).read_text()
+    assert [order.folder / EVALUATION for order in (raising, dying, fine) if (order.folder / EVALUATION).exists()] == [
+        fine.folder / EVALUATION
+    ]
 
 
-def test_what_is_validated_is_not_again(trained, tmp_path):
-    """A trace that is there stays as it is."""
+def test_what_is_validated_is_not_again(trained):
+    """A folder that is there stays as it is."""
     order = trained()
-    Path(order.path).write_text("there")
-    validate_all([order], 1, tmp_path)
-    assert Path(order.path).read_text() == "there"
+    order.folder.mkdir(parents=True)
+    validate_all([order], 1)
+    assert not list(order.folder.iterdir())

@@ -10,7 +10,6 @@ from harness.report.behaviour_rows import along_grid, behaviour_grids
 from harness.report.facts import Fact, shared_facts
 from harness.report.question import question
 from harness.report.rows import (
-    NOTHING,
     SCALES,
     SPLIT,
     TESTS,
@@ -28,6 +27,7 @@ from harness.report.summary.effort import duration_text, effort_of
 from harness.report.summary.missing import missing_text
 from harness.results import Results
 from harness.results.combination import Combination
+from harness.results.overview import NOTHING
 from harness.text import visible
 
 Pictures: TypeAlias = Mapping[str, str]

@@ -65,6 +65,33 @@ def test_files_that_are_sent_back_are_those_of_a_shared_folder(check: Callable[.
     assert list(violations([check], Ray(fetch=True), tmp_path)) == []
 
 
+def test_it_is_said_once_that_no_node_is_left(tmp_path: Path, monkeypatch: Any, capsys: Any):
+    """After some seconds, and that the run waits; not while a node can be used, nor while one is asked what it has."""
+    from harness_plugins.ray_cluster import nodes as module
+
+    nodes, now = module.Nodes([], tmp_path, 1.0, 0.0), [time.monotonic()]
+    nodes.known["a"] = module.Node("a", "a", 1, None)
+    alive = True
+    monkeypatch.setattr(module.ray, "nodes", lambda: [{"NodeID": "a", "Alive": alive}])
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
+
+    def said_after(seconds: float) -> str:
+        now[0] += seconds
+        nodes.look(at_once=True)
+        return str(capsys.readouterr().err)
+
+    assert said_after(60.0) == ""
+    alive = False
+    assert said_after(1.0) == ""
+    assert "The run waits, and goes on when a node joins. Ctrl-C ends it" in said_after(module.ALONE_AFTER)
+    assert said_after(60.0) == ""
+    alive = True
+    assert said_after(1.0) == ""
+    alive = False
+    assert "every node of the Ray cluster" in said_after(module.ALONE_AFTER)
+    nodes.close()
+
+
 def test_a_cell_whose_process_is_lost_is_begun_again(two_nodes: Any, tmp_path: Path):
     """It is told to have begun once, and is done; the processes that it had started end with it."""
     notes = tmp_path / "notes"

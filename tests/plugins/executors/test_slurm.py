@@ -1,5 +1,6 @@
 """Cells as jobs of a Slurm cluster, and of submitit's own stand-in for one."""
 
+import os
 import re
 import subprocess
 import threading
@@ -42,6 +43,18 @@ def test_jobs_on_this_machine_keep_the_contract(check: Callable[..., None], tmp_
 def test_jobs_of_a_cluster_keep_the_contract(check: Callable[..., None], tmp_path: Path):
     """By sbatch, squeue and scancel."""
     check(Slurm(memory=0.5), tmp_path)
+
+
+def test_a_cluster_that_takes_no_jobs_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """As where Slurm is installed and not configured: what sbatch said last, and what to do."""
+    complaint = "echo 'sbatch: error: no host' >&2; echo 'sbatch: fatal: no source' >&2; exit 1"
+    for name in ("sbatch", "srun"):
+        (tmp_path / name).write_text(f"#!/bin/sh\n{complaint}\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    cell = odd_cell(0, "last", tmp_path)
+    with pytest.raises(UsageError, match=r"^Slurm takes no jobs: sbatch: fatal: no source\. Run harness where sbatch"):
+        Slurm().run([Job(cell, tmp_path / "cells" / cell.id)], 1, lambda event: None)
 
 
 @pytest.mark.usefixtures("slurm")

@@ -1,0 +1,175 @@
+"""The env with its goal apart: recorded steps are paid again for another goal."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from stable_baselines3 import SAC, HerReplayBuffer
+from stable_baselines3.common import env_checker
+
+from harness.env.goal_env import NEEDED, ReachGoalEnv, forgets_the_way
+from harness.env.single_env import ReachEnv
+from harness.errors import UsageError
+from harness.reach import ReachTask
+from harness.registry.choice import build_named
+from harness.registry.registry import load_registry
+from harness.task import Targets
+
+PAYABLE = ["sparse", "potential", "adaptive", "scaled:reward=dense"]
+WITH_MEMORY = ["baseline", "baseline-eq21", "arp", "aarp", "scaled:reward=arp", "shifted"]
+GIVEN: dict[str, Any] = {"simulator": "kinematic", "task": "fd100-reach:horizon=12,epsilon=0.03"}
+
+
+def _steps(env: gymnasium.Env[Any, Any], count: int, seed: int = 0) -> list[tuple[Any, ...]]:
+    rng = np.random.default_rng(seed)
+    env.reset(seed=seed)
+    taken = []
+    for _ in range(count):
+        taken.append(env.step(rng.uniform(-1.0, 1.0, 6).astype(np.float32)))
+        if taken[-1][2] or taken[-1][3]:
+            env.reset()
+    return taken
+
+
+@pytest.fixture(params=PAYABLE)
+def env(request: pytest.FixtureRequest) -> Any:
+    """One arm without an engine, for every reward that can be paid again."""
+    env = ReachGoalEnv(**GIVEN, reward=request.param)
+    yield env
+    env.close()
+
+
+def test_checkers_find_no_fault(env: ReachGoalEnv):
+    """Gymnasium's and stable-baselines3's, without a warning; the latter pays steps again, one and several."""
+    check_env(env, skip_render_check=True)
+    env_checker.check_env(env, warn=True, skip_render_check=True)
+
+
+def test_it_pays_what_reach_pays(env: ReachGoalEnv):
+    """With the same seed and actions: rewards, ends, and what is known of each step."""
+    one, other = _steps(env, 30), _steps(ReachEnv(**GIVEN, reward=_label(env)), 30)
+    np.testing.assert_allclose([step[1] for step in one], [step[1] for step in other], rtol=0, atol=1e-12)
+    assert [step[2:4] for step in one] == [step[2:4] for step in other]
+    for goal_step, step in zip(one, other, strict=True):
+        assert step[4].items() <= goal_step[4].items()
+        assert goal_step[4].keys() - step[4].keys() == set(NEEDED)
+
+
+def _label(env: ReachGoalEnv) -> str:
+    registry, reward = load_registry(), env.vector_env.reward
+    return next(name for name in PAYABLE if build_named(registry, "rewards", name, "")[1] == reward)
+
+
+def test_it_pays_what_would_have_been_paid(env: ReachGoalEnv, monkeypatch: pytest.MonkeyPatch):
+    """Steps paid again for another goal, all at once, have the rewards of the same motion with that goal set."""
+    taken = _steps(env, 12)
+    goal = taken[7][0]["achieved_goal"] + [0.02, 0.0, 0.0]
+    monkeypatch.setattr(
+        ReachTask, "draw_targets", lambda *_: Targets(np.tile(goal, (1000, 1)), np.zeros(1000, dtype=bool))
+    )
+    meant = _steps(ReachEnv(**GIVEN, reward=_label(env)), 8)
+    end = next(number for number, step in enumerate(meant) if step[2]) + 1
+    achieved, infos = np.stack([step[0]["achieved_goal"] for step in taken[:end]]), [step[4] for step in taken[:end]]
+    paid = env.compute_reward(achieved, np.tile(goal, (end, 1)), infos)
+    assert end > 2
+    np.testing.assert_allclose(paid, [step[1] for step in meant[:end]], rtol=0, atol=1e-12)
+
+
+def test_goals_are_end_effector_and_target():
+    """In metres; the rest of the observation holds no target."""
+    env, other = (ReachGoalEnv(**GIVEN) for _ in range(2))
+    observation, _ = env.reset(seed=1)
+    arm = env.vector_env.robot
+    qpos = env.vector_env.episodes.qpos[0]
+    np.testing.assert_allclose(observation["achieved_goal"], arm.end_effector(qpos), atol=1e-9)
+    np.testing.assert_array_equal(observation["desired_goal"], env.vector_env.episodes.target[0])
+    np.testing.assert_allclose(observation["observation"][-3:], observation["achieved_goal"], atol=1e-6)
+    other.reset(seed=1)
+    other.vector_env.episodes.target[0] += 0.1
+    np.testing.assert_array_equal(other._observe()["observation"], observation["observation"])
+
+
+@pytest.mark.parametrize("reward", WITH_MEMORY)
+def test_rewards_with_memory_are_refused(reward: str):
+    """By name, with what is allowed."""
+    with pytest.raises(
+        UsageError, match=rf"'{reward}' depends on .*Allowed: adaptive, dense, potential, relative, spa"
+    ):
+        ReachGoalEnv(**GIVEN, reward=reward)
+
+
+@pytest.mark.parametrize("task", ["unity-reach", "arp-2021"])
+def test_tasks_with_several_goals_are_refused(task: str):
+    """Their steps say nothing of which goal they were made for."""
+    with pytest.raises(UsageError, match=rf"'{task}' sets several goals .*Allowed: fd100-reach"):
+        ReachGoalEnv(simulator="kinematic", task=task)
+
+
+def test_a_reward_that_counts_is_refused():
+    """Memory in arrays counts as memory, whatever it is used for."""
+
+    class Counting:
+        def initial_carry(self, begin_distance: Any) -> Any:
+            return np.zeros(len(begin_distance))
+
+        def __call__(self, carry: Any, sample: Any) -> Any:
+            return carry + 1, -sample.distance
+
+    assert not forgets_the_way(Counting())
+
+
+def test_info_that_lacks_something_is_told():
+    """As HerReplayBuffer hands over without copy_info_dict."""
+    env = ReachGoalEnv(**GIVEN)
+    env.reset(seed=0)
+    with pytest.raises(UsageError, match="copy_info_dict=True"):
+        env.compute_reward(np.zeros((2, 3)), np.zeros((2, 3)), [{}, {}])
+
+
+def _learner(task: str, **given: Any) -> "SAC":
+    env = gymnasium.make("harness/ReachGoal-v0", simulator="kinematic", task=task, reward="sparse")
+    return SAC(
+        "MultiInputPolicy",
+        env,
+        replay_buffer_class=HerReplayBuffer,
+        replay_buffer_kwargs={"copy_info_dict": True},
+        gamma=0.95,
+        learning_rate=1e-3,
+        seed=0,
+        **given,
+    )
+
+
+def test_her_runs():
+    """stable-baselines3's HER pretends goals: steps that paid nothing but their price pay the target's reward."""
+    model = _learner("fd100-reach:horizon=10", learning_starts=30, batch_size=64, policy_kwargs={"net_arch": [8]})
+    before = [weights.clone() for weights in model.actor.parameters()]
+    model.learn(40)
+    assert any((old != new).any() for old, new in zip(before, model.actor.parameters(), strict=True))
+    assert model.replay_buffer.rewards[:40].max() < 0.0
+    assert model.replay_buffer.sample(200).rewards.max() > 0.9
+
+
+@pytest.mark.slow
+def test_her_learns():
+    """From rewards for reaching alone, in 3,000 steps: most targets are reached, next to none before."""
+    task = "fd100-reach:epsilon=0.1,horizon=50"
+    given = {"learning_starts": 200, "ent_coef": 0.01, "gradient_steps": 2, "batch_size": 128}
+    model = _learner(task, policy_kwargs={"net_arch": [64, 64]}, **given)
+    before = _success(model, 30)
+    model.learn(3000)
+    assert _success(model, 30) > before + 0.3
+
+
+def _success(model: "SAC", episodes: int) -> float:
+    env, reached = model.get_env().envs[0], 0
+    for seed in range(episodes):
+        observation, _ = env.reset(seed=10_000 + seed)
+        ended = False
+        while not ended:
+            observation, _, terminated, truncated, info = env.step(model.predict(observation, deterministic=True)[0])
+            ended = terminated or truncated
+        reached += info["is_success"]
+    return reached / episodes
