@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
 
 from harness.record.cell import Cell
+from harness.registry.given import Given, given_from_json
 
 NO_SCALARS: Mapping[str, float] = MappingProxyType({})
 
@@ -39,6 +40,7 @@ class CellOptions:
         fresh: Whether the cell gets a process of its own, which did no other cell before.
         floor: Whether the cell evaluates random actions too. What they do depends on simulator, task and robot alone:
             one cell of an experiment that has these does it for all.
+        plugins: What was given by hand beside the installed plugins: files with their text, and names of classes.
     """
 
     checkpoint_every: int | None = None
@@ -46,6 +48,7 @@ class CellOptions:
     limits: Limits = Limits()
     fresh: bool = False
     floor: bool = True
+    plugins: tuple[Given, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same options back."""
@@ -54,7 +57,8 @@ class CellOptions:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """The options that `to_json` told."""
-        return cls(**{**data, "limits": Limits(**data["limits"])})
+        plugins = given_from_json(data.get("plugins", ()))
+        return cls(**{**data, "limits": Limits(**data["limits"]), "plugins": plugins})
 
 
 class Job(NamedTuple):

@@ -244,10 +244,14 @@ class Buttons:
 
 @dataclass(frozen=True)
 class Both:
-    """Takes whatever there is."""
+    """Takes whatever there is, and is never asked to learn."""
 
     num_envs: int = 1
     action_spaces: ClassVar = frozenset({"continuous", "discrete"})
+
+    def train(self, env, steps, seed, progress):
+        """Nothing."""
+        raise NotImplementedError
 
 
 @pydantic.dataclasses.dataclass(frozen=True)

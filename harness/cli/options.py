@@ -36,6 +36,25 @@ RobotName = Annotated[
     str | None,
     typer.Option(help=ROBOT, show_default="the task's", metavar="NAME", autocompletion=ROBOTS),
 ]
+PluginFiles = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--plugin",
+        help="A Python file with plugins, beside those that are installed; may be given several times.",
+        metavar="FILE",
+        show_default=False,
+    ),
+]
+MetricNames = Annotated[
+    Names,
+    typer.Option(
+        "--metric",
+        help="Metrics to tell, beside those that decide.",
+        show_default="all",
+        metavar="NAME,...",
+        autocompletion=names_of("metrics"),
+    ),
+]
 CurveKind = Annotated[
     Literal["accumulated", "per-step"],
     typer.Option(help="Curves of the indices: as published, or NOTE eq. 39-42 read literally."),

@@ -15,8 +15,9 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files, other_manner
 from harness.record.returns import mean_return
 from harness.record.trace import Trace, read_trace
-from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
+from harness.results.measured import measure
+from harness.results.metrics import load_metrics
 
 SECTION = "Evaluation"
 BEAT_EVERY = 1.0
@@ -94,7 +95,7 @@ class CellEvaluations:
             return
         try:
             scalars = evaluation_scalars(read_trace(path), self._registry)
-        except Exception:  # a metric may raise anything: what is there to look at decides no result
+        except Exception:  # what is there to look at decides no result
             with (self._folder / LOG).open("a") as log:
                 traceback.print_exc(file=log)
         else:
@@ -102,9 +103,8 @@ class CellEvaluations:
 
 
 def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
-    """The return and every registered metric, those that are not defined left out: ``Evaluation/Success Rate``."""
+    """The return and every registered metric, ``Evaluation/Success Rate``; what is not defined or fails is left out."""
     values = {"Cumulative Reward": mean_return(trace)}
-    values |= {
-        name.replace("_", " ").title(): metric(trace) for name, metric in build_defaults(registry, "metrics").items()
-    }
+    measured = measure(load_metrics(registry), trace)
+    values |= {name.replace("_", " ").title(): value for name, value in measured.items()}
     return {f"{SECTION}/{name}": float(value) for name, value in values.items() if value is not None}

@@ -15,6 +15,7 @@ from harness.experiment.changed import CHANGED, Changed, Sources, changed_cells,
 from harness.experiment.ended_cells import EndedCells
 from harness.experiment.floor import floor_carriers
 from harness.experiment.followed import Followed
+from harness.experiment.objects import name_objects
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.run_arguments import RunArguments
 from harness.experiment.selection import select
@@ -27,8 +28,11 @@ from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
 from harness.registry.choice import choose
+from harness.registry.given import Given as Plugins
+from harness.registry.given import read_given, require_given
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
+from harness.results.metrics import load_metrics
 from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
@@ -69,6 +73,7 @@ class RunOptions:
         cell_time: Seconds that a cell may take; 0 for any number.
         cell_memory: GiB of memory that a cell may use; 0 for any number.
         fresh: Whether each cell gets a process of its own, instead of one that does several cells.
+        metrics: Which metrics the results tell, ``"work"``, several with commas; every registered one if None.
 
     Raises:
         UsageError: A number is out of range, or there is no such curve or choice.
@@ -90,6 +95,7 @@ class RunOptions:
     cell_time: float = 0.0
     cell_memory: float = 0.0
     fresh: bool = False
+    metrics: str | Sequence[str] | None = None
 
     def __post_init__(self) -> None:
         worker_count(self.jobs)
@@ -138,15 +144,17 @@ def run(**given: Unpack[RunArguments]) -> Results:
     Args:
         **given: The fields of `RunOptions`, such as ``out`` and ``jobs``, and those of
             `harness.experiment.plan.Experiment`, such as ``sim`` and ``algo``; its lists may be single names, or text
-            with commas.
+            with commas. Where a name is expected, an object may stand whose class workers can import. ``plugins``
+            lists files and classes beside the installed plugins; see `harness.registry.given.read_given`.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
     of_options = {field.name for field in fields(RunOptions)}
-    everything: dict[str, Any] = dict(given)
+    everything, classes = name_objects(given)
+    plugins = dict.fromkeys([*read_given(everything.pop("plugins", ())), *classes])
     options = {name: everything.pop(name) for name in tuple(everything) if name in of_options}
-    return prepare(check_experiment(everything), RunOptions(**options)).run()
+    return prepare(check_experiment(everything), RunOptions(**options), tuple(plugins)).run()
 
 
 @dataclass(frozen=True)
@@ -256,7 +264,7 @@ class BegunRun:
         store, options, waiting = self.asked.store, self.asked.options, self.waiting
         # What else was begun stays too: run_cell says what becomes of it.
         store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-        ended = EndedCells(store, self.asked.registry, self.asked.plan)
+        ended = EndedCells(store, self.asked.registry, self.asked.plan, options.metrics)
         trackers = Trackers(self.asked.trackers, on_trouble)
         tracking = Tracking(trackers, store.folder, read_left(store.folder))
         followed = Followed(store, ended, tracking, on_event, self.again)
@@ -269,13 +277,14 @@ class BegunRun:
             followed.stop()
             store.discard_partial()
             ended.finish()
-        return Results(store.folder, self.asked.registry, options.curve)
+        return Results(store.folder, self.asked.registry, options.curve, metrics=options.metrics)
 
     def _do(self, cells: Sequence[Cell], followed: Followed) -> None:
         """Have the executor do cells; with the option `fail_fast`, until one fails."""
         store, options = self.asked.store, self.asked.options
         carriers = floor_carriers(cells, store)
-        jobs = [Job(cell, store.cell_folder(cell), replace(options.of_cells, floor=cell in carriers)) for cell in cells]
+        of_all = replace(options.of_cells, plugins=self.asked.registry.given)
+        jobs = [Job(cell, store.cell_folder(cell), replace(of_all, floor=cell in carriers)) for cell in cells]
 
         def follow(event: Event) -> None:
             followed(event)
@@ -290,25 +299,33 @@ class _FirstFailure(Exception):
     """A cell has failed, and nothing more is to be done."""
 
 
-def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:
+def prepare(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Plugins] = ()) -> ExperimentRun:
     """Check everything that an experiment needs, then make its folder, or look whether it can go on with one.
+
+    Args:
+        experiment: What to do.
+        options: How.
+        given: Plugins beside the installed ones.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    ready = check(experiment, options)
+    ready = check(experiment, options, given)
     Store.claim(ready.store.folder)
     return ready
 
 
-def check(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:
-    """Check everything that an experiment needs. Writes nothing.
+def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Plugins] = ()) -> ExperimentRun:
+    """Check everything that an experiment needs. Writes nothing; see `prepare`.
 
     Raises:
         UsageError: Something given cannot be used.
     """
-    registry = load_registry()
+    require_given(experiment.plugins, given)
+    registry = load_registry(given=given)
     executor, trackers = options.build_executor(registry), build_trackers(options.tracker, registry)
+    if options.metrics is not None:
+        load_metrics(registry, options.metrics)
     plan = expand(experiment, registry)
     if options.only:
         select(plan.cells, options.only)
@@ -319,4 +336,5 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentR
 def default_folder(plan: Plan) -> Path:
     """A folder named for what the plan does: the same plan finds its results again."""
     first = plan.cells[0] if plan.cells else plan.skipped[0][0]
-    return DEFAULT_FOLDER / f"{first.simulator.name}-{first.algorithm.name}-{plan.id}"
+    names = f"{first.simulator.name}-{first.algorithm.name}".replace("/", "-")  # of a qualified name
+    return DEFAULT_FOLDER / f"{names}-{plan.id}"

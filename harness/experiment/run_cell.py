@@ -55,7 +55,7 @@ def run_cell(
     with draft_of(folder, Manifest(cell, status="done")) as draft:
         forget_peak()
         try:
-            _Run(cell, load_registry(), report, options, watch).leave(draft)
+            _Run(cell, load_registry(given=options.plugins), report, options, watch).leave(draft)
         finally:
             draft.note(peak_memory=peak_memory())
             (draft.partial / CHECKPOINT).unlink(missing_ok=True)

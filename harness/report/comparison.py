@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from harness.eta.headline import SUCCESS
 from harness.report.apart import BETWEEN
-from harness.report.behaviour_rows import along_grid, behaviour_grids, defined_changes, seeds_grid
+from harness.report.behaviour_rows import along_grid, behaviour_grids, defined_changes, failed_changes, seeds_grid
 from harness.report.chart import Chart
 from harness.report.draw import draw_chart
 from harness.report.figure import draw_panels
@@ -56,7 +56,7 @@ def comparison_section(
     """What the template shows of a combination, `points` of each run."""
     headline = combination.headline
     grids = behaviour_grids(combination)
-    changes = defined_changes(combination, combination.manner)
+    changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
     bars = outcome_bars(combination)
     return {
         "title": title,

@@ -6,11 +6,10 @@ import io
 import math
 import tempfile
 import threading
-from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
-from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
+from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 from harness.tracker import Outcome, TrackedCell, Tracker
 
 SCALARS = {"Training/Success Rate": 0.5, "Training/Episode Return": -3.25}
@@ -28,11 +27,12 @@ def check_tracker(tracker: Tracker, folder: Path | None = None) -> None:
     Raises:
         ContractViolation: At the first check that fails.
     """
-    for check in TRACKER_CHECKS:
+    for each in TRACKER_CHECKS:
         with tempfile.TemporaryDirectory(dir=folder) as place:
-            raise_first([check], tracker, Path(place))
+            raise_first([each], tracker, Path(place))
 
 
+@check("tracker-why-not")
 def whether_it_can_be_used_is_a_text(tracker: Tracker, folder: Path) -> None:
     """`why_not` returns a text, which is empty where the tracker can be used, as it has to be here."""
     reason = tracker.why_not()
@@ -40,6 +40,7 @@ def whether_it_can_be_used_is_a_text(tracker: Tracker, folder: Path) -> None:
     require(not reason, f"it cannot be used here: {reason}")
 
 
+@check("tracker-outcomes")
 def every_outcome_is_taken(tracker: Tracker, folder: Path) -> None:
     """A cell may be done, fail or be interrupted, without a single number too."""
     for number, outcome in enumerate(get_args(Outcome)):
@@ -47,6 +48,7 @@ def every_outcome_is_taken(tracker: Tracker, folder: Path) -> None:
         track.end(outcome, "the arm fell off" if outcome == "failed" else "")
 
 
+@check("tracker-side-by-side")
 def cells_are_tracked_side_by_side(tracker: Tracker, folder: Path) -> None:
     """Another cell begins before the first one ends, and their numbers come by turns."""
     first, second = (tracker.begin(_cell(folder, number)) for number in range(2))
@@ -58,6 +60,7 @@ def cells_are_tracked_side_by_side(tracker: Tracker, folder: Path) -> None:
     second.end("done", "")
 
 
+@check("tracker-numbers")
 def odd_numbers_are_taken(tracker: Tracker, folder: Path) -> None:
     """Numbers may be NaN or infinite, and other numbers may come at the same steps."""
     track = tracker.begin(_cell(folder))
@@ -66,6 +69,7 @@ def odd_numbers_are_taken(tracker: Tracker, folder: Path) -> None:
     track.end("done", "")
 
 
+@check("tracker-texts")
 def odd_texts_are_taken(tracker: Tracker, folder: Path) -> None:
     """Labels of plugins may be long and hold any character, and so may the reason of a failure."""
     track = tracker.begin(_cell(folder, title=LONG))
@@ -73,6 +77,7 @@ def odd_texts_are_taken(tracker: Tracker, folder: Path) -> None:
     track.end("failed", LONG)
 
 
+@check("tracker-goes-on")
 def a_killed_cell_goes_on(tracker: Tracker, folder: Path) -> None:
     """A cell begins again under the id that it had before its run was killed."""
     track = tracker.begin(_cell(folder))
@@ -83,6 +88,7 @@ def a_killed_cell_goes_on(tracker: Tracker, folder: Path) -> None:
     track.end("done", "")
 
 
+@check("tracker-thread")
 def another_thread_may_call_it(tracker: Tracker, folder: Path) -> None:
     """All calls but `why_not` come from a thread that is not the main one."""
     errors: list[BaseException] = []
@@ -99,6 +105,7 @@ def another_thread_may_call_it(tracker: Tracker, folder: Path) -> None:
     require(not errors, f"in another thread it raised {errors}")
 
 
+@check("tracker-silent")
 def nothing_is_printed(tracker: Tracker, folder: Path) -> None:
     """Standard output belongs to the results."""
     told = io.StringIO()
@@ -107,6 +114,7 @@ def nothing_is_printed(tracker: Tracker, folder: Path) -> None:
     require(not told.getvalue(), f"it printed {told.getvalue()[:100]!r}")
 
 
+@check("tracker-folder")
 def the_experiment_is_left_alone(tracker: Tracker, folder: Path) -> None:
     """No file of the experiment's folder is changed, and no link is left in it: harness writes into none with links."""
     (folder / "plan.json").write_text("{}")
@@ -116,7 +124,7 @@ def the_experiment_is_left_alone(tracker: Tracker, folder: Path) -> None:
     require(not links, f"it left links: {links}")
 
 
-TRACKER_CHECKS: tuple[Callable[[Tracker, Path], None], ...] = (
+TRACKER_CHECKS: tuple[Check, ...] = (
     settings_are_frozen,
     settings_survive_json,
     whether_it_can_be_used_is_a_text,

@@ -63,7 +63,8 @@ class Fleet:
         self._needs, self._at_once, self._on_event = needs, at_once, on_event
         folder = jobs[0].folder.parent
         folder.mkdir(parents=True, exist_ok=True)
-        self._nodes = Nodes([job.cell for job in jobs], folder, needs.cpus, needs.gpus)
+        cells, plugins = [job.cell for job in jobs], jobs[0].options.plugins
+        self._nodes = Nodes(cells, folder, needs.cpus, needs.gpus, plugins)
         self._seats: list[_Seat] = []
 
     def run(self) -> None:

@@ -15,6 +15,7 @@ from harness.experiment.jobs import events_of
 from harness.experiment.workers import Pool
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder
+from harness.registry.given import given_from_json
 
 TELL_EVERY: Final = 0.5
 """Seconds from one word of progress to the next."""
@@ -40,14 +41,16 @@ class Found(NamedTuple):
     """Whether it can write where the cells' folders have to be."""
 
 
-def look_around(cells: Sequence[Mapping[str, Any]], token: str) -> Found:
+def look_around(cells: Sequence[Mapping[str, Any]], token: str, plugins: Sequence[Mapping[str, str]]) -> Found:
     """What this node has for some cells, told as JSON.
 
     Args:
         cells: Whose plugins matter.
         token: A file that is in the experiment's folder.
+        plugins: Given by hand, told as JSON.
     """
-    return Found(describe_workers(map(Cell.from_json, cells)), Path(token).is_file())
+    installed = describe_workers(map(Cell.from_json, cells), given_from_json(plugins))
+    return Found(installed, Path(token).is_file())
 
 
 class Slot:

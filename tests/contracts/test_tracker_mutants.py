@@ -181,7 +181,7 @@ def failing(mutant: type, folder: Path) -> list[str]:
     """Names of the checks that a mutant fails."""
     found = []
     for check in TRACKER_CHECKS:
-        place = folder / check.__name__
+        place = folder / check.name
         place.mkdir()
         found += [violation.check for violation in violations([check], mutant(), place)]
     return found
@@ -190,7 +190,7 @@ def failing(mutant: type, folder: Path) -> list[str]:
 @pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
 def test_mutant_fails_one_check(mutant: type, check: Callable[..., None], tmp_path: Path):
     """A tracker that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant, tmp_path) == [check.__name__]
+    assert failing(mutant, tmp_path) == [check.name]
 
 
 def test_every_check_has_a_mutant():

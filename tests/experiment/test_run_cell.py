@@ -1,6 +1,7 @@
 """A cell from its start to its folder, in this process."""
 
 from collections.abc import Callable
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from harness import load_robot
 from harness.env.make import build_world
-from harness.executor import Word
+from harness.executor import CellOptions, Word
 from harness.experiment.evaluate import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
@@ -20,8 +21,10 @@ from harness.record.manifest import Manifest, read_manifest
 from harness.record.returns import mean_return
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
+from harness.registry.given import read_given
 from harness.registry.registry import Registry
 from harness.robot import robot
+from tests.registry.test_given import REWARD
 
 pytestmark = pytest.mark.usefixtures("toys")
 MakeCell = Callable[..., Cell]
@@ -190,3 +193,15 @@ def test_robot_is_read_once(make_cell: MakeCell, toys: Registry, tmp_path: Path,
     monkeypatch.setattr("harness.robot.load.read_robot", lambda path: read.append(path) or plain(path))
     _run(make_cell(evaluate_every=6), tmp_path / "cell")
     assert len(read) == 1
+
+
+def test_cell_is_taught_by_a_file_that_came_with_it(toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path):
+    """Where the cell is done the file need not be; its SHA-256 is in the manifest."""
+    path = tmp_path / "my_reward.py"
+    path.write_text(REWARD)
+    digest = sha256(path.read_bytes()).hexdigest()
+    options = CellOptions(plugins=read_given([path]))
+    path.unlink()
+    cell = make_cell(reward=Choice("my_reward", (("scale", 1.0),), "my_reward"))
+    manifest = run_cell(cell, tmp_path / "cell", lambda steps: None, options)
+    assert (manifest.status, manifest.environment["sources"]["rewards"]) == ("done", digest)
