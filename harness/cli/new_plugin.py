@@ -11,7 +11,7 @@ from harness.errors import UsageError
 NEXT = """{folder}: {count} files. Type next:
 
   pip install -e "{folder}[test]"
-  pytest {folder}
+  pytest {quoted}
   {command}
 
 The {noun} is {folder}/{module}/{noun}.py: change that file, and its tests beside it."""
@@ -52,5 +52,6 @@ def new_plugin(
     if kind == "command" and name in context.obj:
         raise UsageError(f"The name '{name}' is taken: it is a command of the harness. Choose another name")
     write_package(files, folder)
+    quoted = f'"{folder}"' if " " in str(folder) else str(folder)
     command = command_to_try(kind, plugin)
-    say(NEXT.format(folder=folder, count=len(files), command=command, noun=kind, module=plugin.module))
+    say(NEXT.format(folder=folder, quoted=quoted, count=len(files), command=command, noun=kind, module=plugin.module))

@@ -23,6 +23,14 @@ def test_another_folder_may_be_named(harness, tmp_path):
     assert (tmp_path / "mine" / "zz-metric" / "pyproject.toml").is_file()
 
 
+def test_commands_hold_a_folder_with_a_blank(harness, tmp_path):
+    """What is told can be typed."""
+    (tmp_path / "my plugins").mkdir()
+    out = harness("new-plugin", "metric", "zz-metric", "--into", "my plugins").out
+    assert '\n  pytest "my plugins/zz-metric"\n' in out
+    assert '\n  pip install -e "my plugins/zz-metric[test]"\n' in out
+
+
 @pytest.mark.parametrize(
     "arguments",
     [("exporter", "zz"), ("reward", "Arp"), ("reward", "arp"), ("command", "status"), ("command", "export")],
