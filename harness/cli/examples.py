@@ -42,6 +42,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "merge": ("harness merge from-one from-another --out all",),
         "list": ("harness list", "harness list rewards"),
         "describe": ("harness describe arp", "harness describe sac:gamma=0.9", "harness describe fd100-reach"),
+        "new-plugin": ("harness new-plugin reward my-reward", "harness new-plugin simulator my-engine --into plugins"),
         "plugins": ("harness plugins", "harness plugins --check"),
         "check": (
             "harness check arp",
