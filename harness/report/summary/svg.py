@@ -59,7 +59,8 @@ def draw_svg(title: str, headline: Sequence[str], panels: Sequence[Panel], notes
     height = y + EDGE
     svg.attrib.update({"viewBox": f"0 0 {width:g} {height:g}", "width": f"{width:g}", "height": f"{height:g}"})
     ElementTree.indent(svg, space="")  # a line for each element: what changed can be seen
-    return ElementTree.tostring(svg, encoding="utf-8") + b"\n"
+    text = ElementTree.tostring(svg, encoding="unicode")
+    return f"{text}\n".encode()
 
 
 def chart_style() -> str:
