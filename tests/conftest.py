@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -32,6 +33,15 @@ settings.load_profile("no deadline")
 
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL", "PYOPENGL_PLATFORM")
 """Environment variables that say what MuJoCo renders with."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def interruptible() -> None:
+    """Let whatever the tests start be interrupted.
+
+    A shell that starts the tests in the background has them ignore SIGINT, and whoever they start.
+    """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _run_without_display(

@@ -1,7 +1,6 @@
 """Calls the command line in this process, with the toy package installed."""
 
 import shutil
-import signal
 import sys
 from collections.abc import Callable
 from typing import NamedTuple
@@ -17,15 +16,6 @@ class Answer(NamedTuple):
     status: int
     out: str
     err: str
-
-
-@pytest.fixture(scope="session", autouse=True)
-def interruptible() -> None:
-    """Let the commands that are started here be interrupted.
-
-    A shell that starts the tests in the background has them ignore SIGINT, and whoever they start.
-    """
-    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
