@@ -14,6 +14,13 @@ def register_simulators(register: harness.Register) -> None:
         extra="dm-control",
     )
     register(
+        "drake",
+        "harness_plugins.simulators.drake:Drake",
+        summary="Drake's multibody plant with the SAP contact solver, every arm in a context of its own",
+        requires=("pydrake",),
+        extra="drake",
+    )
+    register(
         "kinematic",
         "harness_plugins.simulators.kinematic:Kinematic",
         summary="no dynamics: joints exactly where they are driven, many arms at once",
@@ -24,6 +31,13 @@ def register_simulators(register: harness.Register) -> None:
         summary="MuJoCo, many arms through mujoco.rollout threads",
         requires=("mujoco",),
         extra="mujoco",
+    )
+    register(
+        "physx",
+        "harness_plugins.simulators.physx:PhysX",
+        summary="PhysX by SAPIEN, every arm in a scene of its own",
+        requires=("sapien",),
+        extra="physx",
     )
     register(
         "pybullet",
