@@ -62,7 +62,10 @@ class Simulation(Protocol):
 
 
 class Simulator(Protocol):
-    """A frozen dataclass whose fields are the engine's settings."""
+    """A frozen dataclass whose fields are the engine's settings.
+
+    It may also have a class variable ``family``, see `family_of`.
+    """
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> Simulation:
         """Start `num_envs` robots.
@@ -72,3 +75,14 @@ class Simulator(Protocol):
             num_envs: How many, >= 1.
             control_period: The longest duration that `drive` will be called with, [s].
         """
+
+
+def family_of(simulator: object) -> str | None:
+    """The engine that a simulator, or its class, computes with; None where it is none.
+
+    It is the class variable ``family``, such as "MuJoCo". Simulators of one family solve the same equations by the same
+    code: where they agree, one engine has spoken. Without it a simulator is a family of its own, by its class's name.
+    """
+    kind = simulator if isinstance(simulator, type) else type(simulator)
+    family: str | None = getattr(kind, "family", kind.__name__)
+    return family

@@ -1,6 +1,7 @@
 """No dynamics: joints are exactly where they are driven, and ground contact is that of the links' shapes."""
 
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ class Kinematic:
 
     Ground contact is exact for the moving links' collision shapes: boxes, cylinders, capsules, spheres and meshes.
     """
+
+    family: ClassVar[str | None] = None
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "KinematicSimulation":
         """See `harness.simulator.Simulator`."""
