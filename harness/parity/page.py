@@ -3,7 +3,16 @@
 from pathlib import Path
 
 from harness.parity.figure import JOINTS, TIPS, draw_all_pairs, draw_pairs
-from harness.parity.grids import engines_text, failures, not_installed, pair_grids, setting_text, simulator_grid, title, verdict
+from harness.parity.grids import (
+    engines_text,
+    failures,
+    not_installed,
+    pair_grids,
+    setting_text,
+    simulator_grid,
+    title,
+    verdict,
+)
 from harness.parity.parity import Parity
 from harness.report.draw import draw_chart
 from harness.report.page import render_page, write_page

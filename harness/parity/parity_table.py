@@ -3,7 +3,16 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.parity.grids import engines_text, failures, not_installed, pair_grids, setting_text, simulator_grid, title, verdict
+from harness.parity.grids import (
+    engines_text,
+    failures,
+    not_installed,
+    pair_grids,
+    setting_text,
+    simulator_grid,
+    title,
+    verdict,
+)
 from harness.parity.parity import Parity
 from harness.report.grid_table import show_grid
 

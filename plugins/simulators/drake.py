@@ -1,12 +1,12 @@
-"""Drake: every arm in a context and a simulator of its own, driven by velocity servos inside the contact solver."""
+"""Drake: every arm in a context and a simulator of its own, driven by velocity servos."""
 
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass as plain_dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 from pydrake.geometry import Box, Capsule, CollisionFilterDeclaration, Convex, Cylinder, GeometrySet, HalfSpace, Sphere
@@ -15,7 +15,6 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlantConfig
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
-from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.authoring.arms_apart import ArmsApart
@@ -34,10 +33,10 @@ FRICTION = 1.0
 class Drake:
     """Drake's multibody plant with velocity servos that track a joint ramp.
 
-    A control period is so many discrete steps of the SAP contact solver, which also solves the servos' part, implicitly.
-    Over a period each servo holds the speed that leads from where the joint is to its target. Its damping is I w, I the
-    diagonal of the joint-space inertia at the home pose. Arms are weightless: their drives make up for gravity.
-    Frames are drawn by the harness, not by Drake.
+    Over a control period each servo holds the speed that leads from where the joint is to its target. Its damping is
+    I w, I the diagonal of the joint-space inertia at the home pose. A physics step is one of the SAP contact solver,
+    which takes the servos implicitly. Arms are weightless: their drives make up for gravity. Frames are drawn by the
+    harness, not by Drake.
     """
 
     family: ClassVar[str] = "Drake"
@@ -51,27 +50,23 @@ class Drake:
         return ArmsApart(robot, num_envs, lambda: Arm(model, substeps))
 
 
-@plain_dataclass(frozen=True)
-class Model:
-    """What all arms share.
-
-    Attributes:
-        diagram: The plant and its shapes, as a system.
-        plant: The arm and the ground.
-        arm: Drake's number of the arm.
-        tip: Body of the end effector.
-        shapes: Drake's scene graph, which tells collisions.
-        order: Where each of the robot's joints stands in Drake's positions, (dof,).
-        damping: Of the servos, (dof,), [N m s] or [N s/m].
-    """
+class Model(NamedTuple):
+    """What all arms share."""
 
     diagram: Any
+    """The plant and its shapes, as a system."""
     plant: Any
+    """The arm and the ground."""
     arm: Any
+    """Drake's number of the arm."""
     tip: Any
+    """Body of the end effector."""
     shapes: Any
+    """Drake's scene graph, which tells collisions."""
     order: NDArray[np.intp]
+    """Where each of the robot's joints stands in Drake's positions, (dof,)."""
     damping: Float
+    """Of the servos, (dof,), [N m s] or [N s/m]."""
 
 
 class Arm:
@@ -164,7 +159,8 @@ def _inertia_at_home(robot: Robot) -> Float:
 
 def _add_shapes(plant: Any, shapes: Any, robot: Robot, joints: list[Any]) -> None:
     """The ground, and what the joints move. Links touch the ground, not one another."""
-    friction, links = CoulombFriction(FRICTION, FRICTION), []
+    friction = CoulombFriction(FRICTION, FRICTION)
+    links: list[Any] = []
     plant.set_adjacent_bodies_collision_filters(False)  # links beside a base in the ground would not touch it
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction)
     for joint, moved in zip(joints, robot.joint_shapes, strict=True):

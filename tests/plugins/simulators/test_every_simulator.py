@@ -220,7 +220,8 @@ def test_listing_imports_no_engine(run_without_display: Call):
     done = run_without_display(
         "import sys\nfrom harness.registry.registry import load_registry\n"
         "assert load_registry().get('simulators', 'dm_control').missing == ()\n"
-        "sys.stdout.write(str({'dm_control', 'mujoco', 'pybullet', 'pydrake', 'sapien', 'glfw', 'OpenGL'} & set(sys.modules)))"
+        "engines = {'dm_control', 'mujoco', 'pybullet', 'pydrake', 'sapien', 'glfw', 'OpenGL'}\n"
+        "sys.stdout.write(str(engines & set(sys.modules)))"
     )
     assert done.stdout == "set()"
 
