@@ -14,9 +14,9 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
 # What install and dev set up, of pyproject.toml's extras.
 RUN_EXTRAS := mujoco sb3 report
-DEV_EXTRAS := mujoco sb3 report pybullet dm-control figures tune tensorboard ray slurm video dev
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control figures tune tensorboard wandb ray slurm video dev
 
-.PHONY: install dev lock run reference test slow browser bench check format clean
+.PHONY: install dev lock run reference test slow plugins examples browser bench check format clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
@@ -43,9 +43,17 @@ test: dev
 slow: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m slow --benchmark-disable
 
-# The report page in a Chromium that is installed; without one they are skipped.
+# A new plugin of each kind, and the packages in examples/: written, installed and tested in a new environment each time.
+# What an example needs besides is not in the lock: make examples skips it, and says which, where it is not installed.
+plugins: dev
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/test_installed_packages.py -k new_plugin -m slow -n 2
+
+examples: dev
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/test_installed_packages.py -k example -m '' -rs
+
+# The pages in a Chromium that is installed; without one these tests are skipped, and say why.
 browser: dev
-	$(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
 
 bench: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s

@@ -16,6 +16,13 @@ ActionSpace: TypeAlias = Literal["continuous", "discrete"]
 class Algorithm(Protocol):
     """A frozen dataclass whose fields are the hyperparameters.
 
+    It may also have what ``harness bench`` times it beside:
+
+    * ``bare_training(env, steps, seed)``: the library without the harness. It returns a function without arguments that
+      trains a new model with the same settings for `steps` steps of `env`, a `gymnasium.Env` of one robot.
+    * ``peer_trainings()``: trainings by other people's libraries, by name, each a function like ``bare_training`` that
+      raises `UsageError` where its library is not installed.
+
     It may also have ``learns``, False for one that only acts (see `learns`), ``why_not(task, robot)``, for one that
     cannot do every task whose actions it takes (see `why_not`), and ``sources``, like any plugin that works in modules
     of its own (see `harness.registry.sources.source_files`).

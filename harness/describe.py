@@ -29,10 +29,10 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
         return _describe_robot(load_robot(given, registry))
     if kind == "commands":
         command = registry.get(kind, given)
-        return f"command {given}: {command.summary} (plugin '{command.plugin}' of {command.distribution})"
+        return f"command {given}: {command.summary} (plugin '{command.plugin}' of {command.package})"
     choice = choose(registry, kind, given)
     spec, thing = registry.get(kind, choice.name), choice.build(registry, kind)
-    parts = [f"{NOUNS[kind]} {choice.label}: {spec.summary} (plugin '{spec.plugin}' of {spec.distribution})"]
+    parts = [f"{NOUNS[kind]} {choice.label}: {spec.summary} (plugin '{spec.plugin}' of {spec.package})"]
     parts.append(inspect.cleandoc(type(thing).__doc__ or ""))
     if kind == "simulators":
         parts.append(_describe_family(thing))

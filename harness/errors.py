@@ -7,6 +7,7 @@ HarnessError
 ├── ContractViolation     a plugin breaks its interface's contract: names the check
 ├── StorageError          a results folder cannot be written: the disk is full, or fails; what was done stays
 ├── Unscored              a reward cannot pay recorded runs again: the rest of a report stands
+├── Unmeasured            a metric cannot say anything of a trace: the rest of a report stands
 └── SchemaError           a results file is not what this version reads
     └── NewerFormat       because a newer version wrote it
 """
@@ -31,15 +32,17 @@ class SimulationDiverged(HarnessError):
 
 
 class ContractViolation(HarnessError):
-    """A simulator, reward or algorithm breaks its interface's contract.
+    """A plugin breaks its interface's contract.
 
     Attributes:
         check: Name of the check that failed.
+        level: ``error``; ``warning`` where the contract is kept, but something is slow or was not tried.
+        sentence: What is wrong, without the name of the check.
     """
 
-    def __init__(self, check: str, message: str) -> None:
+    def __init__(self, check: str, message: str, level: str = "error") -> None:
         super().__init__(f"{check}: {message}")
-        self.check = check
+        self.check, self.level, self.sentence = check, level, message
 
 
 class SchemaError(HarnessError):
@@ -58,9 +61,18 @@ class Unscored(HarnessError):
     """A reward is not installed any more, has changed, or cannot pay these runs."""
 
 
+class Unmeasured(HarnessError):
+    """A metric raises, is broken, or returns what is no finite number."""
+
+
 def one_line(error: BaseException) -> str:
     """The type and the message of an exception on one line, ``ValueError: no such thing``; see `one_line_of`."""
     return one_line_of(f"{type(error).__name__}: {error}").removesuffix(":")
+
+
+def reason_of(error: BaseException) -> str:
+    """What to say of an exception that costs its own row: our errors say it all, of others the type stands first."""
+    return str(error) if isinstance(error, HarnessError) else one_line(error)
 
 
 def sentence(noun: str) -> str:

@@ -1,11 +1,16 @@
 """The interface that an executor fills: it gets cells done, wherever it likes."""
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
 
 from harness.record.cell import Cell
+from harness.registry.given import Given, given_from_json
+
+NO_SCALARS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -30,18 +35,20 @@ class CellOptions:
     Attributes:
         checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none, None
             for one every ten minutes. A cell whose process is killed goes on from its last checkpoint.
-        tensorboard: Whether the cell leaves event files of scalars too.
+        tracked: Whether somebody wants to hear what the algorithm and each evaluation tell; see `Word.scalars`.
         limits: What the cell may take.
         fresh: Whether the cell gets a process of its own, which did no other cell before.
         floor: Whether the cell evaluates random actions too. What they do depends on simulator, task and robot alone:
             one cell of an experiment that has these does it for all.
+        plugins: What was given by hand beside the installed plugins: files with their text, and names of classes.
     """
 
     checkpoint_every: int | None = None
-    tensorboard: bool = False
+    tracked: bool = False
     limits: Limits = Limits()
     fresh: bool = False
     floor: bool = True
+    plugins: tuple[Given, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same options back."""
@@ -50,7 +57,8 @@ class CellOptions:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """The options that `to_json` told."""
-        return cls(**{**data, "limits": Limits(**data["limits"])})
+        plugins = given_from_json(data.get("plugins", ()))
+        return cls(**{**data, "limits": Limits(**data["limits"]), "plugins": plugins})
 
 
 class Job(NamedTuple):
@@ -71,6 +79,28 @@ class Job(NamedTuple):
         return cls(Cell.from_json(data["cell"]), Path(data["folder"]), CellOptions.from_json(data["options"]))
 
 
+class Word(NamedTuple):
+    """What a cell tells while it is done.
+
+    Attributes:
+        steps: Environment steps done so far.
+        scalars: Numbers to watch, by name; those that `harness.progress` names come about once a second.
+    """
+
+    steps: int
+    scalars: Mapping[str, float] = NO_SCALARS
+
+    def line(self) -> str:
+        """One line: the steps, and behind them the numbers as JSON, if there are any; `from_line` reads it."""
+        return f"{self.steps} {json.dumps(dict(self.scalars))}" if self.scalars else f"{self.steps}"
+
+    @classmethod
+    def from_line(cls, line: str) -> Self:
+        """The word that `line` wrote."""
+        steps, _, scalars = line.partition(" ")
+        return cls(int(steps), json.loads(scalars) if scalars else NO_SCALARS)
+
+
 class Event(NamedTuple):
     """Something that happened to a cell."""
 
@@ -81,6 +111,8 @@ class Event(NamedTuple):
     """Of an ended cell: why it failed. An executor says it of a cell that left no folder."""
     note: str = ""
     """Of an ended cell: what else there is to say, for who looks on; not for an executor to say."""
+    scalars: Mapping[str, float] = NO_SCALARS
+    """Of progress: the numbers of a `Word`. An executor may leave out words without numbers; the others it hands on."""
 
 
 OnEvent: TypeAlias = Callable[[Event], None]

@@ -61,6 +61,10 @@ class Hooks:
         """Targets: a dataclass that is a `harness.executor.Executor`."""
 
     @hookspec
+    def register_trackers(self, register: Register) -> None:
+        """Targets: a frozen dataclass that is a `harness.tracker.Tracker`."""
+
+    @hookspec
     def register_commands(self, register: Register) -> None:
         """Targets: a function that becomes ``harness NAME``; its typed parameters are what typer makes options of."""
 
@@ -73,6 +77,7 @@ NOUNS = {
     "robots": "robot",
     "tasks": "task",
     "executors": "executor",
+    "trackers": "tracker",
     "commands": "command",
 }
 """Every kind of thing that varies, and what to call one of it; each has a hook, ``register_simulators`` and so on."""

@@ -36,6 +36,11 @@ TrainingState: TypeAlias = Mapping[str, Any]
 """Everything that a training needs to go on, by name: numpy arrays of numbers, of any shape, and `Ring`s."""
 
 
+SUCCESS, RETURN, SPEED = "Training/Success Rate", "Training/Episode Return", "Training/Steps per Second"
+"""What the harness itself tells of every training: the share of the last `LAST_EPISODES` episodes that reached the
+target, and what they were paid on average; environment steps per second since the last word."""
+LAST_EPISODES = 100
+
 TOLD_EVERY = 100
 SCALARS_EVERY = 1000
 """Environment steps from one word about progress, or about scalars, to the next: how often the built-in ones tell."""
@@ -45,7 +50,7 @@ class Progress:
     """Told how a training goes. This one does nothing with it: each method may be replaced.
 
     An algorithm has to call it, ``progress(steps)``, now and then and at the end. All else makes it more useful:
-    a learning curve, scalars for TensorBoard, checkpoints.
+    a learning curve, scalars for trackers, checkpoints.
     """
 
     def __call__(self, steps: int) -> None:

@@ -64,7 +64,13 @@ class Simulation(Protocol):
 class Simulator(Protocol):
     """A frozen dataclass whose fields are the engine's settings.
 
-    It may also have a class variable ``family``, see `family_of`.
+    It may also have a class variable ``family``, see `family_of`, and what ``harness bench`` times it beside:
+
+    * ``bare_loop(robot, targets, period)``: the engine without the harness. It returns a function without arguments
+      that drives the robots once along `targets`, (periods, num_envs, dof), one after another, each in `period` [s]; it
+      is called again and again, and the motion is closed. Whatever can be computed before is not the engine's.
+    * ``peer_envs()``: environments of other people that do the like, by name; each a function that makes a
+      `gymnasium.Env` of one robot, and raises `UsageError` where its library is not installed.
     """
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> Simulation:

@@ -54,6 +54,12 @@ def register_executors(register):
     register("here", "toy_arm:Here", summary="in this process, one after another")
 
 
+@harness.hookimpl
+def register_trackers(register):
+    """One that never works."""
+    register("clumsy", "toy_arm:Clumsy", summary="has no server")
+
+
 @dataclass(frozen=True)
 class Ideal:
     """A simulator without dynamics."""
@@ -238,10 +244,14 @@ class Buttons:
 
 @dataclass(frozen=True)
 class Both:
-    """Takes whatever there is."""
+    """Takes whatever there is, and is never asked to learn."""
 
     num_envs: int = 1
     action_spaces: ClassVar = frozenset({"continuous", "discrete"})
+
+    def train(self, env, steps, seed, progress):
+        """Nothing."""
+        raise NotImplementedError
 
 
 @pydantic.dataclasses.dataclass(frozen=True)
@@ -249,6 +259,21 @@ class Handless(ReachTask):
     """A task whose actions are not among its parameters."""
 
     action: str = field(default="movej", init=False)
+
+
+@dataclass(frozen=True)
+class Clumsy:
+    """A tracker that never works; in a bad mood it says so."""
+
+    mood: str = "good"
+
+    def why_not(self):
+        """Whether it is in the mood."""
+        return "not now" if self.mood == "bad" else ""
+
+    def begin(self, cell):
+        """Fail."""
+        raise ConnectionError("no such server")
 
 
 @dataclass(frozen=True)

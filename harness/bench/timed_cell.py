@@ -27,7 +27,7 @@ def run_timed(cell: Cell, folder: Path, report: Report, begun: float) -> None:
     Args:
         cell: What to do.
         folder: Of the cell.
-        report: Told the environment steps done so far.
+        report: Told how far it is.
         begun: What the clock showed before this process was started.
     """
     stopwatch = Stopwatch(begun)
@@ -87,7 +87,7 @@ def time_cell(cell: Cell, folder: Path, on_event: OnEvent) -> CellTimes | Failed
         if news.kind == "ended":
             reason = reason or _reason(folder)
             ended.append((now, reason))
-        on_event(Event(news.kind, cell, news.steps, reason))
+        on_event(Event(news.kind, cell, news.steps, reason, scalars=news.scalars))
 
     run_orders([Order(folder, TimeCell(cell, CLOCK()), fresh=True)], 1, tell)
     [(end, reason)] = ended

@@ -11,6 +11,7 @@ from typer.exceptions import TyperException
 
 from harness.cli.audit import audit
 from harness.cli.bench import bench
+from harness.cli.check import check
 from harness.cli.commands import add_plugin_commands, names_of
 from harness.cli.compare import compare
 from harness.cli.demo import demo
@@ -21,6 +22,7 @@ from harness.cli.examples import EXAMPLES, FIRST_STEPS, epilog_of
 from harness.cli.lines import complain
 from harness.cli.merge import merge
 from harness.cli.names import list_names
+from harness.cli.new_plugin import new_plugin
 from harness.cli.parity import parity
 from harness.cli.plugins import plugins
 from harness.cli.report import report
@@ -53,7 +55,13 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
         },
         "Ask more": {"audit": audit, "eta": eta, "score": score, "transfer": transfer, "tune": tune},
         "Keep results": {"merge": merge, "verify": verify, "repair": repair},
-        "For who builds": {"plugins": plugins, "parity": parity, "bench": bench},
+        "For who builds": {
+            "new-plugin": new_plugin,
+            "check": check,
+            "plugins": plugins,
+            "parity": parity,
+            "bench": bench,
+        },
     }
 )
 """Every command by the heading that it stands under in the help: what one needs first comes first."""

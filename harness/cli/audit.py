@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.options import REWARDS, SIMULATORS, TASKS, RobotName
+from harness.cli.options import REWARDS, SIMULATORS, TASKS, PluginFiles, RobotName
 from harness.errors import UsageError
 
 
@@ -28,13 +28,17 @@ def audit(
     ] = "baseline",
     episodes: Annotated[int, typer.Option(help="Episodes of each scripted policy.", metavar="N")] = 100,
     gamma: Annotated[float, typer.Option(help="The learner's discount per step.", metavar="G")] = 0.95,
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> None:
     """Say what a reward pays for: scripted policies are scored under it, and it is tried on numbers. Trains nothing."""
     from harness.audit.audit import audit_reward
     from harness.audit.rollout import record_rollouts
+    from harness.audit.score import score_rollout
     from harness.registry.choice import choose
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
+    from harness.registry.spec import blamed_on
     from harness.robot.load import load_robot
     from harness.testing import IdealSimulator
 
@@ -42,7 +46,7 @@ def audit(
         raise UsageError(f"--episodes {episodes}: must be at least 1")
     if not 0.0 < gamma <= 1.0:
         raise UsageError(f"--gamma {gamma:g}: must be above 0 and at most 1")
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     rewards = [choose(registry, "rewards", name) for name in (reward, against)]
     chosen, where = choose(registry, "tasks", task), sim and choose(registry, "simulators", sim)
     engine = where.build(registry, "simulators") if where else IdealSimulator()
@@ -51,7 +55,11 @@ def audit(
     robot = robot or world.robot
     rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)
     judged, other = (choice.build(registry, "rewards") for choice in rewards)
-    found = audit_reward(judged, other, rollouts, gamma)
+    specs = [registry.get("rewards", choice.name) for choice in rewards]
+    with blamed_on(specs[1], "it was audited"):
+        score_rollout(other, rollouts[0])
+    with blamed_on(specs[0], "it was audited"):
+        found = audit_reward(judged, other, rollouts, gamma)
     names = [choice.label for choice in rewards]
     if as_json:
         import json

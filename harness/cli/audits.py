@@ -17,9 +17,7 @@ GAMMA = 0.95
 
 def audits_of(results: "Results") -> "Audits":
     """By robot, task and reward; a reward that cannot be asked says why."""
-    from harness.registry.registry import load_registry
-
-    registry = load_registry()
+    registry = results.registry
     cells = {
         (cell.robot, cell.task.label, cell.reward.label): cell
         for cell in (manifest.cell for manifest in results.manifests if manifest.status == "done")
@@ -37,15 +35,15 @@ def audits_of(results: "Results") -> "Audits":
 def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":
     """What the scripted policies do; or why they cannot."""
     from harness.audit.rollout import record_rollouts
-    from harness.errors import HarnessError
+    from harness.errors import reason_of
     from harness.robot.load import load_robot
     from harness.testing import IdealSimulator
 
     try:
         task = cell.task.build(registry, "tasks")
         return record_rollouts(IdealSimulator(), load_robot(cell.robot, registry), task, EPISODES)
-    except HarnessError as error:  # not installed here, or it cannot be done without an engine
-        return str(error)
+    except (Exception, SystemExit) as error:  # not installed, not without an engine, or whatever a plugin raises
+        return reason_of(error)
 
 
 def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | str") -> "Payoffs":
@@ -53,7 +51,7 @@ def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | st
     from harness.audit.payoff import payoff_of, temptations
     from harness.audit.score import score_rollout
     from harness.audit.verdict import on_finishing
-    from harness.errors import HarnessError
+    from harness.errors import reason_of
     from harness.report.payoff_rows import Payoffs
 
     if isinstance(rollouts, str):
@@ -61,8 +59,8 @@ def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | st
     try:
         reward = cell.reward.build(registry, "rewards")
         scores = [score_rollout(reward, rollout) for rollout in rollouts]
-    except HarnessError as error:
-        return Payoffs((f"Not known: {error}",), {}, {})
+    except (Exception, SystemExit) as error:
+        return Payoffs((f"Not known: {reason_of(error)}",), {}, {})
     payoffs = sorted((payoff_of(score, GAMMA) for score in scores), key=lambda payoff: -payoff.total)
     plain, discounted = (temptations(scores, gamma) for gamma in (1.0, GAMMA))
     return Payoffs(

@@ -1,19 +1,35 @@
-"""``harness bench``: where the time of a cell goes."""
+"""``harness bench``: where the time of a cell goes, and how fast plugins are beside what they are built on."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from harness.cli.lines import say
 from harness.cli.options import ALGORITHMS, REWARDS, SIMULATORS, Names, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
     from harness.bench.bench import Bench
+    from harness.bench.speed.comparison import Comparison
+    from harness.bench.speed.speeds import Speeds
     from harness.experiment.plan import Plan
     from harness.registry.registry import Registry
 
+WHAT = ("cells", "simulators", "algorithms", "peers")
+CELL_ROUNDS, SPEED_ROUNDS = 3, 9
+
 
 def bench(
+    what: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="cells: where the time of a training goes. simulators, algorithms: beside the bare engine, the bare "
+            "library. peers: beside what others have.",
+            show_default="cells",
+            metavar="WHAT",
+        ),
+    ] = None,
     sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
     algo: Annotated[
         Names, typer.Option(help="Algorithms, as sac:net_arch=256x256.", metavar="NAME,...", autocompletion=ALGORITHMS)
@@ -23,26 +39,73 @@ def bench(
     ] = None,
     task: TaskName = None,
     robot: RobotName = None,
-    steps: Annotated[int, typer.Option(help="Environment steps of each training.", metavar="N")] = 2000,
-    evaluation_episodes: Annotated[int, typer.Option(help="Episodes of an evaluation.", metavar="N")] = 100,
-    rounds: Annotated[int, typer.Option(help="Trainings of each combination, in turns.", metavar="N")] = 3,
+    steps: Annotated[
+        int | None,
+        typer.Option(
+            help="Environment steps of each training.", show_default="2000; of algorithms and peers 256", metavar="N"
+        ),
+    ] = None,
+    evaluation_episodes: Annotated[
+        int | None, typer.Option(help="Episodes of an evaluation.", show_default="100", metavar="N")
+    ] = None,
+    num_envs: Annotated[
+        str | None, typer.Option(help="Arms at once, of simulators.", show_default="1,64,1024", metavar="N,...")
+    ] = None,
+    rounds: Annotated[
+        int | None,
+        typer.Option(
+            help="How often each is timed, in turns, in a process of its own.",
+            show_default=f"{CELL_ROUNDS}; of simulators, algorithms and peers {SPEED_ROUNDS}",
+            metavar="N",
+        ),
+    ] = None,
+    compare: Annotated[
+        Path | None,
+        typer.Option(
+            help="Measure again what this file holds, and exit with 1 if something became slower.", metavar="OLD.json"
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    html: Annotated[Path | None, typer.Option(help="Write a page with a figure to this file.", metavar="FILE")] = None,
 ) -> int:
-    """Train each combination as harness run does, and show where the time goes. Keeps nothing."""
-    from harness.experiment.plan import check_experiment, expand
-    from harness.registry.registry import load_registry
-
-    if rounds < 1:
+    """Show where the time goes, or how fast plugins are beside what they are built on. Keeps nothing."""
+    if rounds is not None and rounds < 1:
         raise UsageError(f"--rounds {rounds}: must be at least 1")
-    given = {
-        "sim": sim, "algo": algo, **_rewards(reward), "task": task, "robot": robot, "seeds": [0], "steps": steps,
-        "evaluation_episodes": evaluation_episodes,
-    }  # fmt: skip
-    experiment = check_experiment({key: value for key, value in given.items() if value is not None}, "bench")
-    registry = load_registry()
-    found = _measure(expand(experiment, registry), registry, rounds)
-    _show(found, as_json)
-    return 1 if found.failed else 0
+    if compare is not None:
+        of_old = {"WHAT": what, "--sim": sim, "--algo": algo, "--task": task, "--robot": robot, "--steps": steps}
+        others = {"--reward": reward, "--evaluation-episodes": evaluation_episodes, "--num-envs": num_envs}
+        _refuse({**of_old, **others}, "--compare measures what OLD.json holds, as it was measured then")
+        return _again(compare, rounds, as_json, html)
+    if not what or what == ["cells"]:
+        _refuse(
+            {"--num-envs": num_envs, "--html": html}, "it belongs to 'harness bench simulators', and cells have none"
+        )
+        given = {
+            "sim": sim, "algo": algo, **_rewards(reward), "task": task, "robot": robot, "seeds": [0],
+            "steps": 2000 if steps is None else steps,
+            "evaluation_episodes": 100 if evaluation_episodes is None else evaluation_episodes,
+        }  # fmt: skip
+        return _cells({key: value for key, value in given.items() if value is not None}, rounds, as_json)
+    _check(what)
+    if "cells" in what:
+        raise UsageError("cells: they are timed by themselves, give the others in another call")
+    cells_alone = {"--reward": reward, "--evaluation-episodes": evaluation_episodes}
+    _refuse(cells_alone, "it belongs to 'harness bench cells'")
+    return _speeds(what, sim or [], algo or [], task, robot, steps, num_envs, rounds, as_json, html)
+
+
+def _check(what: list[str]) -> None:
+    from harness.registry.registry import unknown_name
+
+    for word in what:
+        if word not in WHAT:
+            raise UsageError(unknown_name("table of harness bench", word, WHAT))
+
+
+def _refuse(options: dict[str, Any], reason: str) -> None:
+    for name, value in options.items():
+        if value is not None:
+            raise UsageError(f"{name}: {reason}. Leave it out")
 
 
 def _rewards(given: Names) -> dict[str, Any]:
@@ -53,6 +116,23 @@ def _rewards(given: Names) -> dict[str, Any]:
     return {"reward": names[1:], "baseline": names[0]}
 
 
+def _cells(given: dict[str, Any], rounds: int | None, as_json: bool) -> int:
+    from harness.experiment.plan import check_experiment, expand
+    from harness.registry.registry import load_registry
+
+    experiment = check_experiment(given, "bench")
+    registry = load_registry()
+    found = _measure(expand(experiment, registry), registry, rounds or CELL_ROUNDS)
+    if as_json:
+        _print_json(found.to_json())
+    else:
+        from harness.bench.bench_table import bench_table
+        from harness.cli.terminal import show
+
+        show(bench_table(found))
+    return 1 if found.failed else 0
+
+
 def _measure(plan: "Plan", registry: "Registry", rounds: int) -> "Bench":
     from harness.bench.bench import measure
     from harness.cli.progress import LiveProgress
@@ -61,13 +141,84 @@ def _measure(plan: "Plan", registry: "Registry", rounds: int) -> "Bench":
         return measure(plan, registry, rounds, progress)
 
 
-def _show(found: "Bench", as_json: bool) -> None:
-    if as_json:
-        import json
+def _speeds(
+    what: list[str],
+    sim: list[str],
+    algo: list[str],
+    task: str | None,
+    robot: str | None,
+    steps: int | None,
+    num_envs: str | None,
+    rounds: int | None,
+    as_json: bool,
+    html: Path | None,
+) -> int:
+    from harness.bench.speed.entry import KINDS, Setting
+    from harness.bench.speed.measure import SIZES, measure_speeds, plan_entries
+    from harness.registry.registry import load_registry
 
-        typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
+    if steps is not None and steps < 1:
+        raise UsageError(f"--steps {steps}: must be at least 1")
+    sizes = SIZES if num_envs is None else _sizes(num_envs)
+    registry = load_registry()
+    entries, left_out = plan_entries(registry, [kind for kind in KINDS if kind in what], sim, algo, sizes)
+    usual = Setting()
+    setting = Setting(robot, usual.task if task is None else task, usual.steps if steps is None else steps)
+    found = measure_speeds(registry, entries, left_out, setting, rounds or SPEED_ROUNDS, _tell)
+    _show(found, None, as_json, html)
+    return 1 if found.failed else 0
+
+
+def _again(path: Path, rounds: int | None, as_json: bool, html: Path | None) -> int:
+    from harness.bench.speed.comparison import FEWEST_ROUNDS, compare_speeds
+    from harness.bench.speed.measure import measure_speeds
+    from harness.bench.speed.speeds import read_speeds
+    from harness.registry.registry import load_registry
+
+    try:
+        old = read_speeds(path)
+    except OSError as error:
+        raise UsageError(f"'{path}' cannot be read: {error.strerror}") from error
+    times = old.rounds if rounds is None else rounds
+    for number, whose in ((old.rounds, f"'{path}' has"), (times, "--rounds gives")):
+        if number < FEWEST_ROUNDS:
+            raise UsageError(f"{whose} {number} rounds: noise is only known from {FEWEST_ROUNDS} on")
+    found = measure_speeds(load_registry(), [speed.entry for speed in old.speeds], (), old.setting, times, _tell)
+    comparison = compare_speeds(old, found)
+    _show(found, comparison, as_json, html)
+    return 1 if found.failed or comparison.slower else 0
+
+
+def _sizes(given: str) -> list[int]:
+    try:
+        sizes = [int(number) for number in given.split(",")]
+    except ValueError:
+        sizes = []
+    if not sizes or min(sizes) < 1:
+        raise UsageError(f"--num-envs {given}: give numbers from 1 on, as 1,64,1024")
+    return list(dict.fromkeys(sizes))
+
+
+def _tell(number: int, count: int, title: str) -> None:
+    say(f"[{number}/{count}] {title}", err=True)
+
+
+def _show(found: "Speeds", comparison: "Comparison | None", as_json: bool, html: Path | None) -> None:
+    if html is not None:
+        from harness.bench.speed.speed_page import write_speed_page
+
+        write_speed_page(found, comparison, html)
+        say(f"Page: {html}", err=True)
+    if as_json:
+        _print_json({**found.to_json(), **({"comparison": comparison.to_json()} if comparison else {})})
     else:
-        from harness.bench.bench_table import bench_table
+        from harness.bench.speed.speed_table import speed_table
         from harness.cli.terminal import show
 
-        show(bench_table(found))
+        show(speed_table(found, comparison))
+
+
+def _print_json(data: dict[str, Any]) -> None:
+    import json
+
+    typer.echo(json.dumps(data, indent=1, allow_nan=False))

@@ -4,8 +4,11 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 import typer
+from typer.exceptions import TyperException
 
-from harness.registry.registry import Registry, conflict
+from harness.cli.unexpected import describe_fault
+from harness.errors import HarnessError, PluginError
+from harness.registry.registry import Registry
 
 KIND = "commands"
 PANEL = "Of plugins"
@@ -14,13 +17,17 @@ PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_optio
 
 
 def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
-    """Add the commands of plugins, by name and summary alone; a name of ours stays ours."""
+    """Add the commands of plugins, by name and summary alone; a name of ours stays ours.
+
+    A name that several claim is there too: calling it tells the qualified names.
+    """
     own = names_of(app)
-    for name in registry.names(KIND):
-        if name not in own:
-            specs = registry.specs[KIND, name]
-            summary = conflict(specs) if len(specs) > 1 else specs[0].summary
-            app.command(name, help=summary, rich_help_panel=PANEL, context_settings=PASS_ON)(_called(registry, name))
+    specs = [spec for spec in registry.all_specs() if spec.kind == KIND]
+    claimed = {spec.name for spec in specs} - set(own)
+    qualified = {spec.qualified for spec in specs if spec.name in own}
+    for name in sorted({*registry.names(KIND), *claimed, *qualified} - set(own)):
+        help_line = _summary_of(registry, name)
+        app.command(name, help=help_line, rich_help_panel=PANEL, context_settings=PASS_ON)(_called(registry, name))
 
 
 def names_of(app: typer.Typer) -> list[str]:
@@ -36,11 +43,18 @@ def hidden_commands(registry: Registry, own: Collection[str]) -> list[str]:
         own: Names of our commands: what `harness.cli.app.main` hands every command as the object of its context.
     """
     return [
-        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.distribution}) is hidden by our own"
-        for name in registry.names(KIND)
-        if name in own
-        for spec in registry.specs[KIND, name]
+        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.package}) is hidden by our own: "
+        f"write harness {spec.qualified}"
+        for spec in registry.all_specs()
+        if spec.kind == KIND and spec.name in own
     ]
+
+
+def _summary_of(registry: Registry, name: str) -> str:
+    try:
+        return registry.get(KIND, name).summary
+    except PluginError as error:  # several claim it
+        return str(error)
 
 
 def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:
@@ -48,8 +62,14 @@ def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:
 
     def command(context: typer.Context) -> Any:
         one = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-        one.command(name)(registry.get(KIND, name).load())
-        loaded = typer.main.get_command(one)
-        return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)
+        spec = registry.get(KIND, name)
+        one.command(name)(spec.load())
+        try:
+            loaded = typer.main.get_command(one)
+            return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)
+        except (HarnessError, TyperException, OSError, typer.Abort, typer.Exit):
+            raise
+        except Exception as error:  # whose fault it is that something else passes
+            raise PluginError(describe_fault(spec.title, error)) from error
 
     return command

@@ -22,9 +22,12 @@ def compare(
     """
     from harness.cli.terminal import show
     from harness.report.between_table import between_table
+    from harness.report.committed import refuse_committed
     from harness.results import load_results
     from harness.results.between import between
 
+    for folder in (before, after):
+        refuse_committed(folder, "harness compare")
     found = between(load_results(before), load_results(after))
     if as_json:
         typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))

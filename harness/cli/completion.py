@@ -22,4 +22,4 @@ def _offers(kind: str, incomplete: str) -> Iterator[tuple[str, str]]:
     registry = load_registry()
     for name in registry.names(kind):
         if name.startswith(begun):
-            yield f"{before}{comma}{name}", registry.specs[kind, name][0].summary
+            yield f"{before}{comma}{name}", registry.get(kind, name).summary

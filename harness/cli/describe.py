@@ -6,7 +6,7 @@ import typer
 
 from harness.cli.completion import names_of
 from harness.cli.lines import say
-from harness.cli.options import ROBOTS
+from harness.cli.options import ROBOTS, PluginFiles
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
 
@@ -27,16 +27,18 @@ def describe(
             autocompletion=ROBOTS,
         ),
     ] = None,
+    plugin: PluginFiles = None,
 ) -> None:
     """Explain a task, reward, simulator, algorithm, metric or robot, with its parameters."""
     from harness.describe import describe_name
     from harness.registry.choice import parse
-    from harness.registry.registry import load_registry, unknown_name
+    from harness.registry.given import read_given
+    from harness.registry.names import unknown_name
+    from harness.registry.registry import load_registry
     from harness.robot.load import is_path
 
-    registry = load_registry()
-    bare = name if is_path(name) else parse(name)[0]
-    kinds = ["robots"] if is_path(name) else [kind for kind in KINDS if (kind, bare) in registry.specs]
+    registry = load_registry(given=read_given(plugin))
+    kinds = registry.kinds_of(name.partition(":")[0]) or (["robots"] if is_path(name) else [])
     if not kinds:
-        raise UsageError(unknown_name("name", bare, {known for _, known in registry.specs}))
+        raise UsageError(unknown_name("name", parse(name)[0], registry.all_names()))
     say("\n\n".join(describe_name(registry, kind, name, robot) for kind in kinds))

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from collections.abc import Collection
 
 import typer
 
@@ -10,6 +9,7 @@ from harness.cli.commands import hidden_commands
 from harness.cli.runnable import example_run, usable
 from harness.hookspecs import NOUNS
 from harness.registry.registry import Registry, load_registry
+from harness.registry.targets import examined
 
 RENDER = """
 import numpy, harness
@@ -22,22 +22,26 @@ BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 """What MUJOCO_GL may be on Linux without a display, unset included, and the system package that it takes."""
 
 
-def doctor(context: typer.Context) -> None:
-    """Check versions, plugins, missing libraries, CPU and headless rendering."""
+def doctor(context: typer.Context) -> int:
+    """Check versions, plugins, missing libraries, CPU and headless rendering; status 1 where a plugin is broken."""
     from harness.experiment.provenance import describe_machine, source_commit, versions_behind
 
     machine, registry = describe_machine(), load_registry()
-    specs = [spec for claims in registry.specs.values() for spec in claims]
+    specs = list(registry.all_specs())
     typer.echo(f"python {sys.version.split()[0]} on {machine['system']}")
     typer.echo(f"cpu {machine['cpu']}, {machine['cores']} cores")
     typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in versions_behind(specs).items()))
     commit = source_commit()
     if commit:
         typer.echo(f"commit {commit}")
-    for line in _plugin_problems(registry, context.obj) + _missing_libraries(registry) + _rendering(registry):
+    at_fault = [plugin for plugin in examined(registry) if plugin.is_at_fault]
+    notes = registry.conflicts() + hidden_commands(registry, context.obj) + registry.notes
+    fine = [] if at_fault or notes else [f"plugins {len(registry.plugins)}, all fine"]
+    for line in [*(plugin.complaint for plugin in at_fault), *notes, *fine]:
         typer.echo(line)
-    for line in _what_runs(registry):
+    for line in _missing_libraries(registry) + _rendering(registry) + _what_runs(registry):
         typer.echo(line)
+    return 1 if at_fault else 0
 
 
 def _what_runs(registry: Registry) -> list[str]:
@@ -48,17 +52,8 @@ def _what_runs(registry: Registry) -> list[str]:
     return [f"you can run: {example}", f"with any of the {'; '.join(names)}"]
 
 
-def _plugin_problems(registry: Registry, own: Collection[str]) -> list[str]:
-    broken = [plugin for plugin in registry.plugins if plugin.status in {"broken", "incompatible"}]
-    lines = [
-        f"plugin '{plugin.name}' of {plugin.distribution} is {plugin.status}: {plugin.reason}" for plugin in broken
-    ]
-    lines += registry.conflicts() + hidden_commands(registry, own)
-    return lines or [f"plugins {len(registry.plugins)}, all fine"]
-
-
 def _missing_libraries(registry: Registry) -> list[str]:
-    specs = [spec for claims in registry.specs.values() for spec in claims if spec.missing]
+    specs = [spec for spec in registry.all_specs() if spec.missing]
     return [f"missing {', '.join(spec.missing)} for {NOUNS[spec.kind]} '{spec.name}': {spec.remedy}" for spec in specs]
 
 

@@ -31,13 +31,26 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "tune": ("harness tune --sim mujoco --algo sac --reward arp",),
         "audit": ("harness audit --reward arp", "harness audit --reward arp:k2=3 --against dense"),
         "parity": ("harness parity --sim mujoco,pybullet",),
-        "bench": ("harness bench --sim mujoco --algo sac",),
+        "bench": (
+            "harness bench --sim mujoco --algo sac",
+            "harness bench simulators --sim mujoco --num-envs 1,64",
+            "harness bench simulators algorithms --json > before.json",
+            "harness bench --compare before.json",
+        ),
         "verify": ("harness verify my-results",),
         "repair": ("harness repair my-results",),
         "merge": ("harness merge from-one from-another --out all",),
         "list": ("harness list", "harness list rewards"),
         "describe": ("harness describe arp", "harness describe sac:gamma=0.9", "harness describe fd100-reach"),
-        "plugins": ("harness plugins",),
+        "new-plugin": ("harness new-plugin reward my-reward", "harness new-plugin simulator my-engine --into plugins"),
+        "plugins": ("harness plugins", "harness plugins --check"),
+        "check": (
+            "harness check arp",
+            "harness check sac:gamma=0.9 --kind algorithm",
+            "harness check mujoco --robot robots/mine --json",
+            "harness check --robot robots/mine",
+            "harness check my-reward --plugin my_reward.py",
+        ),
         "doctor": ("harness doctor",),
     }
 )

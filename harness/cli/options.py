@@ -10,7 +10,7 @@ ROBOT = "Robot: a name, a URDF, or a folder with robot.toml."
 
 Names = list[str] | None
 SIMULATORS, ALGORITHMS, REWARDS = names_of("simulators"), names_of("algorithms"), names_of("rewards")
-TASKS, ROBOTS = names_of("tasks"), names_of("robots")
+TASKS, ROBOTS, TRACKERS = names_of("tasks"), names_of("robots"), names_of("trackers")
 """What a shell offers behind these flags."""
 
 RewardNames = Annotated[
@@ -35,6 +35,25 @@ ExecutorName = Annotated[
 RobotName = Annotated[
     str | None,
     typer.Option(help=ROBOT, show_default="the task's", metavar="NAME", autocompletion=ROBOTS),
+]
+PluginFiles = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--plugin",
+        help="A Python file with plugins, beside those that are installed; may be given several times.",
+        metavar="FILE",
+        show_default=False,
+    ),
+]
+MetricNames = Annotated[
+    Names,
+    typer.Option(
+        "--metric",
+        help="Metrics to tell, beside those that decide.",
+        show_default="all",
+        metavar="NAME,...",
+        autocompletion=names_of("metrics"),
+    ),
 ]
 CurveKind = Annotated[
     Literal["accumulated", "per-step"],

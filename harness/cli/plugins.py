@@ -7,23 +7,30 @@ import typer
 
 from harness.cli.commands import hidden_commands
 from harness.registry.registry import load_registry
+from harness.registry.targets import examined, why_unfit
 
 
 def plugins(
     context: typer.Context,
+    check: Annotated[
+        bool, typer.Option("--check", help="Import what they registered and compare it; status 1 where one is broken.")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
-) -> None:
+) -> int:
     """Show every plugin, where it comes from, what it registered, and what is wrong with it."""
     registry = load_registry()
-    conflicts = registry.conflicts() + hidden_commands(registry, context.obj)
+    found = examined(registry, why_unfit) if check else examined(registry)
+    status = 1 if check and any(plugin.is_at_fault for plugin in found) else 0
+    conflicts = registry.conflicts() + hidden_commands(registry, context.obj) + registry.notes
     if as_json:
         import json
 
-        shown = {"plugins": [asdict(plugin) for plugin in registry.plugins], "conflicts": conflicts}
+        shown = {"plugins": [asdict(plugin) for plugin in found], "conflicts": conflicts}
         typer.echo(json.dumps(shown, indent=1))
-        return
-    for plugin in registry.plugins:
+        return status
+    for plugin in found:
         typer.echo(f"{plugin.name}  {plugin.status}  {plugin.distribution} {plugin.version}  ({plugin.module})")
         typer.echo(f"  {plugin.reason or ', '.join(plugin.registered) or 'registers nothing'}")
     for line in conflicts:
         typer.echo(f"conflict: {line}")
+    return status

@@ -1,18 +1,26 @@
-"""What one sees while cells run: a bar per running cell, with steps per second and the time left."""
+"""What one sees while cells run: a line per running cell, with how far it is and what it has learned so far."""
 
 import time
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
+from rich.console import Console, ConsoleOptions, RenderResult
+from rich.measure import Measurement
+from rich.progress import Progress, ProgressColumn, Task, TaskID
 from rich.table import Column
 from rich.text import Text
 
+from harness.cli.learned import learned_texts, return_text, success_text
 from harness.cli.terminal import Terminal
 from harness.executor import Event
+from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
+
+WIDE = 76
+"""Columns of a terminal that has room for the steps too."""
+CELLS = "all cells"
 
 
 class LiveProgress:
@@ -35,19 +43,20 @@ class LiveProgress:
         """
         self._log_of = log_of
         self._console = console or Terminal(stderr=True)
+        # A cell has one line: what is too long for it is its name.
         self._progress = Progress(
-            TextColumn("{task.description}", markup=False, table_column=Column(ratio=1, no_wrap=True)),
-            BarColumn(bar_width=8),
-            StepSpeed(table_column=Column(no_wrap=True, justify="right")),
-            TimeRemainingColumn(),
+            NameColumn(table_column=Column(ratio=1, no_wrap=True)),
+            *(FieldColumn(field) for field in (_percent, self._done_so_far, _success, _return, _left)),
             console=self._console,
-            expand=True,  # a cell has one line: what is too long for it is its name, at 60 columns
+            expand=True,
         )
         ended = {cell.id for cell in done}
         steps = sum(cell.steps for cell in cells if cell.id not in ended)
-        self._overall = self._progress.add_task("all cells", total=steps)
+        self._parts = _differing_parts(cells)
+        self._overall = self._progress.add_task(CELLS, total=steps, short=CELLS, scalars={})
         self._tasks: dict[str, TaskID] = {}
         self._steps: dict[str, int] = {}
+        self._scalars: dict[str, dict[str, float]] = {}
         self._started: dict[str, float] = {}
         self._total, self._ended = len(cells), len(done)
         self._failed: set[str] = set()
@@ -70,18 +79,25 @@ class LiveProgress:
         show = {"started": self._start, "progress": self._advance, "ended": self._end}
         show[event.kind](event)
 
+    def warn(self, line: str) -> None:
+        """Print a line above the others."""
+        self._print(f"harness: {line}")
+
     def _start(self, event: Event) -> None:
         cell = event.cell
         if cell.id in self._failed:  # it is tried again
             self._failed.remove(cell.id)
             self._ended -= 1
         self._started[cell.id], self._steps[cell.id] = time.perf_counter(), 0
-        self._tasks[cell.id] = self._progress.add_task(cell.title, total=cell.steps)
+        scalars = self._scalars[cell.id] = dict[str, float]()
+        name, short = (" ".join(parts) for parts in (_parts(cell), (_parts(cell)[index] for index in self._parts)))
+        self._tasks[cell.id] = self._progress.add_task(name, total=cell.steps, short=short, scalars=scalars)
         if not self._console.is_terminal:
             self._print(f"{cell.title}: started")
 
     def _advance(self, event: Event) -> None:
         cell = event.cell
+        self._scalars[cell.id].update(event.scalars)
         self._progress.update(self._tasks[cell.id], completed=event.steps)
         self._progress.advance(self._overall, event.steps - self._steps[cell.id])
         self._steps[cell.id] = event.steps
@@ -92,7 +108,10 @@ class LiveProgress:
         self._progress.remove_task(self._tasks.pop(cell.id))
         self._progress.advance(self._overall, cell.steps - self._steps.pop(cell.id))  # a failed cell is over too
         seconds = time.perf_counter() - self._started.pop(cell.id)
-        outcome = self._failure(event) if event.reason else f"{seconds:.0f} s, {cell.steps / seconds:.0f} steps/s"
+        scalars = self._scalars.pop(cell.id)
+        learned = learned_texts(scalars.get(SUCCESS), scalars.get(RETURN))
+        done = ", ".join([f"{seconds:.0f} s", f"{cell.steps / seconds:.0f} steps/s", *learned])
+        outcome = self._failure(event) if event.reason else done
         note = f" ({event.note})" if event.note else ""
         self._print(f"[{self._ended}/{self._total}] {cell.title}: {outcome}{note}")
 
@@ -104,11 +123,84 @@ class LiveProgress:
     def _print(self, line: str) -> None:
         self._progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
 
+    def _done_so_far(self, task: Task) -> str:
+        """Of a cell its steps, where there is room; of all cells how many have ended."""
+        if task.id == self._overall:
+            return f"{self._ended}/{self._total}"
+        return f"{task.completed:,.0f}/{task.total:,.0f}" if self._console.width >= WIDE else ""
 
-class StepSpeed(ProgressColumn):
-    """Steps done and steps per second."""
+
+class NameColumn(ProgressColumn):
+    """What a line is about, cut in its middle where it is too long for what the other columns leave."""
+
+    def render(self, task: Task) -> "Name":
+        """See `rich.progress.ProgressColumn`."""
+        return Name(task.description, task.fields["short"])
+
+
+@dataclass(frozen=True)
+class Name:
+    """A text that takes what room there is.
+
+    Attributes:
+        whole: Where there is room.
+        short: Where there is less.
+    """
+
+    whole: str
+    short: str
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        return Measurement(1, len(self.whole))
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        room = options.max_width
+        text = self.whole if len(self.whole) <= room else self.short
+        if len(text) > room:
+            end = (room - 1) // 2
+            text = f"{text[: room - 1 - end]}…{text[len(text) - end :]}"
+        yield Text(text, no_wrap=True, end="")
+
+
+class FieldColumn(ProgressColumn):
+    """A text that is made of the task, at the right."""
+
+    def __init__(self, field: Callable[[Task], str]) -> None:
+        super().__init__(Column(no_wrap=True, justify="right"))
+        self._field = field
 
     def render(self, task: Task) -> Text:
-        """As ``4200/10000 · 155/s``."""
-        speed = f"{task.speed:.0f}/s" if task.speed else "starting"
-        return Text(f"{task.completed:.0f}/{task.total:.0f} · {speed}")
+        """See `rich.progress.ProgressColumn`."""
+        return Text(self._field(task), no_wrap=True)
+
+
+def _percent(task: Task) -> str:
+    return f"{int(task.percentage)} %"
+
+
+def _success(task: Task) -> str:
+    return success_text(task.fields["scalars"].get(SUCCESS))
+
+
+def _return(task: Task) -> str:
+    return return_text(task.fields["scalars"].get(RETURN))
+
+
+def _left(task: Task) -> str:
+    """As ``1:02 left``."""
+    seconds = task.time_remaining
+    if seconds is None:
+        return "-:-- left"
+    hours, minutes = divmod(int(seconds) // 60, 60)
+    clock = f"{minutes}:{int(seconds) % 60:02}"
+    return f"{hours}:{minutes:02} h left" if hours else f"{clock} left"
+
+
+def _parts(cell: Cell) -> tuple[str, ...]:
+    return cell.simulator.label, cell.algorithm.label, cell.reward.label, str(cell.seed)
+
+
+def _differing_parts(cells: Sequence[Cell]) -> list[int]:
+    """Of the parts of a name those that tell the cells apart; all where there is but one cell."""
+    columns = list(zip(*map(_parts, cells), strict=True))
+    return [index for index, column in enumerate(columns) if len(set(column)) > 1] or list(range(len(columns)))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.lines import complain, say
-from harness.cli.options import CurveKind
+from harness.cli.not_measured import complain_of_metrics
+from harness.cli.options import CurveKind, MetricNames, Names, PluginFiles
 
 if TYPE_CHECKING:
     from harness.eta.curve import Kind
@@ -31,39 +32,65 @@ def report(
     summary: Annotated[
         Path | None, typer.Option(help="Write small records and figures into this folder.", metavar="FOLDER")
     ] = None,
+    metric: MetricNames = None,
+    plugin: PluginFiles = None,
 ) -> int:
-    """Show the results in an experiment's folder. Trains nothing and imports no engine."""
+    """Show the results in an experiment's folder, or in one of committed records. Trains nothing, imports no engine."""
+    from harness.report.committed import is_committed
     from harness.results import load_results
 
+    flags = {"--html": html, "--summary": summary, "--details": details}
+    if any(map(is_committed, folders)):
+        return _show_committed(folders, as_json, [name for name, value in flags.items() if value])
     if len(folders) == 1:
-        results = load_results(folders[0], curve)
+        results = load_results(folders[0], curve, metric, plugin or ())
         _leave(results, folders, as_json, html, details, summary)
         if results.damaged:
             complain(f"damaged cells: {len(results.damaged)}; harness verify '{folders[0]}' tells of them")
         return 1 if results.damaged else 0
     with ExitStack() as stack:
         together = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="harness-report-")))
-        results, left_out = _read_together(folders, together, curve)
+        results, left_out = _read_together(folders, together, curve, metric, plugin)
         _leave(results, folders, as_json, html, details, summary)
     for path, reason in left_out:
         complain(f"left out: {path}: {reason}")
     return 1 if left_out else 0
 
 
-def _read_together(folders: Sequence[Path], out: Path, curve: "Kind") -> "tuple[Results, list[LeftOut]]":
+def _show_committed(folders: Sequence[Path], as_json: bool, flags: Sequence[str]) -> int:
+    """Of records nothing can be computed anew; what they say is shown."""
+    from harness.cli.terminal import show
+    from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
+
+    for folder in filter(is_committed, folders):
+        for flag in flags or ["Reading several folders together"] * (len(folders) > 1):
+            refuse_committed(folder, flag)
+    if as_json:
+        typer.echo(committed_text(folders[0]))
+    else:
+        show(committed_table(folders[0]))
+    return 0
+
+
+def _read_together(
+    folders: Sequence[Path], out: Path, curve: "Kind", metric: Names, plugin: Names
+) -> "tuple[Results, list[LeftOut]]":
     """All folders as one, in a folder that is soon gone; and what is damaged."""
     from harness.record.merge import merge
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.results import Results
 
     merged = merge(folders, out)
-    return Results(out, load_registry(), curve, is_temporary=True), merged.left_out
+    registry = load_registry(given=read_given(plugin))
+    return Results(out, registry, curve, metrics=metric, is_temporary=True), merged.left_out
 
 
 def _leave(
     results: "Results", folders: Sequence[Path], as_json: bool, html: Path | None, details: bool, summary: Path | None
 ) -> None:
     """Write and print what is asked for; by default the table."""
+    complain_of_metrics(results)
     if html is not None:
         from harness.cli.audits import audits_of
         from harness.files.sums import note_made

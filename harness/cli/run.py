@@ -11,9 +11,12 @@ from harness.cli.options import (
     ALGORITHMS,
     REWARDS,
     SIMULATORS,
+    TRACKERS,
     CurveKind,
     ExecutorName,
+    MetricNames,
     Names,
+    PluginFiles,
     RewardNames,
     RobotName,
     TaskName,
@@ -32,6 +35,7 @@ def run(
     sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
     algo: Annotated[
         Names,
+        PluginFiles,
         typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
     ] = None,
     reward: RewardNames = None,
@@ -80,9 +84,18 @@ def run(
             metavar="N",
         ),
     ] = None,
-    tensorboard: Annotated[
-        bool, typer.Option("--tensorboard", help="Leave event files of scalars in each cell's folder too.")
-    ] = False,
+    tracker: Annotated[
+        Names,
+        typer.Option(
+            help="Show the trainings elsewhere, as wandb:mode=offline.",
+            show_default="nowhere",
+            metavar="NAME,...",
+            autocompletion=TRACKERS,
+        ),
+    ] = None,
+    tensorboard: Annotated[bool, typer.Option("--tensorboard", help="Short for --tracker tensorboard.")] = False,
+    wandb: Annotated[bool, typer.Option("--wandb", help="Short for --tracker wandb.")] = False,
+    mlflow: Annotated[bool, typer.Option("--mlflow", help="Short for --tracker mlflow.")] = False,
     curve: CurveKind = "accumulated",
     wait: Annotated[
         bool, typer.Option("--wait/--no-wait", help="Wait while another run is using the folder, or give up.")
@@ -112,6 +125,8 @@ def run(
         float, typer.Option(help="Memory that a cell may use.", show_default="no limit", metavar="GIB")
     ] = 0.0,
     fresh: Annotated[bool, typer.Option("--fresh", help="A process of its own for every cell.")] = False,
+    metric: MetricNames = None,
+    plugin: PluginFiles = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, the results alone.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")] = False,
     dry_run: Annotated[
@@ -126,10 +141,13 @@ def run(
     from harness.cli.terminal import Terminal
     from harness.experiment.experiment import RunOptions, check, prepare
     from harness.experiment.foresee import foresee
+    from harness.registry.given import read_given
 
+    short = {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow}
+    trackers = [*(tracker or ()), *(name for name, is_on in short.items() if is_on)]
     options = RunOptions(
-        out, jobs, executor, checkpoint_every, tensorboard, curve, wait, changed, only, limit, retry_failed, fail_fast,
-        stall_after, cell_time, cell_memory, fresh,
+        out, jobs, executor, checkpoint_every, trackers, curve, wait, changed, only, limit, retry_failed, fail_fast,
+        stall_after, cell_time, cell_memory, fresh, metric,
     )  # fmt: skip
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
@@ -139,19 +157,19 @@ def run(
     flags = {key: value for key, value in given.items() if value is not None}
     if experiment is None and not flags:
         raise UsageError(_what_to_type())
-    asked = _read(experiment, flags)
+    asked, plugins = _read(experiment, flags), read_given(plugin)
     if dry_run:
-        _show_foreseen(foresee(check(asked, options)), as_json)
+        _show_foreseen(foresee(check(asked, options, plugins)), as_json)
         return 0
-    ready = prepare(asked, options)
+    ready = prepare(asked, options, plugins)
     folder = ready.store.folder
     console = Terminal(stderr=True, quiet=quiet)
     with (
         kept_when_interrupted("finished cells are kept", folder),
         ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
-        LiveProgress((*begun.done, *begun.waiting), begun.done, console, ready.store.log_of) as progress,
+        LiveProgress((*begun.spared, *begun.waiting), begun.spared, console, ready.store.log_of) as progress,
     ):
-        results = begun.run(progress)
+        results = begun.run(progress, progress.warn)
     _show(results, as_json)
     if results.failed:
         complain(f"cells that failed: {len(results.failed)}. The same command tries them again, and no other")
@@ -196,6 +214,7 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
 def _show(results: "Results", as_json: bool) -> None:
     """The comparison on standard output; what was written too, unless JSON is to stand there alone."""
     from harness.cli.made import make_table_and_page
+    from harness.cli.not_measured import complain_of_metrics
     from harness.cli.terminal import show
     from harness.report.document import report_text
     from harness.report.overview_table import overview_table
@@ -204,6 +223,7 @@ def _show(results: "Results", as_json: bool) -> None:
         typer.echo(report_text(results))
     else:
         show(overview_table(results, f"harness report {results.folder} --details"))
+    complain_of_metrics(results)
     make_table_and_page(results, err=as_json)
 
 

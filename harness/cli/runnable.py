@@ -9,9 +9,8 @@ FAVOURITES = {"simulators": ("mujoco", "kinematic"), "algorithms": ("sac", "ik")
 
 
 def usable(registry: Registry, kind: str) -> list[str]:
-    """Names of one kind that lack no library and that one plugin alone claims."""
-    claims = {name: registry.specs[kind, name] for name in registry.names(kind)}
-    return [name for name, specs in claims.items() if len(specs) == 1 and not specs[0].missing]
+    """Names of one kind that lack no library."""
+    return [name for name in registry.names(kind) if not registry.get(kind, name).missing]
 
 
 def example_run(registry: Registry) -> str:

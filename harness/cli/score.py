@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.lines import say
-from harness.cli.options import REWARDS
+from harness.cli.lines import complain, say
+from harness.cli.options import REWARDS, PluginFiles
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,25 +31,32 @@ def score(
         Path | None,
         typer.Option(help="Folder for the scores of files.", show_default="beside each file", metavar="DIR"),
     ] = None,
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
-) -> None:
+) -> int:
     """Pay recorded runs again under other rewards, exactly; the recordings are not touched."""
     from harness.registry.choice import choose, split_list
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
     if not reward and not every:
         raise UsageError("No reward is named: give --reward NAME, or --all for those of the experiment")
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     scoring = [choose(registry, "rewards", name) for name in split_list(reward or [])]
     if len(targets) == 1 and Path(targets[0]).is_dir():
-        _score_experiment(Path(targets[0]), scoring, every, registry, as_json)
+        failed = _score_experiment(Path(targets[0]), scoring, every, registry, as_json)
     elif every:
         raise UsageError("--all takes an experiment's folder: files do not say which rewards there are")
     else:
-        _score_files(targets, scoring, out, registry, as_json)
+        failed = _score_files(targets, scoring, out, registry, as_json)
+    for label, reason in failed.items():
+        complain(f"reward {label}: n/a ({reason})")
+    return 1 if failed else 0
 
 
-def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, registry: "Registry", as_json: bool) -> None:
+def _score_experiment(
+    folder: Path, scoring: "list[Choice]", every: bool, registry: "Registry", as_json: bool
+) -> dict[str, str]:
     from harness.record.folder import SCORES, TRACE
     from harness.record.out_folder import refuse_links
     from harness.results import load_results
@@ -62,19 +69,21 @@ def _score_experiment(folder: Path, scoring: "list[Choice]", every: bool, regist
         raise UsageError(f"'{folder}' has no finished cell to score")
     trained = [cell.reward for cell in results.done_cells] if every else []
     rewards = list(dict.fromkeys([*scoring, *trained]))
+    failed: dict[str, str] = {}
     for cell in results.done_cells:
         place = results.store.cell_folder(cell)
-        _write(open_recording(place / TRACE), rewards, place / SCORES, registry)
+        failed |= _write(open_recording(place / TRACE), rewards, place / SCORES, registry)
     matrices = score_matrices(results, rewards, registry)
     if as_json:
         _print_json({"matrices": [matrix.to_json() for matrix in matrices]})
     else:
         _print_table(matrices, results)
+    return failed
 
 
 def _score_files(
     patterns: Sequence[str], scoring: "list[Choice]", out: Path | None, registry: "Registry", as_json: bool
-) -> None:
+) -> dict[str, str]:
     from harness.record.folder import SCORES
     from harness.score.open_recording import match_recordings
 
@@ -84,21 +93,31 @@ def _score_files(
         raise UsageError(
             f"Several files of one name cannot all be scored into '{out}': leave --out, or name them apart"
         )
-    written = []
+    written, failed = [], dict[str, str]()
     for recording, into in zip(recordings, places, strict=True):
-        _write(recording, scoring, into, registry)
-        written.append({"file": str(recording.path), "scores": str(into), "rewards": [item.label for item in scoring]})
+        failed |= _write(recording, scoring, into, registry)
+        paid = [item.label for item in scoring if item.label not in failed]
+        written.append({"file": str(recording.path), "scores": str(into), "rewards": paid})
     if as_json:
         _print_json({"files": written})
     else:
         for entry in written:
             say(f"{entry['file']} -> {entry['scores']}")
+    return failed
 
 
-def _write(recording: "Recording", rewards: "Iterable[Choice]", into: Path, registry: "Registry") -> None:
+def _write(recording: "Recording", rewards: "Iterable[Choice]", into: Path, registry: "Registry") -> dict[str, str]:
+    """Write the scores; of each reward that cannot pay, or is not installed any more, the reason."""
+    from harness.errors import HarnessError
     from harness.score.rescore import rescore
 
-    rescore(recording, {choice.label: choice.build(registry, "rewards") for choice in rewards}, into)
+    built, gone = {}, {}
+    for choice in rewards:
+        try:
+            built[choice.label] = choice.build(registry, "rewards")
+        except HarnessError as error:
+            gone[choice.label] = str(error)
+    return {**gone, **rescore(recording, built, into)}
 
 
 def _print_json(data: object) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.foreseen import about
+from harness.cli.learned import learned_texts
 from harness.cli.lines import say
 
 if TYPE_CHECKING:
@@ -42,7 +43,9 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
     if one.status == "interrupted":
         return f"{steps}; the same command goes on"
     seconds = max(one.running.told - one.running.started, 1e-3)
-    return f"{steps}, {one.running.steps / seconds:.0f} steps/s, last word {found.now - one.running.told:.0f} s ago"
+    learned = learned_texts(one.running.success, one.running.mean_return)
+    speed = f"{one.running.steps / seconds:.0f} steps/s"
+    return ", ".join([steps, *learned, speed, f"last word {found.now - one.running.told:.0f} s ago"])
 
 
 def _time_left(seconds: float | None) -> str:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.options import SIMULATORS
+from harness.cli.options import SIMULATORS, PluginFiles
 
 
 def transfer(
@@ -23,6 +23,7 @@ def transfer(
     jobs: Annotated[
         int | None, typer.Option(help="Evaluations at once.", show_default="as many as cores", metavar="N")
     ] = None,
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
     """Evaluate an experiment's policies in other simulators: how much of the success goes with them?
@@ -31,12 +32,13 @@ def transfer(
     """
     from harness.cli.transfer_progress import TransferProgress
     from harness.experiment.workers import worker_count
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.results import Results
     from harness.transfer.jobs import plan_transfers, run_transfers
     from harness.transfer.matrix import load_transfers
 
-    at_once, registry = worker_count(jobs), load_registry()
+    at_once, registry = worker_count(jobs), load_registry(given=read_given(plugin))
     results = Results(folder, registry)
     plan = plan_transfers(results, to, registry)
     with kept_when_interrupted("what was evaluated is kept", folder), TransferProgress(plan) as progress:

@@ -9,7 +9,17 @@ import typer
 
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import say
-from harness.cli.options import ALGORITHMS, REWARDS, SIMULATORS, ExecutorName, Names, RewardNames, RobotName, TaskName
+from harness.cli.options import (
+    ALGORITHMS,
+    REWARDS,
+    SIMULATORS,
+    ExecutorName,
+    Names,
+    PluginFiles,
+    RewardNames,
+    RobotName,
+    TaskName,
+)
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -75,6 +85,7 @@ def tune(
         int | None, typer.Option(help="Cells at once.", show_default="as many as cores", metavar="N")
     ] = None,
     executor: ExecutorName = "processes",
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
     """Search the hyperparameters of one algorithm, with an equal budget for every reward.
@@ -82,6 +93,7 @@ def tune(
     Leaves DIR/tuned.toml, an experiment for harness run. The same command goes on where it stopped.
     """
     from harness.experiment.experiment import RunOptions
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.tune.tune import default_folder, run_searches
     from harness.tune.tuning import resolve
@@ -93,7 +105,7 @@ def tune(
         "validation_episodes": validation_episodes, "per_reward": per_reward, "pruner": pruner, "batch": batch,
         "seed": seed,
     }  # fmt: skip
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     setup = resolve(_read(file, {key: value for key, value in given.items() if value is not None}), registry)
     folder = out or default_folder(setup)
     with kept_when_interrupted("finished cells are kept", folder):

@@ -9,10 +9,22 @@ from harness.errors import one_line
 
 
 def describe_unexpected(error: Exception) -> str:
-    """A line that names the exception and the file with its traceback, which is written to the folder for such files.
+    """A line that names the exception and the file with its traceback; see `leave_story`."""
+    return f"nobody foresaw {one_line(error)}. Please report it with {leave_story(error)}"
 
-    Where no file can be written the traceback goes to standard error.
+
+def describe_fault(owner: str, error: Exception) -> str:
+    """The same of an exception that a plugin's code raised.
+
+    Args:
+        owner: Whose code it is, ``Command 'wave' of package waving 1.0``.
+        error: What it raised.
     """
+    return f"{owner} raised {one_line(error)}. Its authors may want {leave_story(error)}"
+
+
+def leave_story(error: Exception) -> str:
+    """Write the traceback to a file in the folder for such files, or to standard error if that fails; says where."""
     story = "".join(traceback.format_exception(error))
     try:
         with tempfile.NamedTemporaryFile(
@@ -21,5 +33,5 @@ def describe_unexpected(error: Exception) -> str:
             file.write(story)
     except OSError:
         sys.stderr.write(story)
-        return f"nobody foresaw {one_line(error)}. Please report it with the lines above."
-    return f"nobody foresaw {one_line(error)}. Please report it with the log, {Path(file.name)}"
+        return "the lines above."
+    return f"the log, {Path(file.name)}"

@@ -1,14 +1,16 @@
 """``harness watch``: the replay of an experiment in the browser, while it goes on."""
 
 from collections.abc import Callable
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from harness.cli.lines import say
 from harness.errors import HarnessError, UsageError, one_line
+
+if TYPE_CHECKING:
+    from http.server import ThreadingHTTPServer
 
 HOST = "127.0.0.1"
 """Nobody else on the network sees the page."""
@@ -57,12 +59,14 @@ class Pages:
         return self._made[1]
 
 
-def open_server(pages: Pages, port: int) -> ThreadingHTTPServer:
+def open_server(pages: Pages, port: int) -> "ThreadingHTTPServer":
     """A server of `pages` on this machine alone.
 
     Raises:
         UsageError: The port is taken.
     """
+    from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
     routes: dict[str, tuple[str, Callable[[], str]]] = {
         "/": ("text/html; charset=utf-8", pages.page),
         "/state": ("text/plain; charset=utf-8", pages.state),

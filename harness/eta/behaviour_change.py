@@ -46,6 +46,7 @@ class Change:
         variance: Of the difference of a seed; None below two seeds.
         outcomes: The mean difference, the names of the trainings swapped in all ways, see `harness.eta.swaps`; None
             of a single seed, which can claim nothing.
+        reason: Why the metric failed for a seed; empty where it did not, also where it is not defined.
     """
 
     measure: Measure
@@ -61,6 +62,7 @@ class Change:
     values: tuple[tuple[float, float], ...] = field(default=(), repr=False)
     variance: float | None = field(default=None, repr=False)
     outcomes: Float | None = field(default=None, repr=False, compare=False)
+    reason: str = ""
 
     @property
     def name(self) -> str:
@@ -122,6 +124,7 @@ class Change:
             "interquartile_means": list(self.middles),
             "probability_of_improvement": self.improvement,
             "values": [list(pair) for pair in self.values],
+            "reason": self.reason,
         }
 
 

@@ -6,17 +6,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 from harness.env.make import World
+from harness.executor import Word
 from harness.experiment.attempt import Attempt
 from harness.experiment.evaluator import Evaluator
-from harness.experiment.event_log import EventLog
 from harness.experiment.order import Report
 from harness.policy import Policy
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files, other_manner
 from harness.record.returns import mean_return
 from harness.record.trace import Trace, read_trace
-from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
+from harness.results.measured import measure
+from harness.results.metrics import load_metrics
 
 SECTION = "Evaluation"
 BEAT_EVERY = 1.0
@@ -31,7 +32,7 @@ class CellEvaluations:
     """
 
     def __init__(
-        self, cell: Cell, world: World, registry: Registry, attempt: Attempt, events: EventLog, report: Report
+        self, cell: Cell, world: World, registry: Registry, attempt: Attempt, tracked: bool, report: Report
     ) -> None:
         """Go on after the last evaluation that the attempt's checkpoint knows of; later ones are made again.
 
@@ -40,11 +41,11 @@ class CellEvaluations:
             world: The cell's.
             registry: The plugins, for the metrics.
             attempt: Where the training begins.
-            events: Gets the results.
-            report: Told the steps done so far, now and then while an evaluation goes on.
+            tracked: Whether the results are passed on.
+            report: Told that an evaluation goes on, and its results.
         """
         self._report, self._steps, self._told = report, attempt.begun_from, time.monotonic()
-        self._cell, self._registry, self._events = cell, registry, events
+        self._cell, self._registry, self._tracked = cell, registry, tracked
         self._evaluator = Evaluator(world, cell.evaluation_episodes, self._beat)
         self._folder = attempt.folder
         self.seconds = 0.0
@@ -82,7 +83,7 @@ class CellEvaluations:
         """The evaluation gets on: who watches the cell should not take it for one that hangs."""
         if time.monotonic() >= self._told + BEAT_EVERY:
             self._told = time.monotonic()
-            self._report(self._steps)
+            self._report(Word(self._steps))
 
     def _next_after(self, steps: int) -> int:
         every = self._cell.evaluate_every
@@ -90,19 +91,20 @@ class CellEvaluations:
 
     def _evaluate(self, steps: int, policy: Policy, path: Path) -> None:
         self._evaluator.record(policy, self._cell.deterministic, path)
-        if not self._events.is_open:
+        if not self._tracked:
             return
         try:
-            self._events.write(steps, evaluation_scalars(read_trace(path), self._registry))
-        except Exception:  # a metric may raise anything: what is there to look at decides no result
+            scalars = evaluation_scalars(read_trace(path), self._registry)
+        except Exception:  # what is there to look at decides no result
             with (self._folder / LOG).open("a") as log:
                 traceback.print_exc(file=log)
+        else:
+            self._report(Word(steps, scalars))
 
 
 def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
-    """The return and every registered metric, those that are not defined left out: ``Evaluation/Success Rate``."""
+    """The return and every registered metric, ``Evaluation/Success Rate``; what is not defined or fails is left out."""
     values = {"Cumulative Reward": mean_return(trace)}
-    values |= {
-        name.replace("_", " ").title(): metric(trace) for name, metric in build_defaults(registry, "metrics").items()
-    }
+    measured = measure(load_metrics(registry), trace)
+    values |= {name.replace("_", " ").title(): value for name, value in measured.items()}
     return {f"{SECTION}/{name}": float(value) for name, value in values.items() if value is not None}

@@ -4,10 +4,11 @@ import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from harness.executor import Word
 from harness.experiment.attempt import Attempt
 from harness.experiment.cell_evaluations import CellEvaluations
 from harness.experiment.checkpoint import Checkpoint, store
-from harness.experiment.event_log import EventLog
+from harness.experiment.learning_so_far import LearningSoFar
 from harness.experiment.order import Report
 from harness.experiment.trace_parts import TraceParts
 from harness.progress import Progress, TrainingState
@@ -30,26 +31,28 @@ class CellProgress(Progress):
         env: "ReachVectorEnv",
         parts: TraceParts,
         evaluations: CellEvaluations,
-        events: EventLog,
+        learning: LearningSoFar,
+        tracked: bool,
     ) -> None:
         """Begin to count.
 
         Args:
-            report: Told the steps.
+            report: Told the steps and the scalars.
             attempt: What the training starts with, and how often it leaves a checkpoint.
             env: Where it takes place; it stands where the attempt begins.
             parts: Its trace, which the env records.
             evaluations: Of its policy.
-            events: Get the scalars.
+            learning: What the episodes come to.
+            tracked: Whether what the algorithm tells is passed on.
         """
         self._report, self._attempt, self._env, self._parts = report, attempt, env, parts
-        self._evaluations, self._events = evaluations, events
+        self._evaluations, self._learning, self._tracked = evaluations, learning, tracked
         self._last, self._since = attempt.begun_from, time.perf_counter()
         self._rings = attempt.checkpoint.rings if attempt.checkpoint else {}
 
     def __call__(self, steps: int) -> None:
         """See `harness.progress.Progress`."""
-        self._report(steps)
+        self._report(Word(int(steps), self._learning.scalars_if_due(int(steps))))
 
     def policy(self, steps: int, make: "Callable[[], Policy]") -> None:
         """See `harness.progress.Progress`."""
@@ -57,7 +60,8 @@ class CellProgress(Progress):
 
     def scalars(self, steps: int, values: Mapping[str, float]) -> None:
         """See `harness.progress.Progress`."""
-        self._events.write(steps, values)
+        if self._tracked:
+            self._report(Word(int(steps), {name: float(value) for name, value in values.items()}))
 
     def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
         """See `harness.progress.Progress`."""

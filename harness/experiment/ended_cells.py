@@ -1,5 +1,6 @@
 """What a report needs of a cell, made as the cell ends: the first report finds it. The table of all cells too."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 
 from harness.experiment.plan import Plan
@@ -16,8 +17,10 @@ from harness.results.done_cells import DoneCells
 class EndedCells:
     """Measures each done cell of an experiment, and pays it by the rewards that it will be compared with."""
 
-    def __init__(self, store: Store, registry: Registry, plan: Plan) -> None:
-        self._cells, self._plan = DoneCells(store, registry), plan
+    def __init__(
+        self, store: Store, registry: Registry, plan: Plan, metrics: str | Sequence[str] | None = None
+    ) -> None:
+        self._cells, self._plan = DoneCells(store, registry, metrics), plan
         self._rewards: dict[Group, dict[Choice, None]] = {}
         for cell in plan.cells:
             self._rewards.setdefault(Group.of(cell), {})[cell.reward] = None

@@ -1,6 +1,7 @@
 """Run an experiment: from what a user asks for to the results."""
 
 import math
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
@@ -12,20 +13,27 @@ from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, Limits, OnEvent
 from harness.experiment.changed import CHANGED, Changed, Sources, changed_cells, refuse_changed
 from harness.experiment.ended_cells import EndedCells
-from harness.experiment.event_log import require_tensorboard
 from harness.experiment.floor import floor_carriers
 from harness.experiment.followed import Followed
+from harness.experiment.objects import name_objects
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.run_arguments import RunArguments
 from harness.experiment.selection import select
+from harness.experiment.trackers import Given, OnTrouble, Trackers, build_trackers
+from harness.experiment.tracking import Tracking
 from harness.experiment.workers import worker_count
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
+from harness.record.running import read_left
 from harness.record.store import Store
 from harness.registry.choice import choose
+from harness.registry.given import Given as Plugins
+from harness.registry.given import read_given, require_given
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
+from harness.results.metrics import load_metrics
+from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
 STALL_AFTER = 1800.0
@@ -51,7 +59,8 @@ class RunOptions:
         executor: What runs the cells, with its settings: ``"processes"``, ``"mine:nodes=2"`` or a table.
         checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none; by
             default one every ten minutes.
-        tensorboard: Whether each cell leaves event files of scalars too, in its folder.
+        tracker: What shows the trainings elsewhere: ``"tensorboard"``, ``"wandb:mode=offline,mlflow"``, a table, or a
+            list of such.
         curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
         wait: Whether to wait while another run is using the folder; else that is an error.
         changed: What becomes of done cells that other plugins made than those installed now: ``"refuse"`` to run,
@@ -64,6 +73,7 @@ class RunOptions:
         cell_time: Seconds that a cell may take; 0 for any number.
         cell_memory: GiB of memory that a cell may use; 0 for any number.
         fresh: Whether each cell gets a process of its own, instead of one that does several cells.
+        metrics: Which metrics the results tell, ``"work"``, several with commas; every registered one if None.
 
     Raises:
         UsageError: A number is out of range, or there is no such curve or choice.
@@ -73,7 +83,7 @@ class RunOptions:
     jobs: int | None = None
     executor: str | Mapping[str, Any] = "processes"
     checkpoint_every: int | None = None
-    tensorboard: bool = False
+    tracker: Given | Sequence[Given] = ()
     curve: Kind = "accumulated"
     wait: bool = True
     changed: Changed = "refuse"
@@ -85,6 +95,7 @@ class RunOptions:
     cell_time: float = 0.0
     cell_memory: float = 0.0
     fresh: bool = False
+    metrics: str | Sequence[str] | None = None
 
     def __post_init__(self) -> None:
         worker_count(self.jobs)
@@ -108,21 +119,23 @@ class RunOptions:
     def of_cells(self) -> CellOptions:
         """What of it each cell is told."""
         limits = Limits(self.stall_after, self.cell_time, self.cell_memory)
-        return CellOptions(self.checkpoint_every, self.tensorboard, limits, self.fresh)
+        return CellOptions(self.checkpoint_every, bool(self.tracker), limits, self.fresh)
 
     def build_executor(self, registry: Registry) -> Executor:
         """What runs the cells.
 
         Raises:
-            UsageError: The executor or a setting of it is not known, or a library for the options is missing.
+            UsageError: The executor or a setting of it is not known, or a library for it is missing.
         """
-        if self.tensorboard:
-            require_tensorboard()
         executor: Executor = choose(registry, "executors", self.executor).build(registry, "executors")
         return executor
 
 
 DEFAULTS = RunOptions()
+
+
+def _warn(line: str) -> None:
+    warnings.warn(line, RuntimeWarning, stacklevel=2)
 
 
 def run(**given: Unpack[RunArguments]) -> Results:
@@ -131,15 +144,17 @@ def run(**given: Unpack[RunArguments]) -> Results:
     Args:
         **given: The fields of `RunOptions`, such as ``out`` and ``jobs``, and those of
             `harness.experiment.plan.Experiment`, such as ``sim`` and ``algo``; its lists may be single names, or text
-            with commas.
+            with commas. Where a name is expected, an object may stand whose class workers can import. ``plugins``
+            lists files and classes beside the installed plugins; see `harness.registry.given.read_given`.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
     of_options = {field.name for field in fields(RunOptions)}
-    everything: dict[str, Any] = dict(given)
+    everything, classes = name_objects(given)
+    plugins = dict.fromkeys([*read_given(everything.pop("plugins", ())), *classes])
     options = {name: everything.pop(name) for name in tuple(everything) if name in of_options}
-    return prepare(check_experiment(everything), RunOptions(**options)).run()
+    return prepare(check_experiment(everything), RunOptions(**options), tuple(plugins)).run()
 
 
 @dataclass(frozen=True)
@@ -152,6 +167,7 @@ class ExperimentRun:
         registry: The plugins.
         executor: What runs the cells.
         options: How.
+        trackers: What shows them elsewhere, by label.
     """
 
     plan: Plan
@@ -159,6 +175,7 @@ class ExperimentRun:
     registry: Registry
     executor: Executor
     options: RunOptions = DEFAULTS
+    trackers: Mapping[str, Tracker] = field(default_factory=dict)
 
     def run(self, on_event: OnEvent = lambda event: None) -> Results:
         """Do the cells that are not done yet; see `begin` and `BegunRun.run`."""
@@ -220,15 +237,26 @@ class BegunRun:
     @property
     def waiting(self) -> tuple[Cell, ...]:
         """What will be run: not done, and asked for by name and number."""
-        options, done = self.asked.options, set(self.done)
-        selected = select(self.asked.plan.cells, options.only) if options.only else self.asked.plan.cells
-        return tuple(cell for cell in selected if cell not in done)[: options.limit]
+        done = set(self.done)
+        return tuple(cell for cell in self._selected if cell not in done)[: self.asked.options.limit]
 
-    def run(self, on_event: OnEvent = lambda event: None) -> Results:
+    @property
+    def spared(self) -> tuple[Cell, ...]:
+        """What is asked for by name, and was done before."""
+        selected = set(self._selected)
+        return tuple(cell for cell in self.done if cell in selected)
+
+    @property
+    def _selected(self) -> tuple[Cell, ...]:
+        plan, only = self.asked.plan, self.asked.options.only
+        return tuple(select(plan.cells, only)) if only else plan.cells
+
+    def run(self, on_event: OnEvent = lambda event: None, on_trouble: OnTrouble = _warn) -> Results:
         """Do the cells that wait; those that fail as often again as the options say.
 
         Args:
             on_event: Told what happens to the cells.
+            on_trouble: Told when a tracker is switched off, and why.
 
         Returns:
             What the experiment's folder says afterwards, earlier cells included.
@@ -236,8 +264,10 @@ class BegunRun:
         store, options, waiting = self.asked.store, self.asked.options, self.waiting
         # What else was begun stays too: run_cell says what becomes of it.
         store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-        ended = EndedCells(store, self.asked.registry, self.asked.plan)
-        followed = Followed(store, ended, on_event, self.again)
+        ended = EndedCells(store, self.asked.registry, self.asked.plan, options.metrics)
+        trackers = Trackers(self.asked.trackers, on_trouble)
+        tracking = Tracking(trackers, store.folder, read_left(store.folder))
+        followed = Followed(store, ended, tracking, on_event, self.again)
         try:
             for _ in range(1 + options.retry_failed):
                 followed.failed.clear()
@@ -247,13 +277,14 @@ class BegunRun:
             followed.stop()
             store.discard_partial()
             ended.finish()
-        return Results(store.folder, self.asked.registry, options.curve)
+        return Results(store.folder, self.asked.registry, options.curve, metrics=options.metrics)
 
     def _do(self, cells: Sequence[Cell], followed: Followed) -> None:
         """Have the executor do cells; with the option `fail_fast`, until one fails."""
         store, options = self.asked.store, self.asked.options
         carriers = floor_carriers(cells, store)
-        jobs = [Job(cell, store.cell_folder(cell), replace(options.of_cells, floor=cell in carriers)) for cell in cells]
+        of_all = replace(options.of_cells, plugins=self.asked.registry.given)
+        jobs = [Job(cell, store.cell_folder(cell), replace(of_all, floor=cell in carriers)) for cell in cells]
 
         def follow(event: Event) -> None:
             followed(event)
@@ -268,33 +299,42 @@ class _FirstFailure(Exception):
     """A cell has failed, and nothing more is to be done."""
 
 
-def prepare(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:
+def prepare(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Plugins] = ()) -> ExperimentRun:
     """Check everything that an experiment needs, then make its folder, or look whether it can go on with one.
+
+    Args:
+        experiment: What to do.
+        options: How.
+        given: Plugins beside the installed ones.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
-    ready = check(experiment, options)
+    ready = check(experiment, options, given)
     Store.claim(ready.store.folder)
     return ready
 
 
-def check(experiment: Experiment, options: RunOptions = DEFAULTS) -> ExperimentRun:
-    """Check everything that an experiment needs. Writes nothing.
+def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Plugins] = ()) -> ExperimentRun:
+    """Check everything that an experiment needs. Writes nothing; see `prepare`.
 
     Raises:
         UsageError: Something given cannot be used.
     """
-    registry = load_registry()
-    executor = options.build_executor(registry)
+    require_given(experiment.plugins, given)
+    registry = load_registry(given=given)
+    executor, trackers = options.build_executor(registry), build_trackers(options.tracker, registry)
+    if options.metrics is not None:
+        load_metrics(registry, options.metrics)
     plan = expand(experiment, registry)
     if options.only:
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))
-    return ExperimentRun(plan, store, registry, executor, options)
+    return ExperimentRun(plan, store, registry, executor, options, trackers)
 
 
 def default_folder(plan: Plan) -> Path:
     """A folder named for what the plan does: the same plan finds its results again."""
     first = plan.cells[0] if plan.cells else plan.skipped[0][0]
-    return DEFAULT_FOLDER / f"{first.simulator.name}-{first.algorithm.name}-{plan.id}"
+    names = f"{first.simulator.name}-{first.algorithm.name}".replace("/", "-")  # of a qualified name
+    return DEFAULT_FOLDER / f"{names}-{plan.id}"

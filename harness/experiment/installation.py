@@ -3,7 +3,7 @@
 import json
 import platform
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Final, Self
@@ -15,6 +15,7 @@ from harness.experiment.workers import News, run_orders
 from harness.hookspecs import NOUNS
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder, publish
+from harness.registry.given import Given, given_from_json, given_to_json
 from harness.registry.registry import Registry, load_registry
 from harness.registry.sources import digest_of_modules, source_hash
 from harness.robot.load import load_robot
@@ -53,7 +54,7 @@ def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
     ]
 
 
-def describe_workers(cells: Iterable[Cell]) -> dict[str, str]:
+def describe_workers(cells: Iterable[Cell], plugins: Sequence[Given] = ()) -> dict[str, str]:
     """`describe_installation`, of a worker process that is started here: it may find other modules than this one.
 
     Raises:
@@ -66,7 +67,7 @@ def describe_workers(cells: Iterable[Cell]) -> dict[str, str]:
 
     with tempfile.TemporaryDirectory(prefix="harness-") as place:
         folder = Path(place) / "answer"
-        run_orders([Order(folder, Describe(tuple(cells)), fresh=True)], 1, hear)
+        run_orders([Order(folder, Describe(tuple(cells), tuple(plugins)), fresh=True)], 1, hear)
         if any(reasons):
             raise UsageError("".join(reasons))
         told: dict[str, str] = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
@@ -80,22 +81,23 @@ class Describe:
     """`describe_installation`, as a worker is told to do it; what is missing is told too."""
 
     cells: tuple[Cell, ...]
+    plugins: tuple[Given, ...] = ()
 
     noun: ClassVar[str] = "description"
 
     def to_json(self) -> dict[str, Any]:
         """See `harness.experiment.order.Work`."""
-        return {"cells": [cell.to_json() for cell in self.cells]}
+        return {"cells": [cell.to_json() for cell in self.cells], "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """See `harness.experiment.order.Work`."""
-        return cls(tuple(Cell.from_json(cell) for cell in data["cells"]))
+        return cls(tuple(Cell.from_json(cell) for cell in data["cells"]), given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.order.Work`."""
         try:
-            told = describe_installation(self.cells, load_registry())
+            told = describe_installation(self.cells, load_registry(given=self.plugins))
         except HarnessError as error:
             told = {PROBLEM: one_line(error)}
         (partial_folder(folder) / ANSWER).write_text(json.dumps(told), encoding="utf-8")

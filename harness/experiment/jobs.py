@@ -20,7 +20,7 @@ def order_of(job: Job) -> Order:
     return Order(job.folder, TrainCell(job.cell, job.options), job.options.limits, job.options.fresh)
 
 
-def run_job(job: Job, report: Report = lambda steps: None) -> Manifest:
+def run_job(job: Job, report: Report = lambda word: None) -> Manifest:
     """Do a job in this process, and leave its folder.
 
     What a plugin raises makes a failed cell. A plugin that crashes or hangs takes this process with it, and the job's
@@ -28,7 +28,7 @@ def run_job(job: Job, report: Report = lambda steps: None) -> Manifest:
 
     Args:
         job: What to do.
-        report: Told the environment steps done so far.
+        report: Told how far it is.
 
     Returns:
         What the manifest in the folder says.
@@ -50,4 +50,4 @@ def events_of(jobs: Sequence[Job], at_once: int, pool: Pool) -> Iterator[Event]:
     """
     cells = {job.folder: job.cell for job in jobs}
     for news in pool.run([order_of(job) for job in jobs], at_once):
-        yield Event(news.kind, cells[news.folder], news.steps, news.reason)
+        yield Event(news.kind, cells[news.folder], news.steps, news.reason, scalars=news.scalars)

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Protocol, Self, TypeAlias
 
-from harness.executor import Limits
+from harness.executor import Limits, Word
 
-Report: TypeAlias = Callable[[int], None]
-"""Told the number of environment steps done so far."""
+Report: TypeAlias = Callable[[Word], None]
+"""Told how far the work is."""
 
 
 class Work(Protocol):

@@ -3,7 +3,7 @@
 import hashlib
 import itertools
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias
@@ -17,8 +17,10 @@ from harness.experiment.task_form import task_for
 from harness.record.cell import Cell
 from harness.record.plan_file import control_seeds
 from harness.registry.choice import Choice, choose, split_list
+from harness.registry.given import Given as HandGiven
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
+from harness.registry.spec import PLANNED, blamed_on
 from harness.registry.toml_file import read_toml
 from harness.robot import Robot
 from harness.robot.load import load_robot
@@ -78,6 +80,9 @@ class Experiment:
         Interval, Field(description="environment steps from one evaluation to the next; 0: at the end alone")
     ] = 0
     deterministic: Annotated[bool, Field(description="whether evaluated policies draw no actions")] = True
+    plugins: Annotated[
+        list[Given], Field(max_length=MOST_NAMES, description="plugins that have to be given by hand, with --plugin")
+    ] = Field(default_factory=list)
 
     @property
     def seed_list(self) -> list[int]:
@@ -141,6 +146,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     Raises:
         UsageError: A name or parameter is unknown, a library is missing, the robot cannot do the task, or there are
             more cells than `MOST_CELLS`.
+        PluginError: A plugin is broken, or raises; says whose it is.
     """
     simulators = _choose_each(registry, "simulators", experiment.sim)
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
@@ -150,7 +156,8 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     built = task.build(registry, "tasks")
     robot = _locate(experiment.robot or built.robot, registry)
     arm = load_robot(robot, registry)
-    built.check(arm)
+    with blamed_on(registry.get("tasks", task.name), PLANNED):
+        built.check(arm)
     seeds = experiment.seed_list
     control = control_seeds(seeds) if baseline in rewards else {}
     paid = dict.fromkeys([baseline, *rewards])
@@ -173,7 +180,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         baseline.label,
         tuple(cell for cell in cells if not reasons[cell.algorithm]),
         tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
-        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot),
+        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot, registry.given),
         control=control,
     )
 
@@ -217,15 +224,16 @@ class Fit(NamedTuple):
 
 
 def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:
-    try:
-        form = task_for(algorithm, task, robot, registry)
-    except UsageError as error:
-        return Fit(task, str(error))
-    built: Algorithm = algorithm.build(registry, "algorithms")
-    if steps % built.num_envs:
-        envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
-        return Fit(form, f"steps={steps} is not a multiple of {envs}")
-    return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
+    with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
+        try:
+            form = task_for(algorithm, task, robot, registry)
+        except UsageError as error:
+            return Fit(task, str(error))
+        built: Algorithm = algorithm.build(registry, "algorithms")
+        if steps % built.num_envs:
+            envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
+            return Fit(form, f"steps={steps} is not a multiple of {envs}")
+        return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
 
 
 def _resolve(
@@ -236,11 +244,13 @@ def _resolve(
     rewards: list[Choice],
     task: Choice,
     robot: str,
+    given: Sequence[HandGiven],
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
-    values = {field.name: getattr(experiment, field.name) for field in fields(experiment)}
+    values = {field.name: getattr(experiment, field.name) for field in fields(experiment) if field.name != "plugins"}
     return {
         **values,
+        **({"plugins": [it.need for it in given]} if given else {}),
         "sim": [table_of(choice) for choice in simulators],
         "algo": [table_of(choice) for choice in algorithms],
         "reward": [table_of(choice) for choice in rewards],

@@ -12,12 +12,12 @@ from typing import Any
 
 from harness.hookspecs import KINDS
 from harness.record.cell import Cell
-from harness.registry.registry import Registry, Spec
+from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
+from harness.registry.spec import OURS, Spec
 from harness.robot import Robot
 
-NAME = "fd100-harness"
-CORE = (NAME, "gymnasium", "numpy", "pyarrow")
+CORE = (OURS, "gymnasium", "numpy", "pyarrow")
 """Distributions that every result depends on."""
 CHECKOUT = Path(__file__).resolve().parents[2]
 """Where this package stands; the root of the checkout, if it runs from one."""
@@ -130,4 +130,4 @@ def _is_checkout(folder: Path) -> bool:
         project = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     except (OSError, ValueError, KeyError):
         return False
-    return bool(project.get("name") == NAME)
+    return bool(project.get("name") == OURS)

@@ -11,13 +11,13 @@ import numpy as np
 from harness.algorithm import Algorithm
 from harness.env import ReachVectorEnv
 from harness.env.make import build_world
-from harness.executor import CellOptions
+from harness.executor import CellOptions, Word
 from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.cell_evaluations import CellEvaluations
 from harness.experiment.cell_progress import CellProgress
 from harness.experiment.draft import Draft, draft_of
 from harness.experiment.evaluate import facts_of
-from harness.experiment.event_log import EventLog
+from harness.experiment.learning_so_far import LearningSoFar
 from harness.experiment.order import Report
 from harness.experiment.peak_memory import forget_peak, peak_memory
 from harness.experiment.provenance import describe_environment
@@ -26,7 +26,7 @@ from harness.experiment.trace_parts import TraceParts, discard_parts
 from harness.experiment.watch import UNWATCHED, Watch
 from harness.policy import Policy
 from harness.record.cell import Cell
-from harness.record.folder import CHECKPOINT, POLICY, TENSORBOARD, TRACE
+from harness.record.folder import CHECKPOINT, POLICY, TRACE
 from harness.record.manifest import Manifest
 from harness.record.scene import write_scene
 from harness.registry.registry import Registry, load_registry
@@ -48,14 +48,14 @@ def run_cell(
     Args:
         cell: What to do.
         folder: Of the cell; replaced if it exists.
-        report: Told the environment steps done so far.
+        report: Told how far it is.
         options: How to do it.
         watch: Looks on.
     """
     with draft_of(folder, Manifest(cell, status="done")) as draft:
         forget_peak()
         try:
-            _Run(cell, load_registry(), report, options, watch).leave(draft)
+            _Run(cell, load_registry(given=options.plugins), report, options, watch).leave(draft)
         finally:
             draft.note(peak_memory=peak_memory())
             (draft.partial / CHECKPOINT).unlink(missing_ok=True)
@@ -108,23 +108,18 @@ class _Run:
         with closing(world.open(algorithm.num_envs, resumable=True)) as env:
             attempt = begin_attempt(cell, draft.partial, environment, self.options.checkpoint_every, env.restore)
             draft.note(resumed_from=attempt.begun_from, note=attempt.note)
-            with EventLog(draft.partial / TENSORBOARD if self.options.tensorboard else None) as events:
-                evaluations = CellEvaluations(cell, world, registry, attempt, events, self.report)
-                policy = self._train(algorithm, env, attempt, evaluations, events)
-                draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
-                policy.save(draft.partial / POLICY, cell.to_json())
-                write_scene(scene_of(robot), draft.partial)
-                self.watch.enter("evaluation")
-                evaluations.finish(policy, self.options.floor)
-                self.watch.enter("saving")
+            self.report(Word(attempt.begun_from))
+            evaluations = CellEvaluations(cell, world, registry, attempt, self.options.tracked, self.report)
+            policy = self._train(algorithm, env, attempt, evaluations)
+            draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
+            policy.save(draft.partial / POLICY, cell.to_json())
+            write_scene(scene_of(robot), draft.partial)
+            self.watch.enter("evaluation")
+            evaluations.finish(policy, self.options.floor)
+            self.watch.enter("saving")
 
     def _train(
-        self,
-        algorithm: Algorithm,
-        env: ReachVectorEnv,
-        attempt: Attempt,
-        evaluations: CellEvaluations,
-        events: EventLog,
+        self, algorithm: Algorithm, env: ReachVectorEnv, attempt: Attempt, evaluations: CellEvaluations
     ) -> Policy:
         """Train on `env`, which stands where the attempt begins, and close it."""
         cell, watch = self.cell, self.watch
@@ -133,12 +128,15 @@ class _Run:
             with TraceParts(
                 attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], facts_of(env.task), attempt.parts
             ) as parts:
-                env.recorder = parts
+                env.recorder = learning = LearningSoFar(parts, attempt.begun_from)
                 if attempt.checkpoint is None:
                     env.reset(seed=env_seed)
-                progress = CellProgress(self.report, attempt, env, parts, evaluations, events)
+                tracked = self.options.tracked
+                progress = CellProgress(self.report, attempt, env, parts, evaluations, learning, tracked)
                 watch.follow(env)
                 policy = algorithm.train(env, cell.steps, algorithm_seed, progress)
+                steps = min(env.environment_steps, cell.steps)
+                self.report(Word(steps, learning.scalars(steps)))
                 watch.enter("trace")
             return policy
         finally:

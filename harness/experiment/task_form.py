@@ -5,6 +5,7 @@ from harness.errors import UsageError
 from harness.motion import Discrete
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry
+from harness.registry.spec import PLANNED, blamed_on
 from harness.robot import Robot
 
 
@@ -44,5 +45,6 @@ def _discrete(task: Choice, problem: str, robot: Robot, registry: Registry) -> C
 
 def _space_of(task: Choice, robot: Robot, registry: Registry) -> ActionSpace:
     built = task.build(registry, "tasks")
-    built.check(robot)
-    return "discrete" if isinstance(built.motion(robot), Discrete) else "continuous"
+    with blamed_on(registry.get("tasks", task.name), PLANNED):
+        built.check(robot)
+        return "discrete" if isinstance(built.motion(robot), Discrete) else "continuous"

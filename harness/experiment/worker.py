@@ -1,9 +1,9 @@
 """The process in which an executor has things done, one after the other: ``python -m harness.experiment.worker``.
 
-Each line of standard input is an order (`harness.experiment.order`). The answers are lines on standard output: the
-number of steps done, as often as there is news; then `DONE`, and the next order may come, or the end of the output. An
-order that would run on sources which have changed since this process began is answered with `STALE`, and not done. What
-the work itself prints goes into its log, and so does the stack if the process crashes; what it reads is empty. The
+Each line of standard input is an order (`harness.experiment.order`). The answers are lines on standard output: a
+`harness.executor.Word`, as often as there is news; then `DONE`, and the next order may come, or the end of the output.
+An order that would run on sources which have changed since this process began is answered with `STALE`, and not done.
+What the work itself prints goes into its log, and so does the stack if the process crashes; what it reads is empty. The
 process ends when its parent does.
 """
 
@@ -44,7 +44,7 @@ def _do(order: Order, parent: IO[str]) -> bool:
     _print_into(partial / LOG)
     write_log(partial / LOG, f"process {os.getpid()} on {platform.node()} begins")
     try:
-        return order.work.do(order.folder, lambda steps: _tell(parent, str(int(steps))))
+        return order.work.do(order.folder, lambda word: _tell(parent, word.line()))
     finally:
         _print_into(Path(os.devnull))  # the log is finished: a thread that still prints must not change it
 

@@ -8,12 +8,13 @@ import os
 import queue
 import signal
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple, Self, TypeAlias
 
 from harness.errors import UsageError
+from harness.executor import NO_SCALARS, Word
 from harness.experiment.limits import LOOK_EVERY, Clock, Watchdog
 from harness.experiment.order import Order
 from harness.experiment.worker import DONE, STALE
@@ -34,6 +35,8 @@ class News(NamedTuple):
     steps: int = 0
     reason: str = ""
     """Of an ended order: why its process left no folder; empty if it did."""
+    scalars: Mapping[str, float] = NO_SCALARS
+    """Of progress: see `harness.executor.Word`."""
 
 
 OnNews: TypeAlias = Callable[[News], None]
@@ -163,7 +166,8 @@ class Pool:
             return self._lost(process, task, is_stale=line == STALE)
         if line != DONE:
             task.watchdog.hear()
-            return [News("progress", task.order.folder, int(line))]
+            word = Word.from_line(line)
+            return [News("progress", task.order.folder, word.steps, scalars=word.scalars)]
         del self.busy[process]
         self._keep(process, task.order)
         return [News("ended", task.order.folder)]

@@ -14,8 +14,8 @@ from harness.motion.move_j_absolute import MoveJAbsoluteMode
 from harness.motion.move_l import MoveLMode
 from harness.motion.set_joints import SetJointsMode
 from harness.registry.choice import parse
+from harness.registry.names import did_you_mean
 from harness.registry.parameters import build
-from harness.registry.registry import did_you_mean
 
 
 @dataclass(frozen=True)

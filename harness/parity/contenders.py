@@ -91,9 +91,8 @@ def _choose(registry: Registry, names: Sequence[str], named: bool) -> dict[str, 
 
 
 def _missing(registry: Registry, name: str) -> bool:
-    """Whether the library is; a name that two plugins claim is not missing but broken."""
-    specs = registry.specs["simulators", name]
-    return len(specs) == 1 and bool(specs[0].missing)
+    """Whether the library is."""
+    return bool(registry.get("simulators", name).missing)
 
 
 def _all_missing(registry: Registry) -> tuple[Missing, ...]:

@@ -13,6 +13,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, TypeAdapter
 
+from harness.errors import SchemaError
 from harness.files.bounded import read_json, reading
 
 RUNNING = "running.json"
@@ -28,15 +29,30 @@ class Running:
         started: When it began.
         steps: Environment steps done.
         told: When it told so.
+        success: Share of its last episodes that reached the target; None before the first has ended.
+        mean_return: What they were paid on average.
+        track: When it was begun that trackers follow, as they were told: earlier than `started` of a cell that goes on
+            after a kill. 0 before trackers know of it.
+        tracked: Environment steps of which trackers were told.
     """
 
     started: Seconds
     steps: Annotated[int, Field(ge=0)] = 0
     told: Seconds = 0.0
+    success: Annotated[float, Field(ge=0, le=1)] | None = None
+    mean_return: Annotated[float, Field(allow_inf_nan=False)] | None = None
+    track: Seconds = 0.0
+    tracked: Annotated[int, Field(ge=0)] = 0
 
-    def after(self, steps: int, now: float) -> Self:
-        """The same cell, when it has told its steps."""
-        return replace(self, steps=max(steps, self.steps), told=now)
+    def after(self, steps: int, now: float, success: float | None = None, mean_return: float | None = None) -> Self:
+        """The same cell, when it has told its steps; success and return stay where they are None."""
+        return replace(
+            self,
+            steps=max(steps, self.steps),
+            told=now,
+            success=self.success if success is None else success,
+            mean_return=self.mean_return if mean_return is None else mean_return,
+        )
 
 
 FORM: TypeAdapter[dict[str, Running]] = TypeAdapter(dict[str, Running])
@@ -60,6 +76,14 @@ def read_running(folder: Path) -> dict[str, Running]:
         return {}
     with reading(path, "account of running cells"):
         return FORM.validate_python(read_json(path))
+
+
+def read_left(folder: Path) -> dict[str, Running]:
+    """The same, for the run that begins after a kill: where the file is damaged, nothing is known."""
+    try:
+        return read_running(folder)
+    except SchemaError:
+        return {}
 
 
 def discard_running(folder: Path) -> None:

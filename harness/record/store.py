@@ -8,7 +8,7 @@
         manifest.json trace.parquet evaluation.parquet policy/ log.txt
         random.parquet                 in one cell of each simulator, task and robot
         stochastic.parquet or deterministic.parquet: the other manner than that of evaluation.parquet
-        evaluations/<steps>.parquet tensorboard/  where they were asked for
+        evaluations/<steps>.parquet               where they were asked for
     transfer/<id>/<simulator id>/  policies evaluated in other simulators; see `harness.transfer.record`
     results.parquet report.html    made from the cells
 """

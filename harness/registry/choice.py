@@ -11,13 +11,15 @@ from typing import Any
 
 from harness.errors import UsageError, sentence
 from harness.hookspecs import NOUNS
+from harness.registry.members import require_members
 from harness.registry.parameters import build, parameters_of, resolved
 from harness.registry.registry import Registry
+from harness.registry.spec import Spec, blamed_on
 
 LONGEST = 10_000
 """Characters of a name with its parameters: a hundred times what a reward has."""
 SYNTAX = "write name or name:key=value,key=value"
-_NAME_WITH_PARAMS = re.compile(r"[\w-]+:\w+=")
+_NAME_WITH_PARAMS = re.compile(r"[\w./-]+:\w+=")
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class Choice:
     """A registered name with all its parameters, those left at their defaults included.
 
     Attributes:
-        name: The registered name.
+        name: The registered name; qualified by its distribution where it was typed so, ``cem-algo/cem``.
         params: Every parameter with its value, in the order of the target's fields; JSON-able.
         label: What to call it: the name, and the parameters that differ from their defaults.
     """
@@ -53,7 +55,7 @@ class Choice:
 
     def build(self, registry: Registry, kind: str) -> Any:
         """The chosen thing: the registered target, with these parameters."""
-        return build(registry.get(kind, self.name).load(), dict(self.params), f"{NOUNS[kind]} '{self.name}'", registry)
+        return _build(registry.get(kind, self.name), dict(self.params), f"{NOUNS[kind]} '{self.name}'", registry)
 
 
 def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Choice:
@@ -61,6 +63,7 @@ def choose(registry: Registry, kind: str, given: str | Mapping[str, Any]) -> Cho
 
     Raises:
         UsageError: Unknown name, malformed text, unknown parameter, wrong type or value out of range.
+        PluginError: The plugin behind the name is broken; says whose it is.
     """
     return _choose_and_build(registry, kind, given)[0]
 
@@ -150,10 +153,11 @@ def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, A
     """The choice, and what was built to check it: a name inside a name costs no second one."""
     name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
     noun = f"{NOUNS[kind]} '{name}'"
-    target = registry.get(kind, name).load()
+    spec = registry.get(kind, name)
+    name, target = _recorded(spec, name), spec.load()
     if isinstance(given, str):
         params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
-    built = build(target, params, noun, registry)
+    built = _build(spec, params, noun, registry)
     values, changed = resolved(target, built, noun)
     text = ",".join(f"{key}={_text(value)}" for key, value in changed.items())
     frozen = tuple((key, _frozen(value)) for key, value in values.items())
@@ -161,6 +165,18 @@ def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, A
     if not _is_line(label):
         raise UsageError(f"'{label}' has line breaks: {SYNTAX}")
     return Choice(name, frozen, label), built
+
+
+def _recorded(spec: Spec, typed: str) -> str:
+    """What a manifest calls it: a plain name where that means it whatever else is installed, or where one was typed."""
+    return spec.qualified if "/" in typed and not spec.is_built_in else spec.name
+
+
+def _build(spec: Spec, params: Mapping[str, Any], noun: str, registry: Registry) -> Any:
+    with blamed_on(spec, "it was built"):
+        built = build(spec.load(), params, noun, registry)
+    require_members(spec, built)
+    return built
 
 
 def _is_line(text: str) -> bool:

@@ -10,7 +10,8 @@ from typing import Any
 import pydantic
 
 from harness.errors import PluginError, UsageError, sentence
-from harness.registry.registry import Registry, did_you_mean
+from harness.registry.names import did_you_mean
+from harness.registry.registry import Registry
 from harness.text import shortened
 
 SHOWN = 100

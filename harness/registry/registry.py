@@ -1,74 +1,27 @@
 """Who registered what: entry points in, specs out. Nothing heavy is imported before a spec is loaded."""
 
-import difflib
-import importlib
-import importlib.util
-import os
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from importlib.metadata import EntryPoint, entry_points
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pluggy
 
 from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
+from harness.registry.given import Given, PluginClass, PluginFile, class_of_file, import_file
+from harness.registry.hooks import fault_of, hooks_of
+from harness.registry.names import unknown_name
+from harness.registry.spec import Spec, canonical
+from harness.registry.wanted import Wanted
 
-API_VERSION = 1
-"""Version of the interfaces. A plugin may state the one it was written for as ``harness_api = 1``."""
+MENTIONED = 2
+"""Plugins that did not load, in the message about a name that is not there."""
 
 _NAME = re.compile(r"[a-z0-9][a-z0-9_-]*")
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
-
-
-@dataclass(frozen=True)
-class Spec:
-    """A name that users type and the object behind it, not yet imported."""
-
-    kind: str
-    name: str
-    target: str
-    summary: str
-    requires: tuple[str, ...]
-    extra: str | None
-    plugin: str
-    distribution: str
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """The required modules that are not installed."""
-        return tuple(module for module in self.requires if not _is_installed(module))
-
-    @property
-    def remedy(self) -> str:
-        """What to type to get what is missing."""
-        return (
-            f"pip install '{self.distribution}[{self.extra}]'"
-            if self.extra
-            else "pip install " + " ".join(self.missing)
-        )
-
-    def load(self) -> Any:
-        """Import the target.
-
-        Raises:
-            UsageError: A required library is not installed.
-            PluginError: The target cannot be imported or does not exist.
-        """
-        if self.missing:
-            raise UsageError(
-                f"{sentence(NOUNS[self.kind])} '{self.name}' needs {', '.join(self.missing)}: {self.remedy}"
-            )
-        module, attribute = self.target.split(":")
-        try:
-            return getattr(importlib.import_module(module), attribute)
-        except (Exception, SystemExit) as error:
-            raise PluginError(
-                f"Plugin '{self.plugin}' ({self.distribution}): {self.target} of {NOUNS[self.kind]} '{self.name}' "
-                f"cannot be imported: {one_line(error)}"
-            ) from error
 
 
 @dataclass(frozen=True)
@@ -84,70 +37,144 @@ class Plugin:
     reason: str = ""
     registered: tuple[str, ...] = ()
 
+    @property
+    def is_at_fault(self) -> bool:
+        """Whether somebody has to mend it."""
+        return self.status in {"broken", "incompatible"}
+
+    @property
+    def complaint(self) -> str:
+        """Whose it is and what is wrong with it, in a line."""
+        package = f"{self.distribution} {self.version}".rstrip()
+        return f"plugin '{self.name}' of {package} is {self.status}: {self.reason}"
+
 
 @dataclass
 class Registry:
-    """All specs of all loaded plugins."""
+    """All specs of all loaded plugins.
+
+    Attributes:
+        plugins: Every plugin, loaded or not.
+        specs: By kind and name, who claims the name.
+        notes: What there is to say of the environment variable HARNESS_PLUGINS.
+        given: What was given by hand: whoever does the work elsewhere needs it too.
+    """
 
     plugins: list[Plugin] = field(default_factory=list)
     specs: dict[tuple[str, str], list[Spec]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    given: tuple[Given, ...] = ()
 
     def names(self, kind: str) -> list[str]:
-        """Names of one kind, sorted."""
-        return sorted(name for known_kind, name in self.specs if known_kind == kind)
+        """Every name of one kind that can be used, sorted; a qualified one where the plain one means another's."""
+        claims = [specs for (known_kind, _), specs in self.specs.items() if known_kind == kind]
+        return sorted(name for specs in claims for name in _usable_names(specs))
 
     def get(self, kind: str, name: str) -> Spec:
-        """The spec of a name.
+        """The spec of a name, or of a qualified one such as ``cem-algo/cem``.
+
+        A plain name that the harness itself brings is always its own, whoever claims it too.
 
         Raises:
-            UsageError: Nobody registered the name; names the nearest match.
-            PluginError: Two plugins claim the name; names both.
+            UsageError: Nobody registered the name; names the nearest match, and plugins that did not load.
+            PluginError: Several plugins claim the name; names their qualified names.
         """
-        specs = self.specs.get((kind, name))
-        if specs is None:
-            raise UsageError(unknown_name(NOUNS[kind], name, self.names(kind)))
-        if len(specs) > 1:
+        distribution, _, bare = name.rpartition("/")
+        specs = self.specs.get((kind, bare), [])
+        if distribution:
+            specs = [spec for spec in specs if canonical(spec.distribution) == canonical(distribution)]
+        if not specs:
+            raise UsageError(unknown_name(NOUNS[kind], name, self.names(kind)) + self._not_loaded())
+        found = _meant(specs)
+        if found is None:
             raise PluginError(conflict(specs))
-        return specs[0]
+        return found
+
+    def all_specs(self) -> Iterator[Spec]:
+        """Whatever was registered."""
+        return (spec for specs in self.specs.values() for spec in specs)
+
+    def kinds_of(self, name: str) -> list[str]:
+        """The kinds of which something has this name, or this qualified name."""
+        distribution, _, bare = name.rpartition("/")
+        return [
+            kind
+            for kind in KINDS
+            if any(
+                not distribution or canonical(spec.distribution) == canonical(distribution)
+                for spec in self.specs.get((kind, bare), [])
+            )
+        ]
+
+    def all_names(self) -> set[str]:
+        """Every name of every kind that can be used."""
+        return {name for kind in KINDS for name in self.names(kind)}
 
     def conflicts(self) -> list[str]:
         """One line for each name that several plugins claim."""
         return [conflict(specs) for specs in self.specs.values() if len(specs) > 1]
 
+    def complaints(self) -> list[str]:
+        """What there is to know before names are used: plugins that did not load, names that several claim."""
+        at_fault = [sentence(plugin.complaint) for plugin in self.plugins if plugin.is_at_fault]
+        return [*at_fault, *self.conflicts(), *self.notes]
 
-def unknown_name(noun: str, name: str, known: Iterable[str]) -> str:
-    """One line: what was given, what there is, the nearest match."""
-    known = sorted(known)
-    return f"No {noun} '{name}'. There is: {', '.join(known) or 'none'}.{did_you_mean(name, known)}"
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A question to add to a message; empty without a near match."""
-    nearest = difflib.get_close_matches(name, known, n=1)
-    return f" Did you mean '{nearest[0]}'?" if nearest else ""
+    def _not_loaded(self) -> str:
+        """What may be the reason that a name is not there."""
+        at_fault = [plugin for plugin in self.plugins if plugin.is_at_fault]
+        more = f" and {len(at_fault) - MENTIONED} more" if len(at_fault) > MENTIONED else ""
+        told = "; ".join(plugin.complaint for plugin in at_fault[:MENTIONED])
+        return f" Not loaded: {told}{more}" if told else ""
 
 
 def conflict(specs: list[Spec]) -> str:
-    """One line that names everybody who claims one name."""
-    owners = " and ".join(f"'{spec.plugin}' ({spec.distribution})" for spec in specs)
-    first = specs[0]
-    return (
-        f"{sentence(NOUNS[first.kind])} '{first.name}' is claimed by the plugins {owners}: "
-        "uninstall one, or name those to load in HARNESS_PLUGINS"
-    )
+    """One line that names everybody who claims one name, and what to write instead."""
+    first, meant = specs[0], _meant(specs)
+    what = f"{sentence(NOUNS[first.kind])} '{first.name}'"
+    if meant is not None:
+        others = [spec for spec in specs if spec is not meant]
+        owners = " and ".join(f"package {spec.package}" for spec in others)
+        written = " or ".join(spec.qualified for spec in others)
+        return f"{what} is the built-in one. It is claimed by {owners} too: write {written} for that"
+    owners = " and ".join(f"'{spec.plugin}' ({spec.package})" for spec in specs)
+    written = " or ".join(dict.fromkeys(spec.qualified for spec in specs))
+    instead = f"write {written}, or leave" if len({spec.qualified for spec in specs}) == len(specs) else "leave"
+    return f"{what} is claimed by the plugins {owners}: {instead} one out with HARNESS_PLUGINS=-{specs[-1].plugin}"
 
 
-def load_registry(found: Iterable[EntryPoint] | None = None) -> Registry:
+def _meant(specs: list[Spec]) -> Spec | None:
+    """Whose a name is that these claim: the only one's, or the harness's own; None where that cannot be told."""
+    ours = [spec for spec in specs if spec.is_built_in]
+    candidates = ours or specs
+    return candidates[0] if len(candidates) == 1 else None
+
+
+def _usable_names(specs: list[Spec]) -> Iterator[str]:
+    """Of those that claim one name: the plain name, and the qualified names of the others."""
+    meant = _meant(specs)
+    owners = [canonical(spec.distribution) for spec in specs]
+    for spec in specs:
+        if spec is meant:
+            yield spec.name
+        elif owners.count(canonical(spec.distribution)) == 1:
+            yield spec.qualified
+
+
+def load_registry(found: Iterable[EntryPoint] | None = None, given: Sequence[Given] = ()) -> Registry:
     """Load the plugins one by one; a broken one is recorded and breaks nothing else.
 
     Args:
+        given: What was given by hand, beside those.
         found: Entry points to load; those of the installed distributions if None. The environment variable
-            HARNESS_PLUGINS, where it is set, names those to load (comma separated; empty loads none).
+            HARNESS_PLUGINS, where it is set, says which of them; see `harness.registry.wanted.Wanted`.
+
+    Raises:
+        UsageError: What was given by hand cannot be loaded, registers nothing, or claims a name that is taken.
     """
-    registry = Registry()
+    registry = Registry(given=tuple(given))
     manager = pluggy.PluginManager(PROJECT)
     manager.add_hookspecs(Hooks)
-    allowed = _allowed_plugins()
+    wanted = Wanted.from_environment()
     candidates = entry_points(group=PROJECT) if found is None else found
     origins: dict[object, Origin] = {}
     for point in sorted(candidates, key=lambda point: (point.name, point.value)):
@@ -155,10 +182,14 @@ def load_registry(found: Iterable[EntryPoint] | None = None) -> Registry:
         origin = origins.get(point.dist) or _origin_of(point)
         if point.dist is not None:
             origins[point.dist] = origin
-        if allowed is not None and point.name not in allowed:
-            registry.plugins.append(_plugin(point, origin, "off", "not named in HARNESS_PLUGINS"))
+        reason = wanted.why_off(point.name, origin.distribution)
+        if reason:
+            registry.plugins.append(_plugin(point, origin, "off", reason))
             continue
         _load_plugin(point, origin, manager, registry)
+    registry.notes += wanted.unknown([(plugin.name, plugin.distribution) for plugin in registry.plugins])
+    for one in given:
+        _load_given(one, manager, registry)
     return registry
 
 
@@ -173,63 +204,78 @@ def _origin_of(point: EntryPoint) -> Origin:
     return Origin(point.dist.name, point.dist.version) if point.dist else Origin(point.module, "")
 
 
-def _allowed_plugins() -> set[str] | None:
-    value = os.environ.get("HARNESS_PLUGINS")
-    return None if value is None else {name.strip() for name in value.split(",")}
-
-
 def _load_plugin(point: EntryPoint, origin: Origin, manager: pluggy.PluginManager, registry: Registry) -> None:
     try:
         module = point.load()
     except (Exception, SystemExit) as error:  # whatever a stranger's module does at import, the others go on
         registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
         return
-    reason = _incompatibility(module, manager)
+    reason = "another entry point names the same module" if manager.is_registered(module) else fault_of(module)
     if reason:
         registry.plugins.append(_plugin(point, origin, "incompatible", reason))
         return
+    manager.register(module)
     try:
-        specs = _collect_specs(point, origin, module, manager)
+        specs = _collect_specs(point.name, origin, module, manager)
     except (Exception, SystemExit) as error:  # the same for its hooks
         registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
         return
+    registry.plugins.append(_plugin(point, origin, "ok", registered=_add(specs, registry)))
+
+
+def _load_given(given: Given, manager: pluggy.PluginManager, registry: Registry) -> None:
+    """One that was given by hand; what is wrong with it is an error, for it was asked for."""
+    if isinstance(given, PluginClass):
+        origin, specs = Origin(given.spec.distribution, ""), [given.spec]
+    else:
+        origin, specs = Origin(given.name, given.digest[:8]), _specs_of_file(given, manager)
+        for spec in specs:
+            _require_free(spec, given, registry)
+    registered = _add(specs, registry)
+    registry.plugins.append(Plugin(given.name, *origin, specs[0].target.split(":")[0], "ok", "", registered))
+
+
+def _specs_of_file(file: PluginFile, manager: pluggy.PluginManager) -> list[Spec]:
+    module, origin = import_file(file), Origin(file.name, file.digest[:8])
+    if not hooks_of(module):
+        return [replace(class_of_file(file, module), version=origin.version)]
+    manager.register(module)
+    try:
+        specs = _collect_specs(file.name, origin, module, manager)
+    except (Exception, SystemExit) as error:
+        raise UsageError(f"Plugin file '{file.path}': its hooks raise {one_line(error)}") from None
+    if not specs:
+        raise UsageError(f"Plugin file '{file.path}' registers nothing")
+    return specs
+
+
+def _require_free(spec: Spec, file: PluginFile, registry: Registry) -> None:
+    if not _NAME.fullmatch(spec.name):
+        told = f"its name '{spec.name}' must be lower-case letters, digits, '-' and '_'"
+        raise UsageError(f"Plugin file '{file.path}': {told}. Rename the file")
+    claimed = registry.specs.get((spec.kind, spec.name))
+    if claimed:
+        what = f"the name of {NOUNS[spec.kind]} '{spec.name}' is taken by package {claimed[0].package}"
+        raise UsageError(f"Plugin file '{file.path}': {what}. Rename the file, or what its hook registers")
+
+
+def _add(specs: list[Spec], registry: Registry) -> tuple[str, ...]:
+    """Take specs in; returns what to say of them."""
     for spec in specs:
         registry.specs.setdefault((spec.kind, spec.name), []).append(spec)
-    registered = tuple(f"{NOUNS[spec.kind]} {spec.name}" for spec in specs)
-    registry.plugins.append(_plugin(point, origin, "ok", registered=registered))
+    return tuple(f"{NOUNS[spec.kind]} {spec.name}" for spec in specs)
 
 
-def _incompatibility(module: ModuleType, manager: pluggy.PluginManager) -> str:
-    """Why a plugin does not fit these interfaces; empty if it does. Leaves it registered with `manager` if it does."""
-    wanted = getattr(module, "harness_api", API_VERSION)
-    if wanted != API_VERSION:
-        return f"written for harness_api {wanted}, this is {API_VERSION}"
-    if manager.is_registered(module):
-        return "another entry point names the same module"
-    try:
-        manager.register(module)
-    except pluggy.PluginValidationError as error:
-        if manager.is_registered(module):  # newer pluggy takes it out by itself
-            manager.unregister(module)
-        return one_line(error)
-    callers = manager.get_hookcallers(module) or []
-    unknown = sorted(caller.name for caller in callers if not caller.has_spec())
-    if unknown:
-        manager.unregister(module)
-        return f"no hook {', '.join(unknown)}; there is: {', '.join('register_' + kind for kind in KINDS)}"
-    return "" if callers else "implements no hook: mark its functions with @harness.hookimpl"
-
-
-def _collect_specs(point: EntryPoint, origin: Origin, module: ModuleType, manager: pluggy.PluginManager) -> list[Spec]:
+def _collect_specs(plugin: str, origin: Origin, module: ModuleType, manager: pluggy.PluginManager) -> list[Spec]:
     specs: list[Spec] = []
     others = [plugin for plugin in manager.get_plugins() if plugin is not module]
     for kind in KINDS:
         caller = manager.subset_hook_caller(f"register_{kind}", others)
-        caller(register=_register_into(specs, kind, point.name, origin.distribution))
+        caller(register=_register_into(specs, kind, plugin, origin))
     return specs
 
 
-def _register_into(specs: list[Spec], kind: str, plugin: str, distribution: str) -> Callable[..., None]:
+def _register_into(specs: list[Spec], kind: str, plugin: str, origin: Origin) -> Callable[..., None]:
     def register(
         name: str, target: str, *, summary: str, requires: Iterable[str] = (), extra: str | None = None
     ) -> None:
@@ -239,7 +285,7 @@ def _register_into(specs: list[Spec], kind: str, plugin: str, distribution: str)
             raise ValueError(f"register_{kind}: target {target!r} of '{name}' must be 'module:attribute'")
         if isinstance(requires, str):
             raise ValueError(f"register_{kind}: requires of '{name}' must be a list of modules, not a string")
-        specs.append(Spec(kind, name, target, summary, tuple(requires), extra, plugin, distribution))
+        specs.append(Spec(kind, name, target, summary, tuple(requires), extra, plugin, *origin))
 
     return register
 
@@ -248,10 +294,3 @@ def _plugin(
     point: EntryPoint, origin: Origin, status: str, reason: str = "", registered: tuple[str, ...] = ()
 ) -> Plugin:
     return Plugin(point.name, origin.distribution, origin.version, point.module, status, reason, registered)
-
-
-def _is_installed(module: str) -> bool:
-    try:
-        return importlib.util.find_spec(module) is not None
-    except (ImportError, ValueError):
-        return False

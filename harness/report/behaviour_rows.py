@@ -9,7 +9,10 @@ from harness.report.rows import Grid, format_number, format_p
 from harness.results.combination import Combination, StepChange
 from harness.results.measured import TRAINING
 from harness.results.overview import NOTHING
+from harness.text import shortened
 
+SHOWN = 60
+"""Characters of the reason why a metric failed."""
 HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
 
 
@@ -39,9 +42,18 @@ def defined_changes(combination: Combination, manner: str) -> list[Change]:
     return sorted(changes, key=lambda change: change.name != SUCCESS)
 
 
+def failed_changes(combination: Combination, manner: str) -> list[Change]:
+    """Those whose metric failed for every seed: they stand below the others, with the reason."""
+    defined = {change.name for change in defined_changes(combination, manner)}
+    return [change for change in combination.changes_of(manner) if change.reason and change.name not in defined]
+
+
 def behaviour_row(change: Change) -> BehaviourRow:
-    """One measure."""
+    """One measure; of a metric that failed for all seeds the reason stands in place of its values."""
     text = _text_of(change)
+    if change.reason and (change.baseline, change.proposed) == (None, None):
+        told = f"n/a ({shortened(change.reason, SHOWN)})"
+        return BehaviourRow(_name(change), told, *(NOTHING,) * 3, change.measure.better, NOTHING, "")
     return BehaviourRow(
         _name(change),
         text(change.baseline),
@@ -52,6 +64,11 @@ def behaviour_row(change: Change) -> BehaviourRow:
         format_p(change.corrected),
         change.direction,
     )
+
+
+def value_text(change: Change, value: float) -> str:
+    """A value of a measure, written as the measure's means are."""
+    return _text_of(change)(value)
 
 
 def along_grid(combination: Combination) -> Grid:
@@ -76,12 +93,15 @@ def seeds_grid(combination: Combination) -> Grid:
 
 def _grid(combination: Combination, manner: str) -> Grid:
     ordered = defined_changes(combination, manner)
-    notes = [
-        f"{change.name.replace('_', ' ')}: {count_seeds(change.seeds)} compared, {change.left_out} without a value"
-        for change in ordered
-        if change.left_out
-    ]
-    return Grid(HEADINGS, [tuple(behaviour_row(change)) for change in ordered], notes, _title(combination, manner))
+    notes = [_note(change) for change in ordered if change.left_out]
+    rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed_changes(combination, manner))]
+    return Grid(HEADINGS, rows, notes, _title(combination, manner))
+
+
+def _note(change: Change) -> str:
+    why = f" ({shortened(change.reason, SHOWN)})" if change.reason else ""
+    name, compared = change.name.replace("_", " "), count_seeds(change.seeds)
+    return f"{name}: {compared} compared, {change.left_out} without a value{why}"
 
 
 def _title(combination: Combination, manner: str) -> str:

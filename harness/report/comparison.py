@@ -4,16 +4,17 @@ from typing import Any, NamedTuple
 
 from harness.eta.headline import SUCCESS
 from harness.report.apart import BETWEEN
-from harness.report.behaviour_rows import along_grid, behaviour_grids, defined_changes, seeds_grid
+from harness.report.behaviour_rows import along_grid, behaviour_grids, defined_changes, failed_changes, seeds_grid
 from harness.report.chart import Chart
 from harness.report.draw import draw_chart
 from harness.report.figure import draw_panels
 from harness.report.forest import draw_strip
 from harness.report.learning_figure import describe_learning, draw_learning
 from harness.report.matrix import SYMBOLS, badge_of
-from harness.report.outcomes import outcome_bars
+from harness.report.outcomes import Bar, outcome_bars
 from harness.report.payoff_rows import Audits, payoff_story
 from harness.report.profile_figure import describe_profile, draw_profile
+from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
 from harness.report.rows import (
     SCALES,
     Grid,
@@ -36,6 +37,9 @@ from harness.results.combination import Combination
 from harness.results.learning import learning_of
 from harness.results.trajectories import trajectories_of
 
+SIDES = {"Baseline": BASELINE, "Proposed": PROPOSED}
+"""Of the replay, by the names of the bars; random actions are not shown."""
+
 
 class Panel(NamedTuple):
     """A figure with its heading and, for those who cannot see it, what it shows."""
@@ -47,11 +51,13 @@ class Panel(NamedTuple):
 
 
 def comparison_section(
-    results: Results, combination: Combination, title: str, points: int, audits: Audits
+    results: Results, combination: Combination, title: str, points: int, audits: Audits, links: EpisodeLinks | None
 ) -> dict[str, Any]:
     """What the template shows of a combination, `points` of each run."""
     headline = combination.headline
     grids = behaviour_grids(combination)
+    changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
+    bars = outcome_bars(combination)
     return {
         "title": title,
         "rewards": rewards_text(combination),
@@ -65,8 +71,14 @@ def comparison_section(
         "tests": claims_text(combination),
         "summary": describe_comparison(combination),
         "behaviour": grids[0] if grids else None,
-        "strips": [draw_strip(change) for change in defined_changes(combination, combination.manner)],
-        "outcomes": outcome_bars(combination),
+        "strips": [draw_strip(change) for change in changes],
+        "outcomes": bars,
+        "episodes": links.all if links else [],
+        "endings": _endings(links, bars),
+        "showing": [
+            {"baseline": links.showing(BASELINE, it), "proposed": links.showing(PROPOSED, it)} if links else {}
+            for it in changes
+        ],
         "learning": _learning_panels(results, combination),
         "splits": _split_panels(combination),
         "curves": _curve_panels(combination, points),
@@ -106,6 +118,14 @@ def describe_comparison(combination: Combination) -> str:
         f"The robot {group.robot} did {group.task.label} in {group.labels['simulator']} with "
         f"{group.algorithm.label}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: {paid}. {SCALES}"
     )
+
+
+def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:
+    """Of each bar, for each of its parts, an episode that ended so."""
+    return [
+        [links.ending(SIDES[bar.who], part.kind) if links and bar.who in SIDES else None for part in bar.parts]
+        for bar in bars
+    ]
 
 
 def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:

@@ -21,6 +21,7 @@ from harness.report.question import question
 from harness.report.ranking_rows import EXPLANATION as RANKING
 from harness.report.ranking_rows import TITLE as RANKING_TITLE
 from harness.report.ranking_rows import ranking_sentence
+from harness.report.replay.links import links_of
 from harness.report.replay.section import replay_of
 from harness.report.return_rows import EXPLANATION as RETURNS
 from harness.report.return_rows import TITLE as RETURN_TITLE
@@ -57,6 +58,8 @@ def _render(results: Results, audits: Audits) -> str:
     combinations = results.combinations
     points = points_of_a_run(sum(2 * len(combination.seeds) for combination in combinations))
     matrix, matrices = matrix_of(combinations), return_matrices(results)
+    shows = shows_of(results)
+    links = links_of(shows, combinations)
     return render_page(
         TEMPLATE,
         "The HTML report",
@@ -64,9 +67,10 @@ def _render(results: Results, audits: Audits) -> str:
         matrix=matrix,
         baseline=results.baseline,
         headings=HEADINGS,
+        success=[found.success if found else {} for found in links],
         comparisons=[
-            comparison_section(results, combination, title, points, audits)
-            for combination, title in zip(combinations, _titles(combinations, matrix), strict=True)
+            comparison_section(results, combination, title, points, audits, found)
+            for combination, title, found in zip(combinations, _titles(combinations, matrix), links, strict=True)
         ],
         is_open=len(combinations) <= OPEN,
         told={
@@ -81,7 +85,7 @@ def _render(results: Results, audits: Audits) -> str:
         cell_count=count_cells(results),
         unfinished=unfinished_cells(results),
         returns=_returns(matrices),
-        replay=replay_of(shows_of(results)),
+        replay=replay_of(shows),
         transfer=_transfer(load_transfers(results)),
         manifests=results.manifests,
         facts=shared_facts(results.manifests),

@@ -10,6 +10,10 @@ function reveal() {
   place.scrollIntoView();
 }
 addEventListener("hashchange", reveal);
+addEventListener("click", (event) => {
+  const link = event.target.closest('a[href^="#"]');
+  if (link && link.hash === location.hash) reveal();
+});
 reveal();
 
 for (const index of document.querySelectorAll("nav details")) {

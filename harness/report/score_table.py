@@ -5,9 +5,12 @@ from collections.abc import Mapping, Sequence
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from harness.report.behaviour_rows import SHOWN
 from harness.report.grid_table import show_grid
 from harness.report.rows import Grid
+from harness.results.overview import NOTHING
 from harness.results.score_matrix import ScoreMatrix
+from harness.text import shortened
 
 
 def score_table(matrices: Sequence[ScoreMatrix]) -> RenderableType:
@@ -24,6 +27,8 @@ def score_grids(matrix: ScoreMatrix) -> list[Grid]:
 
 def _grid(name: str, matrix: ScoreMatrix, sums: Mapping[str, Mapping[str, float]]) -> Grid:
     rows = [(scoring, *(f"{row[training]:,.1f}" for training in matrix.seeds)) for scoring, row in sums.items()]
+    failed = {scoring: f"n/a ({shortened(why, SHOWN)})" for scoring, why in matrix.failed.items()}
+    rows += [(scoring, told, *[NOTHING] * (len(matrix.seeds) - 1)) for scoring, told in failed.items()]
     return Grid((f"{name}, scored by \\ trained on", *matrix.seeds), rows, [])
 
 

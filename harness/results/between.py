@@ -154,7 +154,8 @@ def _changes(
     for name, metric in results.metrics.items():
         measure = Measure(name, metric.unit, metric.better, manner, episodes if is_share(metric) else None)
         one, other = ({seed: it[seed].manners[manner][name] for seed in seeds} for it in (before, after))
-        found.append(change_of(measure, one, other, swaps))
+        reasons = [it[seed].reasons[name] for it in (before, after) for seed in seeds if name in it[seed].reasons]
+        found.append(replace(change_of(measure, one, other, swaps), reason=next(iter(reasons), "")))
     return tuple(found)
 
 

@@ -5,13 +5,15 @@ from functools import partial
 from pathlib import Path
 
 from harness.arrays import Float
+from harness.errors import Unmeasured
 from harness.metric import Metric
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
 from harness.record.returns import EVENTS, mean_over_episodes, mean_return
 from harness.record.trace import Trace, read_trace
 from harness.results.kept import Kept
-from harness.results.measured import DETERMINISTIC, STOCHASTIC, TRAINING, Measured, Moment, Values
+from harness.results.measured import DETERMINISTIC, STOCHASTIC, TRAINING, Measured, Moment, Values, value_of
+from harness.results.metrics import Unmeasurable
 from harness.score.scored_runs import Payer
 from harness.score.scorer import SCORED
 
@@ -37,6 +39,7 @@ class CellResults:
         """
         self.cell, self._files, self._metrics, self._kept = cell, files, metrics, kept
         self._read: dict[tuple[str, bool], Trace] = {}
+        self._reasons: dict[str, str] = {}
 
     @property
     def has_floor(self) -> bool:
@@ -56,6 +59,7 @@ class CellResults:
             {manner: self._measure(file) for manner, file in there.items()},
             {manner: self._episodes(file) for manner, file in there.items()},
             floor,
+            self._reasons,
         )
 
     def moments(self) -> tuple[Moment, ...]:
@@ -109,15 +113,20 @@ class CellResults:
         return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False), EVENTS))
 
     def _measure(self, file: str) -> Values:
-        """Every metric of a trace."""
-        digest = self._kept.digest(file)
-        return {
-            name: self._kept.number(f"{file} {name}", [digest, fingerprint], partial(self._apply, metric, file))
-            for name, (metric, fingerprint) in self._metrics.items()
-        }
+        """Every metric of a trace; of one that fails the reason is noted, and not kept: it may be mended."""
+        digest, values = self._kept.digest(file), Values()
+        for name, (metric, fingerprint) in self._metrics.items():
+            values[name], make = None, partial(self._apply, metric, file)
+            try:
+                values[name] = self._kept.number(f"{file} {name}", [digest, fingerprint], make)
+            except Unmeasured as error:
+                self._reasons.setdefault(name, str(error))
+        return values
 
     def _apply(self, metric: Metric, file: str) -> float | None:
-        return metric(self._trace(file))
+        if isinstance(metric, Unmeasurable):  # no trace is read for it
+            raise Unmeasured(metric.reason)
+        return value_of(metric, self._trace(file))
 
     def _episodes(self, file: str) -> int:
         """Finished ones of a trace."""

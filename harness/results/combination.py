@@ -65,6 +65,18 @@ class Group(NamedTuple):
         return {**self.labels, "steps": self.steps, "deterministic": self.deterministic}
 
 
+def deciding_manner(deterministic: bool, episodes: Mapping[str, int]) -> str:
+    """How the policies acted that decide about a robot: as the cells say, unless that is fewer episodes.
+
+    Args:
+        deterministic: How the cells say that policies act.
+        episodes: Of each manner in which they were evaluated, how many.
+    """
+    own = DETERMINISTIC if deterministic else STOCHASTIC
+    acted = {manner: episodes[manner] for manner in (DETERMINISTIC, STOCHASTIC) if manner in episodes}
+    return max(acted, key=lambda manner: (acted[manner], manner == own), default=own)
+
+
 class StepChange(NamedTuple):
     """What decides about the robot, before the trainings have ended."""
 
@@ -168,9 +180,7 @@ class Combination:
     @property
     def manner(self) -> str:
         """How the policies acted that decide about the robot: as the cells say, unless that is fewer episodes."""
-        own = self.own_manner
-        acted = {manner: self.episodes[manner] for manner in (DETERMINISTIC, STOCHASTIC) if manner in self.episodes}
-        return max(acted, key=lambda manner: (acted[manner], manner == own), default=own)
+        return deciding_manner(self.group.deterministic, self.episodes)
 
     def changes_of(self, manner: str) -> tuple[Change, ...]:
         """The measures of one manner."""

@@ -212,7 +212,8 @@ class _Measures:
     ) -> Change:
         seeds = self._match.seeds
         one, other = (dict(zip(seeds, given, strict=True)) for given in (baseline, proposed))
-        return change_of(measure, one, other, self._swaps, random)
+        reasons = [it.reasons[measure.name] for it in (*self._one, *self._other) if measure.name in it.reasons]
+        return replace(change_of(measure, one, other, self._swaps, random), reason=next(iter(reasons), ""))
 
 
 def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:

@@ -9,31 +9,37 @@ from harness.metric import Metric
 from harness.record.folder import EVALUATION, TRACE
 from harness.record.manifest import Manifest
 from harness.record.store import Store
-from harness.registry.choice import Choice, build_defaults
+from harness.registry.choice import Choice
 from harness.registry.registry import Registry
-from harness.registry.sources import fingerprint
 from harness.results.cell_results import CellResults
 from harness.results.kept import Kept
+from harness.results.metrics import load_metrics, with_fingerprints
 from harness.score.scored_runs import Payer
 
 
 class DoneCells:
     """Looks at cells, each as often as it is asked to."""
 
-    def __init__(self, store: Store, registry: Registry) -> None:
+    def __init__(self, store: Store, registry: Registry, metrics: Iterable[str] | None = None) -> None:
         """Read nothing yet.
 
         Args:
             store: The experiment's folder.
             registry: The plugins, for metrics and rewards.
+            metrics: Which metrics; see `harness.results.metrics.load_metrics`.
+
+        Raises:
+            UsageError: A named metric is not registered.
+            PluginError: A named metric is broken.
         """
         self._store, self._registry = store, registry
+        self._chosen = None if metrics is None else load_metrics(registry, metrics)
         self._payers: dict[Choice, Payer] = {}
 
     @cached_property
     def metrics(self) -> dict[str, Metric]:
-        """Every registered metric, by name."""
-        return build_defaults(self._registry, "metrics")
+        """Every registered metric, or those that were chosen, by name."""
+        return load_metrics(self._registry) if self._chosen is None else self._chosen
 
     def of(self, done: Manifest) -> CellResults:
         """What follows from the files of a done cell."""
@@ -76,4 +82,4 @@ class DoneCells:
 
     @cached_property
     def _fingerprinted(self) -> dict[str, tuple[Metric, str]]:
-        return {name: (metric, fingerprint(metric)) for name, metric in self.metrics.items()}
+        return with_fingerprints(self.metrics)

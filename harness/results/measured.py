@@ -1,16 +1,20 @@
 """What every metric says of one cell: of its policy in both manners, of random actions, and of its training."""
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+import math
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from typing import NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
+from harness.errors import Unmeasured, reason_of
 from harness.eta.headline import SUCCESS
 from harness.metric import Metric
 from harness.record.trace import Trace
 
 Values: TypeAlias = dict[str, float | None]
-"""By metric; None where it is not defined."""
+"""By metric; None where it is not defined, and where the metric fails."""
+Asked = TypeVar("Asked")
 
 DETERMINISTIC, STOCHASTIC, TRAINING, LEARNING = "deterministic", "stochastic", "while training", "while learning"
 AREA, STEPS_TO_GOAL = "success_area", "steps_to_goal"
@@ -35,6 +39,8 @@ class Measured(NamedTuple):
     """Finished episodes that each rests on."""
     random: Values
     """Of random actions."""
+    reasons: Mapping[str, str] = {}
+    """Of each metric that failed, why; its values are None."""
 
     @property
     def own(self) -> Values:
@@ -43,8 +49,41 @@ class Measured(NamedTuple):
 
 
 def measure(metrics: Mapping[str, Metric], trace: Trace) -> Values:
-    """Every metric of a trace."""
-    return {name: metric(trace) for name, metric in metrics.items()}
+    """Every metric of a trace; None where one fails."""
+    values: Values = {}
+    for name, metric in metrics.items():
+        values[name] = None
+        with suppress(Unmeasured):
+            values[name] = value_of(metric, trace)
+    return values
+
+
+def value_of(metric: Metric, trace: Trace) -> float | None:
+    """What a metric says of a trace.
+
+    Raises:
+        Unmeasured: It raises, or what it returns is no finite number.
+    """
+
+    def ask() -> float | None:
+        value = metric(trace)
+        if value is not None and not math.isfinite(value):
+            raise Unmeasured(f"it returned {value}")
+        return None if value is None else float(value)
+
+    return unmeasured_if_it_raises(ask)
+
+
+def unmeasured_if_it_raises(ask: Callable[[], Asked]) -> Asked:
+    """What `ask` returns, which runs a metric's code: whatever that raises is a reason, and stops nobody else.
+
+    Raises:
+        Unmeasured: With the reason in one line.
+    """
+    try:
+        return ask()
+    except (Exception, SystemExit) as error:
+        raise Unmeasured(reason_of(error)) from error
 
 
 def moments_by_due(moments: Sequence[Moment], every: int, budget: int) -> list[tuple[int, Moment]]:

@@ -1,6 +1,6 @@
 """What the cells in an experiment's folder left, read once."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 
@@ -27,7 +27,13 @@ class Records:
     """An experiment's cells as its folder tells them."""
 
     def __init__(
-        self, folder: Path, registry: Registry, kind: Kind = "accumulated", *, is_temporary: bool = False
+        self,
+        folder: Path,
+        registry: Registry,
+        kind: Kind = "accumulated",
+        *,
+        metrics: Iterable[str] | None = None,
+        is_temporary: bool = False,
     ) -> None:
         """Read the plan and all manifests.
 
@@ -35,10 +41,12 @@ class Records:
             folder: The experiment's.
             registry: The plugins, for metrics and rewards.
             kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
+            metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`.
             is_temporary: Whether the folder is soon gone, so that no command may name it.
 
         Raises:
-            UsageError: The folder is no experiment's.
+            UsageError: The folder is no experiment's, or a named metric is not registered.
+            PluginError: A named metric is broken.
             SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
         """
         self.folder = folder
@@ -54,12 +62,20 @@ class Records:
         self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
         self._found: dict[str, CellResults] = {}
         self._curves: dict[tuple[str, ...], GroupCurve] = {}
-        self._cells = DoneCells(self.store, registry)
+        self._cells = DoneCells(self.store, registry, metrics)
 
     @property
     def metrics(self) -> dict[str, Metric]:
-        """Every registered metric, by name."""
+        """Every registered metric, or those that were chosen, by name."""
         return self._cells.metrics
+
+    @property
+    def not_measured(self) -> dict[str, str]:
+        """Of each metric that failed in a done cell the reason; in the first of them."""
+        reasons: dict[str, str] = {}
+        for manifest in self.done:
+            reasons = {**self.measured(manifest.cell).reasons, **reasons}
+        return reasons
 
     @property
     def failed(self) -> list[Manifest]:

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, SCENE
+from harness.record.folder import EVALUATION, SCENE, other_manner
 from harness.record.scene import Scene, read_scene
 from harness.record.trace import Trace, read_trace
-from harness.results.combination import Group
+from harness.results.combination import Combination, Group
+from harness.results.measured import Values
 from harness.results.results import Results
+from harness.results.single_episode import single_episode
 
 Outcome = Literal["reached", "ground", "time-out"]
 FIRST, DIFFERENT, MOST = 1, 3, 6
@@ -28,7 +30,8 @@ AXES = "xyz"
 PAID = ("reward", "reward_ground", "reward_target", "reward_step")
 SHOWN, LARGEST = ("qpos", "distance", *PAID, *(f"target_{axis}" for axis in AXES)), 1e9
 """Columns, and what no number in them may exceed."""
-COLUMNS = ["env", "episode", "ground", "reached", "terminated", "truncated", *SHOWN]
+REACHED, TIMEOUTS = "success_rate", "timeouts"
+"""Metrics that tell how the episodes of a cell ended."""
 CONTROL_PERIOD = 0.1
 """Of an evaluation that does not tell its own, [s]."""
 
@@ -47,6 +50,8 @@ class Episode(NamedTuple):
     paid: Float
     """What the cell's own reward and the task's events have paid so far, (frames,)."""
     outcome: Outcome
+    values: Values
+    """Every metric of this episode alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,17 +83,20 @@ class Show:
         title: What the sides have in common.
         numbers: Of the episodes in the evaluation, from 1.
         sides: One, or the baseline's and the proposed reward's.
+        combination: What compares both rewards; None where cells are shown that nothing compares.
     """
 
     title: str
     numbers: tuple[int, ...]
     sides: tuple[Side, ...]
+    combination: Combination | None = None
 
 
 def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:
-    """A show for each combination, of the first seed that both rewards have; one for each other reward that is done.
+    """A show for each combination, of one seed that both rewards have; one for each other reward that is done.
 
-    Cells without a scene, as those of version 0.1, are left out.
+    The seed is the one whose episodes end in the most ways, the first of several. Cells without a scene, as those of
+    version 0.1, are left out.
 
     Args:
         results: The experiment.
@@ -140,7 +148,9 @@ def show_cells(results: Results, ids: Sequence[str], episodes: int = MOST) -> Sh
 
 
 def choose_episodes(outcomes: Sequence[Sequence[Outcome]], most: int = MOST) -> list[int]:
-    """Which episodes tell most: the first ones, some that end differently, one that fails on every side, then others.
+    """Which episodes tell most: the first one, one that ends differently, and one of each outcome of each side.
+
+    Then others that end differently, one that fails on every side, and others.
 
     Args:
         outcomes: Of each side, of the same episodes.
@@ -153,8 +163,9 @@ def choose_episodes(outcomes: Sequence[Sequence[Outcome]], most: int = MOST) -> 
     everything = list(range(len(together)))
     different = [number for number in everything if len(set(together[number])) > 1]
     failed = [number for number in everything if "reached" not in together[number]]
-    chosen = dict.fromkeys([*everything[:FIRST], *different[:DIFFERENT], *failed[:1], *everything])
-    return sorted(list(chosen)[:most])
+    ends = [side.index(outcome) for side in outcomes for outcome in dict.fromkeys(side)]
+    wanted = [*everything[:FIRST], *different[:1], *ends, *different[:DIFFERENT], *failed[:1], *everything]
+    return sorted(list(dict.fromkeys(wanted))[:most])
 
 
 class Pair(NamedTuple):
@@ -163,23 +174,40 @@ class Pair(NamedTuple):
     cells: tuple[Cell, ...]
     title: str
     titles: tuple[str, ...]
+    combination: Combination | None = None
+
+    @property
+    def files(self) -> list[str]:
+        """Of each cell the evaluation that is shown: of a combination the one that decides about the robot."""
+        told = self.combination
+        if told is None or told.manner == told.own_manner:
+            return [EVALUATION] * len(self.cells)
+        return [other_manner(cell.deterministic) for cell in self.cells]
 
 
 def _pairs(results: Results) -> Iterator[Pair]:
     """Of both rewards of each combination; and each cell of a reward that is in none, the first seed."""
-    first = {(Group.of(cell), cell.reward.label, cell.seed): cell for cell in results.done_cells}
+    cells_of = {(Group.of(cell), cell.reward.label, cell.seed): cell for cell in results.done_cells}
     shown: set[tuple[Group, str]] = set()
     for it in results.combinations:
         if it.seeds and not it.is_control:
             rewards = (it.baseline, it.proposed)
             shown |= {(it.group, reward) for reward in rewards}
-            cells = tuple(first[it.group, reward, it.seeds[0]] for reward in rewards)
-            yield Pair(cells, it.group.title, (f"Baseline: {it.baseline}", f"Proposed: {it.proposed}"))
+            seeds = [tuple(cells_of[it.group, reward, seed] for reward in rewards) for seed in it.seeds]
+            cells = max(seeds, key=lambda pair: sum(_count_outcomes(results, cell, it.manner) for cell in pair))
+            yield Pair(cells, it.group.title, (f"Baseline: {it.baseline}", f"Proposed: {it.proposed}"), it)
     for cell in results.done_cells:
         group, reward = Group.of(cell), cell.reward.label
         if (group, reward) not in shown:
             shown.add((group, reward))
             yield Pair((cell,), group.title, (reward,))
+
+
+def _count_outcomes(results: Results, cell: Cell, manner: str) -> int:
+    """In how many ways the episodes of a cell ended."""
+    values = results.measured(cell).manners.get(manner, {})
+    reached, over = (values.get(name) or 0.0 for name in (REACHED, TIMEOUTS))
+    return sum(share > 1e-9 for share in (reached, over, 1.0 - reached - over))
 
 
 def _find(results: Results, name: str) -> Cell:
@@ -194,13 +222,14 @@ def _find(results: Results, name: str) -> Cell:
 
 def _show(results: Results, pair: Pair, most: int) -> Show | None:
     """None where a cell has no scene, or no episode ended."""
-    cells, title, titles = pair
+    cells, title, titles, combination = pair
     folders = [results.store.cell_folder(cell) for cell in cells]
     scenes = [read_scene(folder) for folder in folders]
     known = [scene for scene in scenes if scene is not None]
     if len(known) < len(scenes):
         return None
-    traces = [_read(folder, scene) for folder, scene in zip(folders, known, strict=True)]
+    paths = [folder / name for folder, name in zip(folders, pair.files, strict=True)]
+    traces = [_read(path, scene) for path, scene in zip(paths, known, strict=True)]
     ways = [trace.episodes[:READ] for trace in traces]
     count = min(map(len, ways))
     outcomes = [[_outcome(trace, rows) for rows in way[:count]] for trace, way in zip(traces, ways, strict=True)]
@@ -211,30 +240,38 @@ def _show(results: Results, pair: Pair, most: int) -> Show | None:
             cell.id,
             cell.seed,
             scene,
-            tuple(_episode(trace, way[number]) for number in chosen),
+            tuple(_episode(results, trace, way[number]) for number in chosen),
             trace.facts.control_period or CONTROL_PERIOD,
         )
         for told, cell, scene, trace, way in zip(titles, cells, known, traces, ways, strict=True)
     )
-    return Show(title, tuple(number + 1 for number in chosen), sides) if chosen else None
+    return Show(title, tuple(number + 1 for number in chosen), sides, combination) if chosen else None
 
 
-def _read(folder: Path, scene: Scene) -> Trace:
-    trace = read_trace(folder / EVALUATION, COLUMNS)
+def _read(path: Path, scene: Scene) -> Trace:
+    trace = read_trace(path)
     if max(float(np.abs(trace[name]).max(initial=0.0)) for name in SHOWN) > LARGEST:
-        raise SchemaError(f"{folder / EVALUATION} holds numbers beyond {LARGEST:g}, which cannot be shown")
+        raise SchemaError(f"{path} holds numbers beyond {LARGEST:g}, which cannot be shown")
     dof = trace["qpos"].shape[1]
     if dof != len(scene.joints):
-        raise SchemaError(f"{folder / EVALUATION} has {dof} joint positions a row, the arm {len(scene.joints)} joints")
+        raise SchemaError(f"{path} has {dof} joint positions a row, the arm {len(scene.joints)} joints")
     return trace
 
 
-def _episode(trace: Trace, rows: NDArray[np.int64]) -> Episode:
+def _episode(results: Results, trace: Trace, rows: NDArray[np.int64]) -> Episode:
     steps = np.unique(np.linspace(0, len(rows) - 1, min(FRAMES, len(rows))).round().astype(np.int64))
     kept = rows[steps]
     paid = np.cumsum(np.sum([trace[name][rows] for name in PAID], axis=0))
     target = np.stack([trace[f"target_{axis}"][kept] for axis in AXES], axis=1)
-    return Episode(steps, trace["qpos"][kept], target, trace["distance"][kept], paid[steps], _outcome(trace, rows))
+    return Episode(
+        steps,
+        trace["qpos"][kept],
+        target,
+        trace["distance"][kept],
+        paid[steps],
+        _outcome(trace, rows),
+        results.measure(single_episode(trace, rows)),
+    )
 
 
 def _outcome(trace: Trace, rows: NDArray[np.int64]) -> Outcome:

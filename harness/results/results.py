@@ -3,7 +3,7 @@
 import html
 import importlib.util
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import repeat
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any
 
 from harness.errors import UsageError
 from harness.eta.curve import Kind
+from harness.registry.given import read_given
 from harness.registry.registry import load_registry
 from harness.results.combination import Combination
 from harness.results.combine import combine
@@ -33,6 +34,7 @@ class Results(Records):
             "curve": self.kind,
             "combinations": [combination.to_json() for combination in self.combinations],
             "cells": [cell_to_json(manifest) for manifest in self.manifests],
+            "not_measured": self.not_measured,
         }
 
     def write_table(self) -> Path:
@@ -63,15 +65,23 @@ class Results(Records):
         return map(row_of, self.manifests, measured, repeat(self.metrics))
 
 
-def load_results(folder: str | Path, kind: Kind = "accumulated") -> Results:
+def load_results(
+    folder: str | Path,
+    kind: Kind = "accumulated",
+    metrics: Iterable[str] | str | None = None,
+    plugins: Iterable[str | Path | type] = (),
+) -> Results:
     """The results in an experiment's folder.
 
     Args:
         folder: The experiment's.
         kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
+        metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`.
+        plugins: Files and classes beside the installed plugins; see `harness.registry.given.read_given`.
 
     Raises:
-        UsageError: The folder is no experiment's.
+        UsageError: The folder is no experiment's, or a named metric is not registered.
+        PluginError: A named metric is broken.
         SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
     """
-    return Results(Path(folder), load_registry(), kind)
+    return Results(Path(folder), load_registry(given=read_given(plugins)), kind, metrics=metrics)

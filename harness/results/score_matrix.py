@@ -1,9 +1,10 @@
 """S[scoring reward][training reward]: every training under every ruler."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+from harness.errors import Unscored
 from harness.eta.curve import curve_of
 from harness.eta.index import Index
 from harness.record.cell import Cell
@@ -13,7 +14,8 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.combination import Group
 from harness.results.results import Results
-from harness.score.scorer import SCORED, score_trace
+from harness.score.scored_runs import Payer
+from harness.score.scorer import SCORED
 
 COLUMNS = [*SCORED, "reward"]
 
@@ -26,11 +28,13 @@ class ScoreMatrix:
         group: What the runs share.
         seeds: The seeds of each training, by its label.
         indices: By the label of the scoring reward, then that of the training reward.
+        failed: By the label of a reward that could not score the runs, why.
     """
 
     group: Group
     seeds: dict[str, tuple[int, ...]]
     indices: dict[str, dict[str, Index]]
+    failed: dict[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -41,15 +45,12 @@ class ScoreMatrix:
                 scoring: {training: index.to_json() for training, index in row.items()}
                 for scoring, row in self.indices.items()
             },
+            "failed": self.failed,
         }
 
 
 def score_matrices(results: Results, scoring: Sequence[Choice], registry: Registry) -> list[ScoreMatrix]:
-    """One matrix per group of cells that are done.
-
-    Raises:
-        UsageError: A reward is not installed.
-    """
+    """One matrix per group of cells that are done; a reward that cannot score their runs costs its own row."""
     groups: dict[Group, dict[str, list[Cell]]] = {}
     for cell in results.done_cells:
         groups.setdefault(Group.of(cell), {}).setdefault(cell.reward.label, []).append(cell)
@@ -60,14 +61,18 @@ def _matrix(
     results: Results, group: Group, trainings: dict[str, list[Cell]], scoring: Sequence[Choice], registry: Registry
 ) -> ScoreMatrix:
     traces = {label: [_read(results, cell) for cell in cells] for label, cells in trainings.items()}
-    indices = {}
+    indices: dict[str, dict[str, Index]] = {}
+    failed: dict[str, str] = {}
     for choice in scoring:
-        reward = choice.build(registry, "rewards")
-        indices[choice.label] = {
-            label: curve_of([score_trace(reward, trace) for trace in runs]).index for label, runs in traces.items()
-        }
+        payer = Payer(choice, registry)
+        try:
+            curves = {label: curve_of([payer.pay(run) for run in runs]) for label, runs in traces.items()}
+        except Unscored as unscored:
+            failed[choice.label] = str(unscored)
+        else:
+            indices[choice.label] = {label: curve.index for label, curve in curves.items()}
     seeds = {label: tuple(sorted(cell.seed for cell in cells)) for label, cells in trainings.items()}
-    return ScoreMatrix(group, seeds, indices)
+    return ScoreMatrix(group, seeds, indices, failed)
 
 
 def _read(results: Results, cell: Cell) -> Trace:

@@ -29,6 +29,7 @@ def row_of(manifest: Manifest, measured: Measured | None, metrics: Iterable[str]
         **cell_to_json(manifest),
         "robot": manifest.cell.robot,
         "task": manifest.cell.task.label,
+        "not_measured": "; ".join(f"{name}: {why}" for name, why in measured.reasons.items()) if measured else "",
         **{name: measured and measured.own[name] for name in names},
         **{f"random_{name}": measured and measured.random.get(name) for name in names},
     }

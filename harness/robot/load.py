@@ -20,13 +20,12 @@ def load_robot(name_or_path: str | Path, registry: Registry | None = None) -> Ro
         UsageError: No such robot, or its files say something that cannot be.
     """
     text = str(name_or_path)
-    if is_path(name_or_path):
-        if not os.path.exists(text):  # no error, whatever the text
-            raise UsageError(
-                f"No robot at '{text}': name a URDF, a folder that holds robot.toml, or a registered robot"
-            )
+    if is_path(name_or_path) and os.path.exists(text):  # no error, whatever the text
         return read_robot(Path(text))
-    folder: Path = (registry or load_registry()).get("robots", text).load()
+    plugins = registry or load_registry()
+    if is_path(name_or_path) and "robots" not in plugins.kinds_of(text):  # a qualified name looks like a path
+        raise UsageError(f"No robot at '{text}': name a URDF, a folder that holds robot.toml, or a registered robot")
+    folder: Path = plugins.get("robots", text).load()
     return read_robot(folder)
 
 

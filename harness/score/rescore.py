@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.arrays import Float, Mask
-from harness.errors import UsageError
+from harness.errors import UsageError, one_line
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.record.folder import MANIFEST
@@ -36,10 +36,14 @@ class RecordingScorer:
         return values
 
 
-def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> None:
+def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> dict[str, str]:
     """Write what each of `rewards` would have paid, a column each named by its label, a row per recorded row.
 
-    Columns of other rewards that `into` holds already are kept. The recording is not touched.
+    Columns of other rewards that `into` holds already are kept. The recording is not touched. A reward that raises
+    costs its own column.
+
+    Returns:
+        By the label of each reward that raised, what it raised.
 
     Raises:
         UsageError: The recording has no distances, `into` belongs to another recording or cannot be written.
@@ -48,11 +52,18 @@ def rescore(recording: Recording, rewards: Mapping[str, Reward], into: Path) -> 
         raise UsageError(f"{recording.path} records no distances: no other reward can be computed from it")
     scorers = {label: RecordingScorer(reward) for label, reward in rewards.items()}
     parts: dict[str, list[Float]] = {label: [] for label in rewards}
+    failed: dict[str, str] = {}
     for chunk in recording.chunks():
         for label, scorer in scorers.items():
-            parts[label].append(scorer.score(chunk))
-    columns = {label: np.concatenate(values) for label, values in parts.items()}
-    _write(into, columns)
+            try:
+                if label not in failed:
+                    parts[label].append(scorer.score(chunk))
+            except (Exception, SystemExit) as error:  # a plugin may raise anything
+                failed[label] = one_line(error)
+    columns = {label: np.concatenate(values) for label, values in parts.items() if label not in failed}
+    if columns:
+        _write(into, columns)
+    return failed
 
 
 def _write(into: Path, columns: Mapping[str, Float]) -> None:

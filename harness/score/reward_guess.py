@@ -44,7 +44,7 @@ def guess_reward(recording: Recording, registry: Registry) -> Guess:
         try:
             if _misfit_of(text, head, registry) is None:
                 return Guess(text)
-        except Exception:
+        except (Exception, SystemExit):  # a plugin may raise anything
             continue
     declared = f"; not even {recording.declared_reward}, which its manifest declares" * bool(recording.declared_reward)
     return Guess(None, f"no registered reward pays what {recording.path} recorded{declared}")

@@ -33,7 +33,7 @@ class Payer:
         Raises:
             Unscored: There is no such reward any more.
         """
-        with _told():
+        with self._told():
             return f"{self.choice.to_json()} {fingerprint(self._reward)}"
 
     def pay(self, run: Trace) -> Float:
@@ -42,7 +42,7 @@ class Payer:
         Raises:
             Unscored: It cannot, or what it pays is not finite.
         """
-        with _told():
+        with self._told():
             paid = score_trace(self._reward, run)
             if not np.isfinite(paid).all():
                 raise HarnessError(f"reward {self.choice.label} is not finite on the runs of another reward")
@@ -57,7 +57,7 @@ class Payer:
         Raises:
             Unscored: It cannot pay at all.
         """
-        with _told():
+        with self._told():
             return np.allclose(score_trace(self._reward, own), own["reward"], rtol=1e-9, atol=1e-12)
 
     def require_unchanged(self, pays_recorded: bool) -> None:
@@ -76,13 +76,12 @@ class Payer:
         reward: Reward = self.choice.build(self._registry, "rewards")
         return reward
 
-
-@contextmanager
-def _told() -> Iterator[None]:
-    """Whatever a reward raises is a reason: the rest can still be said."""
-    try:
-        yield
-    except HarnessError as error:  # one that is not installed any more
-        raise Unscored(str(error)) from error
-    except Exception as error:  # one that is, and cannot any more: a plugin may raise anything
-        raise Unscored(f"a reward could not score the runs: {one_line(error)}") from error
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Whatever a reward raises is a reason: the rest can still be said."""
+        try:
+            yield
+        except HarnessError as error:  # one that is not installed any more
+            raise Unscored(str(error)) from error
+        except (Exception, SystemExit) as error:  # one that is, and cannot any more: a plugin may raise anything
+            raise Unscored(f"reward {self.choice.label} could not score the runs: {one_line(error)}") from error

@@ -1,4 +1,4 @@
-"""The contract kit: what simulators, tasks, rewards, algorithms, metrics and executors must satisfy.
+"""The contract kit: what simulators, tasks, rewards, algorithms, metrics, executors and trackers must satisfy.
 
 In the tests of a plugin::
 
@@ -14,26 +14,37 @@ first one that fails. `IdealSimulator` is a simulator for tests that need none o
 
 from harness.testing.algorithms import ALGORITHM_CHECKS, check_algorithm
 from harness.testing.executors import EXECUTOR_CHECKS, check_executor
+from harness.testing.exports import EXPORT_CHECKS, check_export
 from harness.testing.ideal import IdealSimulator
 from harness.testing.metrics import METRIC_CHECKS, check_metric
 from harness.testing.rewards import REWARD_CHECKS, check_reward
+from harness.testing.robots import ROBOT_CHECKS, check_robot
 from harness.testing.simulators import SIMULATOR_CHECKS, check_simulator
 from harness.testing.tasks import TASK_CHECKS, check_task
-from harness.testing.violations import violations
+from harness.testing.trackers import TRACKER_CHECKS, check_tracker
+from harness.testing.violations import Check, check, violations
 
 __all__ = [
     "ALGORITHM_CHECKS",
     "EXECUTOR_CHECKS",
+    "EXPORT_CHECKS",
     "METRIC_CHECKS",
     "REWARD_CHECKS",
+    "ROBOT_CHECKS",
     "SIMULATOR_CHECKS",
     "TASK_CHECKS",
+    "TRACKER_CHECKS",
+    "Check",
     "IdealSimulator",
+    "check",
     "check_algorithm",
     "check_executor",
+    "check_export",
     "check_metric",
     "check_reward",
+    "check_robot",
     "check_simulator",
     "check_task",
+    "check_tracker",
     "violations",
 ]

@@ -9,14 +9,24 @@ held to that, and to nothing about learning.
 import random
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from harness.algorithm import Algorithm, learns
 from harness.policy import Policy, load_policy
+from harness.testing.acting import require_in_the_middle
 from harness.testing.checkpoints import differences, train_with_checkpoints
-from harness.testing.trainings import in_several_envs, mean_return, observations, steps_for, train, trainings
-from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
+from harness.testing.trainings import (
+    in_several_envs,
+    mean_return,
+    observations,
+    steps_for,
+    train,
+    train_anew,
+    trainings,
+)
+from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 FEW, MANY = 200, 1000
 LONGER, EVERY = 336, 120
@@ -34,6 +44,7 @@ def check_algorithm(algorithm: Algorithm) -> None:
     raise_first(ALGORITHM_CHECKS, algorithm)
 
 
+@check("algo-action-spaces")
 def action_spaces_are_declared(algorithm: Algorithm) -> None:
     """`action_spaces` is a frozenset of ``continuous``, ``discrete`` or both."""
     spaces = algorithm.action_spaces
@@ -41,6 +52,7 @@ def action_spaces_are_declared(algorithm: Algorithm) -> None:
     require(known, f"action_spaces is {spaces!r}, not a frozenset of 'continuous' and 'discrete'")
 
 
+@check("algo-budget")
 def the_budget_is_spent_exactly(algorithm: Algorithm) -> None:
     """Training takes as many environment steps as it was given, counted over all envs."""
     given = steps_for(algorithm, FEW)
@@ -48,6 +60,7 @@ def the_budget_is_spent_exactly(algorithm: Algorithm) -> None:
         require(done.env.steps == given, f"{done.env.steps} environment steps were taken, {given} were given")
 
 
+@check("algo-progress")
 def progress_is_told_to_the_end(algorithm: Algorithm) -> None:
     """`progress` hears of ever more steps; the last it hears is the budget."""
     told, given = train(algorithm, FEW).told, steps_for(algorithm, FEW)
@@ -55,18 +68,21 @@ def progress_is_told_to_the_end(algorithm: Algorithm) -> None:
     require(told == sorted(told), f"progress was told {told}: steps that are done cannot be undone")
 
 
+@check("algo-env-seed")
 def the_env_keeps_its_seed(algorithm: Algorithm) -> None:
     """Training resets the env without a seed: starts and targets are the same for every algorithm and reward."""
     seeds = train(algorithm, FEW).env.seeds
     require(all(seed is None for seed in seeds), f"the env was reset with the seed {seeds}")
 
 
+@check("algo-training-actions")
 def actions_of_training_are_in_the_box(algorithm: Algorithm) -> None:
     """Every action while training is finite and in the env's action space."""
     for done in trainings(algorithm, FEW):
         require(done.env.actions_in_box, f"an action was outside the env's action space, {done.env.action_space}")
 
 
+@check("algo-policy-actions")
 def actions_of_the_policy_are_in_the_box(algorithm: Algorithm) -> None:
     """The policy's actions, with noise and without, are finite, in the action space, one row per observation."""
     seen = observations()
@@ -80,14 +96,16 @@ def actions_of_the_policy_are_in_the_box(algorithm: Algorithm) -> None:
             require(all(map(space.contains, actions)), f"an action is outside the action space: {actions}")
 
 
+@check("algo-same-seed")
 def the_same_seed_gives_the_same_policy(algorithm: Algorithm) -> None:
     """Two trainings with one seed give the same weights, bit for bit, whatever else drew random numbers before."""
     first = train(algorithm, FEW, seed=1).policy
     np.random.random(7)
     random.random()
-    require(_same_weights(first, train(algorithm, FEW, seed=1).policy), "the same seed gave other weights")
+    require(_same_weights(first, train_anew(algorithm, FEW, seed=1).policy), "the same seed gave other weights")
 
 
+@check("algo-other-seed")
 def another_seed_gives_another_policy(algorithm: Algorithm) -> None:
     """Two trainings with two seeds give different weights: the seed is used."""
     if not learns(algorithm):
@@ -96,6 +114,7 @@ def another_seed_gives_another_policy(algorithm: Algorithm) -> None:
     require(not _same_weights(first, second), "two seeds gave the same weights")
 
 
+@check("algo-goes-on")
 def learning_goes_on(algorithm: Algorithm) -> None:
     """A longer training changes the weights further: learning does not stop half-way."""
     if not learns(algorithm):
@@ -104,6 +123,7 @@ def learning_goes_on(algorithm: Algorithm) -> None:
     require(not _same_weights(first, second), f"{2 * FEW} steps gave the weights of {FEW} steps")
 
 
+@check("algo-learns")
 def the_return_rises(algorithm: Algorithm) -> None:
     """On an easy task the trained policy's return is higher than that of a policy that was barely trained.
 
@@ -118,6 +138,7 @@ def the_return_rises(algorithm: Algorithm) -> None:
         _require_rise(several, MANY * several.num_envs)
 
 
+@check("algo-every-env")
 def every_env_counts(algorithm: Algorithm) -> None:
     """What any one env pays makes a difference: none is trained on in vain."""
     if not learns(algorithm):
@@ -128,6 +149,7 @@ def every_env_counts(algorithm: Algorithm) -> None:
         require(not _same_weights(fined, paid), f"whatever env {env} of {each.num_envs} pays, the weights are the same")
 
 
+@check("algo-learns-nothing")
 def what_learns_nothing_says_so(algorithm: Algorithm) -> None:
     """`learns` is False only where no training makes a difference: neither its length nor its seed."""
     if learns(algorithm):
@@ -137,6 +159,7 @@ def what_learns_nothing_says_so(algorithm: Algorithm) -> None:
     require(same, "learns is False, and a longer training or another seed gave other weights")
 
 
+@check("algo-policy-saved")
 def the_policy_comes_back_from_its_folder(algorithm: Algorithm) -> None:
     """`harness.policy.load_policy` gives what `Policy.save` wrote: it acts the same, bit for bit."""
     policy, seen = train(algorithm, FEW).policy, observations()
@@ -146,6 +169,34 @@ def the_policy_comes_back_from_its_folder(algorithm: Algorithm) -> None:
     require(np.array_equal(policy.act(seen), loaded.act(seen)), "the loaded policy acts otherwise")
 
 
+@check("algo-policy-box")
+def the_policy_has_the_envs_actions(algorithm: Algorithm) -> None:
+    """The ends of the policy's actions, or the number of its choices, are those of the env that it was trained on."""
+    for done in trainings(algorithm, FEW):
+        space: Any = done.env.single_action_space
+        for name, ends in (("action_low", "low"), ("action_high", "high")):
+            own, right = getattr(done.policy, name, None), getattr(space, ends, None)
+            if own is not None and right is not None:
+                same = np.array_equal(np.asarray(own, np.float32), right)
+                require(same, f"{name} of the policy is {own}, that of the env is {tuple(right.tolist())}")
+        choices = getattr(done.policy, "choices", None)
+        if choices is not None and done.env.space == "discrete":
+            require(choices == space.n, f"the policy has {choices} choices, the env {space.n}")
+
+
+@check("algo-acts-as-trained")
+def the_policy_acts_as_it_trained(algorithm: Algorithm) -> None:
+    """The policy's actions are in the middle of those that the training took around them, at the same observations.
+
+    Where the algorithm tells its policy on the way, by `Progress.policy`, each step is compared with the policy of that
+    step; else the last steps, roughly, with the last policy. `check_export` compares exactly.
+    """
+    steps = MANY if learns(algorithm) else FEW
+    for space in sorted(algorithm.action_spaces):
+        require_in_the_middle(train(algorithm, steps, space=space))
+
+
+@check("algo-checkpoint-silent")
 def checkpoints_change_nothing(algorithm: Algorithm) -> None:
     """A training that leaves checkpoints does the same steps as one that leaves none, and gives the same weights."""
     with tempfile.TemporaryDirectory() as folder:
@@ -155,6 +206,7 @@ def checkpoints_change_nothing(algorithm: Algorithm) -> None:
     require(not difference, f"a training that leaves checkpoints {difference}: making one changes something")
 
 
+@check("algo-resume")
 def a_training_goes_on_where_it_stood(algorithm: Algorithm) -> None:
     """A training that goes on from a checkpoint in a new process does what the one that left it did then, bit for bit.
 
@@ -170,7 +222,7 @@ def a_training_goes_on_where_it_stood(algorithm: Algorithm) -> None:
             require(not difference, f"a training that {where} {difference}: something is not in the checkpoint")
 
 
-ALGORITHM_CHECKS = (
+ALGORITHM_CHECKS: tuple[Check, ...] = (
     settings_are_frozen,
     settings_survive_json,
     action_spaces_are_declared,
@@ -186,9 +238,34 @@ ALGORITHM_CHECKS = (
     every_env_counts,
     what_learns_nothing_says_so,
     the_policy_comes_back_from_its_folder,
+    the_policy_has_the_envs_actions,
+    the_policy_acts_as_it_trained,
     checkpoints_change_nothing,
     a_training_goes_on_where_it_stood,
 )
+
+
+@check("algo-tells-policy", "warning")
+def the_policy_is_told_on_the_way(algorithm: Algorithm) -> None:
+    """While it trains it calls `progress.policy`: without it there is no learning curve of what the policy does."""
+    if learns(algorithm):
+        told = train(algorithm, FEW).env.told.newest
+        require(
+            told,
+            "progress.policy is not called: there is no learning curve, and what it yields is compared with what it "
+            "trained only roughly; compare it with your library's model in a test, by check_export(policy, act)",
+        )
+
+
+@check("algo-leaves-checkpoints", "warning")
+def checkpoints_are_offered(algorithm: Algorithm) -> None:
+    """While it trains it calls `progress.checkpoint`: without it a training that is killed starts over."""
+    with tempfile.TemporaryDirectory() as folder:
+        left = train_with_checkpoints(algorithm, FEW, FEW // 2, Path(folder) / "left").left
+    require(left, "progress.checkpoint is not called: a training that is killed starts over, and going on is not tried")
+
+
+ALGORITHM_WARNINGS = (the_policy_is_told_on_the_way, checkpoints_are_offered)
 
 
 def _require_rise(algorithm: Algorithm, steps: int) -> None:
@@ -200,8 +277,8 @@ def _require_rise(algorithm: Algorithm, steps: int) -> None:
             if after > before + MIN_RISE:
                 break
         else:
-            where = f"with {space} actions, in {algorithm.num_envs} envs"
-            require(False, f"{where}, the return goes from {before:.2f} to {after:.2f} in {given} steps")
+            where = f"with {space} actions, in {algorithm.num_envs} {'env' if algorithm.num_envs == 1 else 'envs'}"
+            require(False, f"{where}, the mean return goes from {before:.2f} to {after:.2f} in {given} steps")
 
 
 def _same_weights(first: Policy, second: Policy) -> bool:

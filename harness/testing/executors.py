@@ -3,8 +3,9 @@
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from harness.executor import CellOptions, Event, Executor, Job, Limits, OnEvent
 from harness.experiment.jobs import run_job
@@ -13,12 +14,13 @@ from harness.record.cell_folder import examine
 from harness.record.folder import LOG, MANIFEST, partial_folder
 from harness.record.manifest import read_manifest
 from harness.testing.odd_cells import BEAT, STEPS, STOP, installed, odd_cell
-from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
+from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STALL_AFTER = 4.0
 """Seconds: longer than a process takes to start, and much shorter than a cell of the kit hangs."""
 ENDS_WITHIN = 5.0
 """Seconds that a cell may still run after its executor was interrupted: its process may be on another machine."""
+NONE: Mapping[Cell, CellOptions] = MappingProxyType({})
 WATCHED = 1.0
 """Seconds without a sign of life after which a cell counts as ended."""
 
@@ -34,11 +36,12 @@ def check_executor(executor: Executor, folder: Path | None = None) -> None:
     Raises:
         ContractViolation: At the first check that fails.
     """
-    for check in EXECUTOR_CHECKS:
+    for each in EXECUTOR_CHECKS:
         with tempfile.TemporaryDirectory(dir=folder) as place:
-            raise_first([check], executor, Path(place))
+            raise_first([each], executor, Path(place))
 
 
+@check("executor-no-jobs")
 def no_jobs_are_no_events(executor: Executor, folder: Path) -> None:
     """Where there is nothing to do, nothing is told and nothing is raised."""
     told: list[Event] = []
@@ -46,6 +49,7 @@ def no_jobs_are_no_events(executor: Executor, folder: Path) -> None:
     require(not told, f"told {told} of no jobs")
 
 
+@check("executor-events")
 def every_job_begins_and_ends_once(executor: Executor, folder: Path) -> None:
     """Of each job: ``started``, any number of ``progress`` within the cell's steps, then ``ended``, and no more."""
     cells = [odd_cell(seed) for seed in range(3)]
@@ -59,6 +63,7 @@ def every_job_begins_and_ends_once(executor: Executor, folder: Path) -> None:
     require(all(0 <= done <= STEPS for done in steps), f"told {steps} steps of cells that have {STEPS}")
 
 
+@check("executor-thread")
 def events_are_told_in_the_callers_thread(executor: Executor, folder: Path) -> None:
     """Who is told need not be safe for threads, and what it raises reaches the caller of `run`."""
     threads: set[int] = set()
@@ -66,6 +71,7 @@ def events_are_told_in_the_callers_thread(executor: Executor, folder: Path) -> N
     require(threads == {threading.get_ident()}, "on_event was called in another thread")
 
 
+@check("executor-results")
 def a_done_cell_leaves_what_run_job_leaves(executor: Executor, folder: Path) -> None:
     """The job's folder is whole, and every file but the log and the manifest is, byte for byte, `run_job`'s."""
     cell = odd_cell()
@@ -80,6 +86,7 @@ def a_done_cell_leaves_what_run_job_leaves(executor: Executor, folder: Path) -> 
     require(not differing and {*left.files} >= {*expected} - {LOG}, f"other bytes than run_job's: {differing}")
 
 
+@check("executor-raises")
 def what_raises_costs_itself_alone(executor: Executor, folder: Path) -> None:
     """A cell whose plugin raises leaves a manifest that tells it; the cells before and after it are done."""
     raising = odd_cell(1, "raise")
@@ -90,6 +97,7 @@ def what_raises_costs_itself_alone(executor: Executor, folder: Path) -> None:
     require((left.status, "the arm fell off" in left.reason) == ("failed", True), f"it is {left.status}: {left.reason}")
 
 
+@check("executor-killed")
 def what_is_killed_costs_itself_alone(executor: Executor, folder: Path) -> None:
     """A cell whose process is killed ends with a reason, and leaves its log; the others are done."""
     killed = odd_cell(1, "be killed")
@@ -100,12 +108,15 @@ def what_is_killed_costs_itself_alone(executor: Executor, folder: Path) -> None:
     require((partial_folder(folder / killed.id) / LOG).is_file(), "its log is lost")
 
 
+@check("executor-hangs")
 def what_hangs_is_ended(executor: Executor, folder: Path) -> None:
     """A cell that tells no progress for as long as its limits say is ended, with the reason; the others are done."""
     notes = _notes(folder)
     hanging = odd_cell(1, "hang", notes)
     try:
-        told = _run(executor, [hanging, odd_cell(2)], folder, options=CellOptions(limits=Limits(STALL_AFTER)))
+        # The other cell has no limits: on a busy machine its process alone may take as long to start.
+        limited = {hanging: CellOptions(limits=Limits(STALL_AFTER))}
+        told = _run(executor, [hanging, odd_cell(2)], folder, options=limited)
         require(not _lives(notes), "a cell that hung is told to have ended, and still runs")
     finally:
         (notes / STOP).touch()
@@ -114,6 +125,7 @@ def what_hangs_is_ended(executor: Executor, folder: Path) -> None:
     _require_done([odd_cell(2)], folder)
 
 
+@check("executor-at-once")
 def no_more_at_once_than_asked(executor: Executor, folder: Path) -> None:
     """At most `at_once` cells run at a time, as the events tell it and as the cells themselves show it."""
     notes = _notes(folder)
@@ -136,6 +148,7 @@ def no_more_at_once_than_asked(executor: Executor, folder: Path) -> None:
     require(overlaps <= 2, f"{overlaps} cells ran at once, asked for 2")
 
 
+@check("executor-interruption")
 def an_interruption_leaves_nothing_running(executor: Executor, folder: Path) -> None:
     """KeyboardInterrupt from `on_event` reaches the caller of `run`, and a moment later no cell runs any more."""
     notes = _notes(folder)
@@ -156,7 +169,7 @@ def an_interruption_leaves_nothing_running(executor: Executor, folder: Path) -> 
         (notes / STOP).touch()
 
 
-EXECUTOR_CHECKS: tuple[Callable[[Executor, Path], None], ...] = (
+EXECUTOR_CHECKS: tuple[Check, ...] = (
     settings_are_frozen,
     settings_survive_json,
     no_jobs_are_no_events,
@@ -177,7 +190,7 @@ def _run(
     folder: Path,
     at_once: int = 1,
     on_event: OnEvent = lambda event: None,
-    options: CellOptions = CellOptions(),  # noqa: B008 (frozen)
+    options: Mapping[Cell, CellOptions] = NONE,
 ) -> list[Event]:
     """Have cells done, each in a folder of its name in `folder`; returns what was told."""
     told: list[Event] = []
@@ -187,7 +200,7 @@ def _run(
         on_event(event)
 
     with installed(folder / "installed"):
-        executor.run([Job(cell, folder / cell.id, options) for cell in cells], at_once, hear)
+        executor.run([Job(cell, folder / cell.id, options.get(cell, CellOptions())) for cell in cells], at_once, hear)
     return told
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from harness.reward import Array, Carry, Reward, Sample
 from harness.testing.samples import NUM_ENVS, edge_samples, pay, play, random_samples, sample_of
 from harness.testing.standard_array import StandardArray
-from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
+from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 BONUS = 0.5
 """Half of what the task pays for an event: a jump of the value by more is an event's."""
@@ -23,6 +23,7 @@ def check_reward(reward: Reward) -> None:
     raise_first(REWARD_CHECKS, reward)
 
 
+@check("reward-shape")
 def values_have_one_float_per_env(reward: Reward) -> None:
     """The value of a step has the shape (num_envs,), also for one env, and is a float."""
     for num_envs in (1, NUM_ENVS):
@@ -31,17 +32,20 @@ def values_have_one_float_per_env(reward: Reward) -> None:
             require(value.dtype.kind == "f", f"the value is {value.dtype}, not a float")
 
 
+@check("reward-finite")
 def values_are_finite(reward: Reward) -> None:
     """No value is NaN or infinite on random episodes."""
     for seed in range(10):
         _require_finite(reward, random_samples(seed))
 
 
+@check("reward-finite-edges")
 def values_are_finite_at_the_edges(reward: Reward) -> None:
     """No value is NaN or infinite where a distance or a gain is exactly 0."""
     _require_finite(reward, edge_samples())
 
 
+@check("reward-arguments")
 def arguments_are_left_alone(reward: Reward) -> None:
     """Neither the sample nor the carry is changed: the environment owns them and goes on with them."""
     samples = random_samples(0)
@@ -56,6 +60,7 @@ def arguments_are_left_alone(reward: Reward) -> None:
         carry = after
 
 
+@check("reward-episodes")
 def episodes_do_not_depend_on_one_another(reward: Reward) -> None:
     """An episode is paid the same whatever was scored before: nothing is remembered but in the carry."""
     first = play(reward, random_samples(0))[1]
@@ -64,6 +69,7 @@ def episodes_do_not_depend_on_one_another(reward: Reward) -> None:
     require(_equal(first, again), "the same episode was paid otherwise the second time")
 
 
+@check("reward-memory")
 def the_carry_is_all_that_is_remembered(reward: Reward) -> None:
     """A step is paid the same whenever its carry and its sample come again, in whatever order."""
     samples = random_samples(0)
@@ -73,6 +79,7 @@ def the_carry_is_all_that_is_remembered(reward: Reward) -> None:
         require(_equal(value, values[step]), f"step {step} is paid {value} when asked again, not {values[step]}")
 
 
+@check("reward-carry-shape")
 def the_carry_has_one_entry_per_env(reward: Reward) -> None:
     """The carry is an array with a leading num_envs axis, or a tuple of such, or ``()``, at every step."""
     for num_envs in (1, NUM_ENVS):
@@ -82,6 +89,7 @@ def the_carry_has_one_entry_per_env(reward: Reward) -> None:
                 require(shape and shape[0] == num_envs, f"the carry of {num_envs} envs has a part of shape {shape}")
 
 
+@check("reward-batch-as-alone")
 def a_batch_is_paid_as_its_envs_alone(reward: Reward) -> None:
     """Each env of a batch is paid as if it were alone."""
     samples = random_samples(0)
@@ -95,6 +103,7 @@ def a_batch_is_paid_as_its_envs_alone(reward: Reward) -> None:
         )
 
 
+@check("reward-array-library")
 def any_array_library_will_do(reward: Reward) -> None:
     """Arrays of another library give the same values: the reward uses their namespace and the standard's names."""
     samples = random_samples(0)
@@ -108,6 +117,7 @@ def any_array_library_will_do(reward: Reward) -> None:
         )
 
 
+@check("reward-no-event")
 def no_event_is_paid(reward: Reward) -> None:
     """Coming nearer to the target, the value never jumps: reaching it is paid by the task, and recorded apart."""
     distances = np.linspace(0.01, 0.4, 391)
@@ -117,7 +127,7 @@ def no_event_is_paid(reward: Reward) -> None:
         require(jump <= BONUS, f"the value jumps by {jump:.2g} near a distance of {distances[index]:.3f} m")
 
 
-REWARD_CHECKS = (
+REWARD_CHECKS: tuple[Check, ...] = (
     settings_are_frozen,
     settings_survive_json,
     values_have_one_float_per_env,

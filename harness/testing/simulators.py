@@ -12,6 +12,13 @@ from harness.progress import TrainingState
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.simulator import Simulation, Simulator, State
+from harness.testing.batches import (
+    a_simulation_has_its_methods,
+    every_env_does_what_it_was_told,
+    ground_contact_is_the_envs_own,
+    states_are_not_the_callers_arrays,
+)
+from harness.testing.partial_periods import parts_of_a_period_add_up
 from harness.testing.simulations import (
     NUM_ENVS,
     PERIOD,
@@ -27,7 +34,7 @@ from harness.testing.simulations import (
     turns,
     way_into_the_ground,
 )
-from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
+from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 MAX_TRACKING_ERROR = np.radians(0.5)
 """Of a joint that turns."""
@@ -59,6 +66,7 @@ def check_simulator(simulator: Simulator, robot: Robot | None = None) -> None:
     raise_first(SIMULATOR_CHECKS, simulator, robot or load_robot("fd100"))
 
 
+@check("sim-shapes")
 def states_have_the_declared_shapes(simulator: Simulator, robot: Robot) -> None:
     """Joint arrays are (num_envs, dof), positions (num_envs, 3), flags (num_envs,), also for one env."""
     for num_envs in (1, NUM_ENVS):
@@ -69,6 +77,7 @@ def states_have_the_declared_shapes(simulator: Simulator, robot: Robot) -> None:
                     require(array.shape == shape, f"{name} of {num_envs} envs has shape {array.shape}, not {shape}")
 
 
+@check("sim-dtypes")
 def states_are_float64_and_bool(simulator: Simulator, robot: Robot) -> None:
     """Numbers are float64 and ground contact is bool, whatever the engine computes with."""
     with opened(simulator, robot) as simulation:
@@ -77,6 +86,7 @@ def states_are_float64_and_bool(simulator: Simulator, robot: Robot) -> None:
                 require(array.dtype == dtype, f"{name} is {array.dtype}, not {dtype}")
 
 
+@check("sim-finite")
 def states_are_finite(simulator: Simulator, robot: Robot) -> None:
     """No number is NaN or infinite, neither in free motion nor against the ground."""
     with opened(simulator, robot) as simulation:
@@ -85,6 +95,7 @@ def states_are_finite(simulator: Simulator, robot: Robot) -> None:
                 require(np.isfinite(array).all(), f"{name} is {array}")
 
 
+@check("sim-reset")
 def reset_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None:
     """After `reset` the joints of the masked envs are where they were told to be, at rest, also after a motion."""
     with opened(simulator, robot) as simulation:
@@ -93,6 +104,7 @@ def reset_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None
         _require_there_at_rest(simulation.reset(qpos, np.ones(NUM_ENVS, bool)), qpos)
 
 
+@check("sim-place")
 def place_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None:
     """After `place` the joints of all envs are where they were told to be, at rest, also after a motion."""
     with opened(simulator, robot) as simulation:
@@ -101,6 +113,7 @@ def place_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None
         _require_there_at_rest(simulation.place(qpos), qpos)
 
 
+@check("sim-reset-mask")
 def reset_leaves_the_other_envs_alone(simulator: Simulator, robot: Robot) -> None:
     """`reset` changes nothing in the envs outside its mask."""
     mask = np.arange(NUM_ENVS) == 0
@@ -110,6 +123,7 @@ def reset_leaves_the_other_envs_alone(simulator: Simulator, robot: Robot) -> Non
         require(same([part(before, ~mask)], [part(after, ~mask)]), "the envs outside the mask changed")
 
 
+@check("sim-end-effector")
 def end_effector_is_that_of_the_robot(simulator: Simulator, robot: Robot) -> None:
     """The end effector is where `robot.end_effector` puts it for the joint positions of the same state."""
     with opened(simulator, robot) as simulation:
@@ -119,6 +133,7 @@ def end_effector_is_that_of_the_robot(simulator: Simulator, robot: Robot) -> Non
             require(error < MAX_PLACEMENT_ERROR, f"the end effector is {error:.2g} m from the robot's kinematics")
 
 
+@check("sim-tracking")
 def drive_tracks_a_joint_ramp(simulator: Simulator, robot: Robot) -> None:
     """At the end of each control period every joint is within 0.5 degrees of its target, 5 mm where it slides."""
     with opened(simulator, robot) as simulation:
@@ -131,6 +146,7 @@ def drive_tracks_a_joint_ramp(simulator: Simulator, robot: Robot) -> None:
             require(slid < MAX_SLIDING_ERROR, f"a joint is {slid:.2g} m from its target")
 
 
+@check("sim-velocity")
 def qvel_is_the_speed_of_a_steady_motion(simulator: Simulator, robot: Robot) -> None:
     """Joint velocities are in rad/s or m/s, signed: a joint that is driven at constant speed reports that speed."""
     speed = 0.1 * robot.max_speed * turns(robot, NUM_ENVS)
@@ -143,6 +159,7 @@ def qvel_is_the_speed_of_a_steady_motion(simulator: Simulator, robot: Robot) -> 
         require(error.max() < MAX_SPEED_ERROR, f"joints driven at {speed} report {state.qvel}")
 
 
+@check("sim-small-moves")
 def small_moves_move_every_joint(simulator: Simulator, robot: Robot) -> None:
     """A move too small for the tracking check is done all the same: no joint stands still or turns the wrong way."""
     move = SMALL_MOVE * turns(robot, NUM_ENVS)
@@ -152,6 +169,7 @@ def small_moves_move_every_joint(simulator: Simulator, robot: Robot) -> None:
         require((moved * move > 0.0).all(), f"driven by {move} rad, the joints moved by {moved}")
 
 
+@check("sim-ground-contact")
 def ground_contact_is_seen(simulator: Simulator, robot: Robot) -> None:
     """An arm that is driven into the ground touches it."""
     with opened(simulator, robot) as simulation:
@@ -159,6 +177,7 @@ def ground_contact_is_seen(simulator: Simulator, robot: Robot) -> None:
         require(np.any(contacts, axis=0).all(), "the arm was driven into the ground and touched nothing")
 
 
+@check("sim-no-false-contact")
 def no_ground_contact_in_the_air(simulator: Simulator, robot: Robot) -> None:
     """An arm at home, or moving about it, does not touch the ground."""
     with opened(simulator, robot) as simulation:
@@ -166,6 +185,7 @@ def no_ground_contact_in_the_air(simulator: Simulator, robot: Robot) -> None:
             require(not state.ground_contact.any(), "the arm touches the ground in the air")
 
 
+@check("sim-read")
 def read_returns_the_state_of_the_last_call(simulator: Simulator, robot: Robot) -> None:
     """`read` tells, each time, what the last `reset` or `drive` told."""
     with opened(simulator, robot) as simulation:
@@ -175,12 +195,14 @@ def read_returns_the_state_of_the_last_call(simulator: Simulator, robot: Robot) 
                 require(same([simulation.read()], [state]), "read() tells another state")
 
 
+@check("sim-arguments")
 def arguments_are_copied(simulator: Simulator, robot: Robot) -> None:
     """The caller's arrays are neither changed nor kept: what the caller does to them later changes nothing."""
     runs = [_called_with_changing_arrays(simulator, robot, change) for change in (0.0, 1.0)]
     require(same(*runs), "an array that the caller changed after the call is part of the state")
 
 
+@check("sim-determinism")
 def same_calls_give_same_states(simulator: Simulator, robot: Robot) -> None:
     """Two simulations that get the same calls tell the same states, bit for bit."""
     runs = []
@@ -192,6 +214,7 @@ def same_calls_give_same_states(simulator: Simulator, robot: Robot) -> None:
     require(same(*runs), "the same calls gave other states the second time")
 
 
+@check("sim-reset-forgets")
 def reset_forgets_what_was_before(simulator: Simulator, robot: Robot) -> None:
     """What follows a reset does not depend, not by a bit, on what came before it, ground contact included."""
     with opened(simulator, robot) as simulation:
@@ -201,6 +224,7 @@ def reset_forgets_what_was_before(simulator: Simulator, robot: Robot) -> None:
     require(same(fresh, again), "after a reset the arm moves otherwise than when it was new")
 
 
+@check("sim-resume")
 def the_same_way_leads_to_the_same_place(simulator: Simulator, robot: Robot) -> None:
     """What is told again what it was told since its last reset stands where it stood, bit for bit, and goes on alike.
 
@@ -213,6 +237,7 @@ def the_same_way_leads_to_the_same_place(simulator: Simulator, robot: Robot) -> 
     require(same(went_on, _goes_on(simulator, robot, stood)[1]), "an arm that stands where it stood moves otherwise")
 
 
+@check("sim-batch-as-alone")
 def an_env_in_a_batch_is_as_one_alone(simulator: Simulator, robot: Robot) -> None:
     """Each env of a batch tells the states, bit for bit, that an env alone tells for the same calls."""
     batch, alone = _driven_alike(simulator, robot, NUM_ENVS), _driven_alike(simulator, robot, 1)
@@ -221,12 +246,14 @@ def an_env_in_a_batch_is_as_one_alone(simulator: Simulator, robot: Robot) -> Non
         require(same(one, alone), f"env {env} of {NUM_ENVS} moves otherwise than one env alone")
 
 
+@check("sim-env-isolation")
 def envs_do_not_touch_one_another(simulator: Simulator, robot: Robot) -> None:
     """What an env does is the same, bit for bit, whatever the other envs are told to do."""
     runs = [_driven_beside(simulator, robot, share) for share in (1.0, 0.5)]
     require(same(*runs), "env 1 moves otherwise when the others do")
 
 
+@check("sim-rest")
 def resting_arms_change_nothing(simulator: Simulator, robot: Robot) -> None:
     """Where there is a `rest`: the other arms do what they do without, and a reset wakes an arm."""
     with opened(simulator, robot) as simulation:
@@ -237,6 +264,7 @@ def resting_arms_change_nothing(simulator: Simulator, robot: Robot) -> None:
     require(same(alone[1], beside[1]), "an arm that has rested and is reset does not move as one that has not")
 
 
+@check("sim-render")
 def render_gives_a_frame_or_says_why_not(simulator: Simulator, robot: Robot) -> None:
     """`render` gives RGB frames, each of the size asked for, or raises UsageError; the state stays as it was."""
     with opened(simulator, robot) as simulation:
@@ -251,6 +279,7 @@ def render_gives_a_frame_or_says_why_not(simulator: Simulator, robot: Robot) -> 
         require(same([simulation.read()], [before]), "rendering changed the state")
 
 
+@check("sim-render-target")
 def frames_show_the_target(simulator: Simulator, robot: Robot) -> None:
     """Where `render` gives frames, a target at another place gives another frame."""
     with opened(simulator, robot) as simulation:
@@ -260,6 +289,7 @@ def frames_show_the_target(simulator: Simulator, robot: Robot) -> None:
             require(not np.array_equal(first, second), "the frame is the same wherever the target is")
 
 
+@check("sim-close")
 def close_can_be_called_twice(simulator: Simulator, robot: Robot) -> None:
     """`close` releases the engine, and a second call does nothing."""
     simulation = simulator.open(robot, NUM_ENVS, PERIOD)
@@ -267,9 +297,10 @@ def close_can_be_called_twice(simulator: Simulator, robot: Robot) -> None:
     simulation.close()
 
 
-SIMULATOR_CHECKS = (
+SIMULATOR_CHECKS: tuple[Check, ...] = (
     settings_are_frozen,
     settings_survive_json,
+    a_simulation_has_its_methods,
     states_have_the_declared_shapes,
     states_are_float64_and_bool,
     states_are_finite,
@@ -279,11 +310,15 @@ SIMULATOR_CHECKS = (
     end_effector_is_that_of_the_robot,
     drive_tracks_a_joint_ramp,
     qvel_is_the_speed_of_a_steady_motion,
+    parts_of_a_period_add_up,
     small_moves_move_every_joint,
     ground_contact_is_seen,
     no_ground_contact_in_the_air,
+    ground_contact_is_the_envs_own,
     read_returns_the_state_of_the_last_call,
     arguments_are_copied,
+    states_are_not_the_callers_arrays,
+    every_env_does_what_it_was_told,
     same_calls_give_same_states,
     reset_forgets_what_was_before,
     the_same_way_leads_to_the_same_place,
@@ -294,6 +329,20 @@ SIMULATOR_CHECKS = (
     frames_show_the_target,
     close_can_be_called_twice,
 )
+
+
+@check("sim-render-tried", "warning")
+def frames_were_tried(simulator: Simulator, robot: Robot) -> None:
+    """`render` gives a frame on this machine: where it does not, it was never tried."""
+    with opened(simulator, robot) as simulation:
+        start_at_home(simulation, robot)
+        try:
+            simulation.render(0, TARGET, 64, 48)
+        except UsageError as error:
+            raise AssertionError(f"rendering was not tried: {error}") from error
+
+
+SIMULATOR_WARNINGS: tuple[Check, ...] = (frames_were_tried,)
 
 
 def _require_there_at_rest(state: State, qpos: Float) -> None:

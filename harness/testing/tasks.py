@@ -4,17 +4,26 @@ import math
 from typing import Any
 
 import numpy as np
+from scipy.stats import ks_2samp
 
-from harness.arrays import Float, Float32
+from harness.arrays import Float, Float32, Mask
 from harness.env import ReachVectorEnv
 from harness.robot import Robot
+from harness.robot.inverse_kinematics import reach_position
 from harness.robot.load import load_robot
 from harness.task import Task, varies
 from harness.testing.ideal import IdealSimulator
 from harness.testing.trainings import NegativeDistance
-from harness.testing.violations import raise_first, require, settings_are_frozen, settings_survive_json
+from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 DRAWS = 50
+TARGETS = 128
+MOST_MISSED = 0.05
+"""Share of the targets that may be out of reach; a search that finds no pose is no proof that there is none."""
+SEARCHES = 8
+"""Poses from which a target is searched that was not found from the start of the episode."""
+UNLIKELY = 1e-6
+"""So seldom two draws of one distribution look as different."""
 NUM_ENVS = 3
 DECISIONS = 150
 
@@ -33,6 +42,7 @@ def check_task(task: Task, robot: Robot | None = None) -> None:
     raise_first(TASK_CHECKS, task, robot or load_robot(getattr(task, "robot", "fd100")))
 
 
+@check("task-numbers")
 def numbers_are_in_their_ranges(task: Task, robot: Robot) -> None:
     """Distances and durations are positive, counts whole and positive, shares in (0, 1], rewards finite."""
     for name in ("epsilon", "control_period"):
@@ -48,6 +58,7 @@ def numbers_are_in_their_ranges(task: Task, robot: Robot) -> None:
     require(isinstance(task.ends_at_target, bool), f"ends_at_target is {task.ends_at_target!r}, neither True nor False")
 
 
+@check("task-words")
 def words_are_lines(task: Task, robot: Robot) -> None:
     """What ``harness describe`` says of starts, targets and their reward is one line each."""
     words = (task.start_in_words(robot), task.target_in_words(robot), task.target_reward_in_words(), task.action)
@@ -55,11 +66,13 @@ def words_are_lines(task: Task, robot: Robot) -> None:
         require(isinstance(text, str) and text and "\n" not in text, f"{text!r} is not one line of text")
 
 
+@check("task-own-robot")
 def the_own_robot_passes(task: Task, robot: Robot) -> None:
     """`robot` is the name of an arm that `check` lets pass."""
     task.check(load_robot(task.robot))
 
 
+@check("task-starts")
 def starts_are_in_the_joint_ranges(task: Task, robot: Robot) -> None:
     """A start is (dof,), float64, finite, and no joint is beyond an end of its range."""
     rng = np.random.default_rng(0)
@@ -69,6 +82,7 @@ def starts_are_in_the_joint_ranges(task: Task, robot: Robot) -> None:
         require((start >= robot.lower).all() and (start <= robot.upper).all(), f"the start {start} leaves the ranges")
 
 
+@check("task-targets")
 def targets_are_points(task: Task, robot: Robot) -> None:
     """As many targets as asked for: positions (count, 3), float64, finite, and flags (count,), bool."""
     for count in (1, 16):
@@ -78,6 +92,7 @@ def targets_are_points(task: Task, robot: Robot) -> None:
         require(same, f"relative of {count} targets is {relative.dtype} {relative.shape}, not bool ({count},)")
 
 
+@check("task-draws")
 def draws_depend_on_the_stream_alone(task: Task, robot: Robot) -> None:
     """The same random stream gives the same starts and targets, whatever else was drawn before."""
     first = _draws(task, robot)
@@ -87,6 +102,7 @@ def draws_depend_on_the_stream_alone(task: Task, robot: Robot) -> None:
     require(np.array_equal(first, _draws(task, robot)), "the same stream gave other starts or targets")
 
 
+@check("task-varies")
 def episodes_are_alike_where_it_says_so(task: Task, robot: Robot) -> None:
     """A task with `varies` False has the same start and targets whatever the random stream."""
     if not varies(task):
@@ -94,6 +110,38 @@ def episodes_are_alike_where_it_says_so(task: Task, robot: Robot) -> None:
         require(same, "varies is False, and another stream gave other starts or targets")
 
 
+@check("task-targets-in-reach")
+def targets_can_be_reached(task: Task, robot: Robot) -> None:
+    """Every target is above the ground; of all but 5 in 100 the end effector gets within `epsilon`, from some pose."""
+    places, starts = _places(task, robot)
+    low = places[places[:, 2] < 0.0]
+    require(
+        not len(low),
+        f"{len(low)} of {TARGETS} targets are under the ground z = 0, as {_point(low)} m: nothing can get there",
+    )
+    missed = places[~_are_reached(robot, places, starts, task.epsilon)]
+    told = _out_of_reach(missed, robot)
+    require(len(missed) <= MOST_MISSED * TARGETS, f"{told}; draw others, or keep those that reach_position reaches")
+
+
+@check("task-targets-count")
+def targets_do_not_depend_on_the_count(task: Task, robot: Robot) -> None:
+    """Targets are spread alike however many are asked for at once: the harness asks for some ahead."""
+    for count in (TARGETS, 4 * TARGETS):
+        rng, other = np.random.default_rng(0), np.random.default_rng(0)
+        many, _ = task.draw_targets(robot, rng, count)
+        single = np.concatenate([task.draw_targets(robot, other, 1).position for _ in range(count)])
+        if np.array_equal(single, many):
+            return  # one after the other from the stream
+    for axis, name in enumerate("xyz"):
+        alike = ks_2samp(single[:, axis], many[:, axis]).pvalue >= UNLIKELY
+        spreads = " and ".join(
+            f"{draws[:, axis].min():.3g} .. {draws[:, axis].max():.3g} m" for draws in (single, many)
+        )
+        require(alike, f"{name} of a target depends on count: one at a time and {count} at once, it is in {spreads}")
+
+
+@check("task-target-rewards")
 def target_rewards_are_one_per_pose(task: Task, robot: Robot) -> None:
     """What a target pays is (count,), float64, finite, for any poses."""
     for count in (1, DRAWS):
@@ -101,6 +149,7 @@ def target_rewards_are_one_per_pose(task: Task, robot: Robot) -> None:
         _require_array(f"the reward of {count} targets", task.target_rewards(robot, poses), (count,))
 
 
+@check("task-motion")
 def the_motion_takes_its_actions(task: Task, robot: Robot) -> None:
     """Actions of `action_size` move joints to targets in their ranges; so do `stay` and `increments`."""
     motion, rng = task.motion(robot), np.random.default_rng(0)
@@ -117,6 +166,7 @@ def the_motion_takes_its_actions(task: Task, robot: Robot) -> None:
             require(inside, f"the waypoint {waypoint} leaves the joint ranges")
 
 
+@check("task-bounds")
 def bounds_are_a_space(task: Task, robot: Robot) -> None:
     """The observation's bounds are float32, of one shape (size,), each lower one below its upper one."""
     observation = task.observation(robot)
@@ -126,6 +176,7 @@ def bounds_are_a_space(task: Task, robot: Robot) -> None:
     require((low < high).all(), f"no number is between the bounds {low} and {high}")
 
 
+@check("task-observations")
 def observations_are_in_their_bounds(task: Task, robot: Robot) -> None:
     """Over episodes at random, ends included, every observation is float32, of the bounds' size, and within them."""
     observation = task.observation(robot)
@@ -136,6 +187,7 @@ def observations_are_in_their_bounds(task: Task, robot: Robot) -> None:
         require((seen >= low).all() and (seen <= high).all(), f"an observation leaves its bounds: {seen}")
 
 
+@check("task-observing")
 def observing_changes_nothing(task: Task, robot: Robot) -> None:
     """`observe` gives the same twice, in arrays of the caller's own, and leaves the episodes as they are."""
     env = _env(task, robot)
@@ -148,7 +200,7 @@ def observing_changes_nothing(task: Task, robot: Robot) -> None:
     require(not shared, "an observation is not the caller's own: the next one changes it")
 
 
-TASK_CHECKS = (
+TASK_CHECKS: tuple[Check, ...] = (
     settings_are_frozen,
     settings_survive_json,
     numbers_are_in_their_ranges,
@@ -156,6 +208,8 @@ TASK_CHECKS = (
     the_own_robot_passes,
     starts_are_in_the_joint_ranges,
     targets_are_points,
+    targets_can_be_reached,
+    targets_do_not_depend_on_the_count,
     draws_depend_on_the_stream_alone,
     episodes_are_alike_where_it_says_so,
     target_rewards_are_one_per_pose,
@@ -172,6 +226,49 @@ def _require_array(name: str, array: Any, shape: tuple[int, ...]) -> None:
     right = array.shape == shape and array.dtype == np.float64
     require(right, f"{name} is {array.dtype} {array.shape}, not float64 {shape}")
     require(np.isfinite(array).all(), f"{name} is {array}")
+
+
+@check("task-all-targets-in-reach", "warning")
+def all_targets_can_be_reached(task: Task, robot: Robot) -> None:
+    """Not one target of 128 is out of reach: on those that are, the best policy fails too."""
+    places, starts = _places(task, robot)
+    missed = places[~_are_reached(robot, places, starts, task.epsilon)]
+    require(not len(missed), f"{_out_of_reach(missed, robot)}: no policy succeeds on those")
+
+
+TASK_WARNINGS: tuple[Check, ...] = (all_targets_can_be_reached,)
+
+
+def _places(task: Task, robot: Robot) -> tuple[Float, Float]:
+    """Where some targets are, (TARGETS, 3), [m], and joint positions that their episodes may start at."""
+    rng = np.random.default_rng(0)
+    position, relative = task.draw_targets(robot, rng, TARGETS)
+    starts = np.array([task.draw_start(robot, rng) for _ in range(TARGETS)])
+    places: Float = np.where(relative[:, None], robot.end_effector(starts) + position, position)
+    return places, starts
+
+
+def _out_of_reach(missed: Float, robot: Robot) -> str:
+    return (
+        f"{len(missed)} of {TARGETS} targets are out of reach, as {_point(missed)} m: the end effector of {robot.name} "
+        f"gets {robot.reach:.3g} m from its first joint at most"
+    )
+
+
+def _are_reached(robot: Robot, places: Float, starts: Float, epsilon: float) -> Mask:
+    """Whether joint positions are found that bring the end effector within epsilon of each place, (count,)."""
+    rng, found = np.random.default_rng(0), np.zeros(len(places), bool)
+    for _ in range(1 + SEARCHES):
+        left = np.flatnonzero(~found)
+        if not left.size:
+            break
+        _, found[left] = reach_position(robot, places[left], starts[left], tolerance=epsilon)
+        starts = rng.uniform(robot.lower, robot.upper, starts.shape)
+    return found
+
+
+def _point(places: Float) -> str:
+    return "({:.3g}, {:.3g}, {:.3g})".format(*places[0]) if len(places) else ""
 
 
 def _draws(task: Task, robot: Robot, seed: int = 0) -> Float:

@@ -1,11 +1,12 @@
 """What the algorithm checks train on: an easy task, an env that keeps an account, and a policy's evaluation."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from functools import cache
-from typing import Any
+from functools import cache, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.algorithm import ActionSpace, Algorithm
 from harness.arrays import Float, Float32, Mask
@@ -46,12 +47,46 @@ class NegativeDistance:
         return carry, -sample.distance
 
 
+class Told(Progress):
+    """Keeps what it is told: the steps, and the newest policy."""
+
+    def __init__(self) -> None:
+        self.steps: list[int] = []
+        self.newest: Policy | None = None
+
+    def __call__(self, steps: int) -> None:
+        """See `harness.progress.Progress`."""
+        self.steps.append(steps)
+
+    def policy(self, steps: int, make: Callable[[], Policy]) -> None:
+        """See `harness.progress.Progress`."""
+        self.newest = make()
+
+
+class Decision(NamedTuple):
+    """One decision of a training.
+
+    Attributes:
+        observation: What was seen, (num_envs, size).
+        action: What was done, (num_envs, ...).
+        episode: Number of the episode of each env, (num_envs,).
+        policy: The newest one that the algorithm had told; None where it had told none.
+    """
+
+    observation: Float32
+    action: Actions
+    episode: NDArray[np.intp]
+    policy: Policy | None
+
+
 class WatchedEnv(ReachVectorEnv):
     """The easy task with one kind of action; keeps an account of what an algorithm does with it.
 
     Attributes:
         space: The kind of action.
         bonus: Paid on top, (num_envs,): whether a training heeds what each env pays.
+        told: What the algorithm tells while it trains.
+        decisions: All of them.
     """
 
     def __init__(self, num_envs: int, space: ActionSpace = "continuous") -> None:
@@ -59,6 +94,10 @@ class WatchedEnv(ReachVectorEnv):
         super().__init__(IdealSimulator(), easy_robot(), task, NegativeDistance(), num_envs, resumable=True)
         self.space = space
         self.bonus = np.zeros(num_envs)
+        self.told = Told()
+        self.decisions: list[Decision] = []
+        self._seen: Any = None
+        self._episode = np.zeros(num_envs, np.intp)
         self.steps = 0
         self.actions_in_box = True
         self.seeds: list[Any] = []
@@ -66,25 +105,18 @@ class WatchedEnv(ReachVectorEnv):
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Float32, Infos]:
         """As any reset; keeps the seed."""
         self.seeds.append(seed)
-        return super().reset(seed=seed, options=options)
+        self._seen, infos = super().reset(seed=seed, options=options)
+        self._episode = self._episode + 1
+        return self._seen, infos
 
     def step(self, actions: Actions) -> tuple[Float32, Float, Mask, Mask, Infos]:  # type: ignore[override]
         """As any step; counts it, and looks at the actions."""
         self.steps += self.num_envs
         self.actions_in_box &= self.action_space.contains(np.asarray(actions, self.action_space.dtype))
+        self.decisions.append(Decision(self._seen, np.array(actions), self._episode, self.told.newest))
         observations, rewards, terminated, truncated, infos = super().step(actions)
+        self._seen, self._episode = observations, self._episode + (terminated | truncated)
         return observations, rewards + self.bonus, terminated, truncated, infos
-
-
-class Told(Progress):
-    """Keeps what it is told."""
-
-    def __init__(self) -> None:
-        self.steps: list[int] = []
-
-    def __call__(self, steps: int) -> None:
-        """See `harness.progress.Progress`."""
-        self.steps.append(steps)
 
 
 @dataclass
@@ -94,6 +126,12 @@ class Training:
     policy: Policy
     env: WatchedEnv
     told: list[int] = field(default_factory=list)
+
+    @property
+    def tells_its_policy(self) -> bool:
+        """Whether the algorithm told its policy before half of its decisions were made, and later."""
+        decisions = self.env.decisions
+        return any(decision.policy is not None for decision in decisions[: len(decisions) // 2])
 
 
 def trainings(algorithm: Algorithm, steps: int, seed: int = 0) -> Iterator[Training]:
@@ -107,6 +145,8 @@ def train(
 ) -> Training:
     """Train on the easy task for `steps`, or a few more to make it a multiple of the algorithm's envs.
 
+    A training that was done before is not done again, see `train_anew`: most checks look at the same one.
+
     Args:
         algorithm: What learns.
         steps: Environment steps.
@@ -115,13 +155,27 @@ def train(
         bonus: Paid on top on every step of one env.
         env: Which one.
     """
+    wanted = space or min(algorithm.action_spaces)
+    try:
+        hash(algorithm)
+    except TypeError:  # not frozen: another check says so
+        return train_anew(algorithm, steps, seed, wanted, bonus, env)
+    return _train_once(algorithm, steps, seed, wanted, bonus, env)  # type: ignore[arg-type]  # it has a hash
+
+
+def train_anew(
+    algorithm: Algorithm, steps: int, seed: int = 0, space: ActionSpace | None = None, bonus: float = 0.0, env: int = 0
+) -> Training:
+    """As `train`, whatever was done before."""
     watched = WatchedEnv(algorithm.num_envs, space or min(algorithm.action_spaces))
     watched.bonus[env] = bonus
-    told = Told()
     watched.reset(seed=ENV_SEED)
     watched.seeds.clear()
-    policy = algorithm.train(watched, steps_for(algorithm, steps), seed, told)
-    return Training(policy, watched, told.steps)
+    policy = algorithm.train(watched, steps_for(algorithm, steps), seed, watched.told)
+    return Training(policy, watched, watched.told.steps)
+
+
+_train_once = lru_cache(maxsize=16)(train_anew)
 
 
 def in_several_envs(algorithm: Algorithm) -> Algorithm:

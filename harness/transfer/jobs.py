@@ -17,7 +17,10 @@ from harness.record.manifest import now
 from harness.record.out_folder import storage_errors
 from harness.record.store import Store
 from harness.registry.choice import Choice, choose, split_list
+from harness.registry.given import Given as Plugins
+from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
+from harness.registry.spec import PLANNED, blamed_on
 from harness.results import Results
 from harness.robot.load import load_robot
 from harness.transfer.evaluation import EvaluateElsewhere
@@ -65,18 +68,25 @@ class TransferPlan:
         jobs: Every policy in every simulator but its own.
         missing: Those of the jobs that are not done yet.
         left_out: A line for each simulator that cannot be used here and was not asked for.
+        plugins: Given by hand: the evaluations need them too.
     """
 
     store: Store
     jobs: tuple[TransferJob, ...]
     missing: tuple[TransferJob, ...]
     left_out: tuple[str, ...]
+    plugins: tuple[Plugins, ...] = ()
 
 
 OnEvent: TypeAlias = Callable[[TransferEvent], None]
 
 
-def transfer(folder: str | Path, to: str | Sequence[Given] | None = None, jobs: int | None = None) -> Transfers:
+def transfer(
+    folder: str | Path,
+    to: str | Sequence[Given] | None = None,
+    jobs: int | None = None,
+    plugins: Iterable[str | Path | type] = (),
+) -> Transfers:
     """Evaluate an experiment's policies in other simulators; what was evaluated before is not again.
 
     Args:
@@ -84,6 +94,7 @@ def transfer(folder: str | Path, to: str | Sequence[Given] | None = None, jobs: 
         to: Simulators to evaluate in, ``"mujoco:substeps=40,kinematic"``; by default those of the experiment and all
             that are installed.
         jobs: How many evaluations at once; by default as many as there are cores.
+        plugins: Files and classes beside the installed plugins.
 
     Returns:
         Every transfer that the folder records, those of earlier calls included.
@@ -92,7 +103,7 @@ def transfer(folder: str | Path, to: str | Sequence[Given] | None = None, jobs: 
         UsageError: Something given cannot be used; nothing is written.
     """
     at_once = worker_count(jobs)
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugins))
     results = Results(Path(folder), registry)
     run_transfers(plan_transfers(results, to, registry), at_once)
     return load_transfers(results)
@@ -117,7 +128,7 @@ def plan_transfers(results: Results, to: str | Sequence[Given] | None, registry:
     )
     missing = tuple(job for job in jobs if not _is_done(job, results.store))
     _require_plugins((job.cell for job in missing), results.folder, registry)
-    return TransferPlan(results.store, jobs, missing, left_out)
+    return TransferPlan(results.store, jobs, missing, left_out, registry.given)
 
 
 def run_transfers(plan: TransferPlan, at_once: int, on_event: OnEvent = lambda event: None) -> None:
@@ -148,7 +159,7 @@ def run_transfers(plan: TransferPlan, at_once: int, on_event: OnEvent = lambda e
     with storage_errors(plan.store.folder), plan.store.locked():
         _discard_partial(plan.store)
         try:
-            run_orders([_order(job, plan.store) for job in plan.missing], at_once, tell)
+            run_orders([_order(job, plan) for job in plan.missing], at_once, tell)
         finally:
             _discard_partial(plan.store)
 
@@ -192,14 +203,16 @@ def _require_plugins(cells: Iterable[Cell], folder: Path, registry: Registry) ->
     """Raises UsageError where something of the cells that is no simulator is not here any more."""
     for robot, task, reward in dict.fromkeys((cell.robot, cell.task, cell.reward) for cell in cells):
         try:
-            task.build(registry, "tasks").check(load_robot(robot, registry))
+            built, arm = task.build(registry, "tasks"), load_robot(robot, registry)
+            with blamed_on(registry.get("tasks", task.name), PLANNED):
+                built.check(arm)
             reward.build(registry, "rewards")
         except UsageError as error:
             raise UsageError(f"Cells of '{folder}' cannot be evaluated: {error}") from None
 
 
-def _order(job: TransferJob, store: Store) -> Order:
-    return Order(job.folder, EvaluateElsewhere(store.cell_folder(job.cell), job.simulator))
+def _order(job: TransferJob, plan: TransferPlan) -> Order:
+    return Order(job.folder, EvaluateElsewhere(plan.store.cell_folder(job.cell), job.simulator, plan.plugins))
 
 
 def _reason(job: TransferJob, news: News, store: Store) -> str:

@@ -73,7 +73,9 @@ def _read(folder: Path) -> TransferRecord:
 def simulator_id(simulator: Choice) -> str:
     """The folder's name: the simulator's, and a hash of its parameters."""
     text = json.dumps(simulator.to_json()["params"], sort_keys=True, separators=(",", ":"))
-    return f"{simulator.name}-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
+    if "/" in simulator.name:  # which a folder's name cannot hold
+        text = f"{simulator.name} {text}"
+    return f"{simulator.name.replace('/', '-')}-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
 
 
 def policy_digest(cell_folder: Path) -> str:

@@ -84,7 +84,8 @@ class Measurer:
             begun.run(on_event)
 
     def _order(self, cell: Cell, store: Store) -> Order:
-        return Order(self.folder / VALIDATION / cell.id, ValidatePolicy(store.cell_folder(cell), self.episodes))
+        work = ValidatePolicy(store.cell_folder(cell), self.episodes, self.registry.given)
+        return Order(self.folder / VALIDATION / cell.id, work)
 
     def _outcome(self, order: Order) -> Outcome | str:
         reason = order.folder / REASON

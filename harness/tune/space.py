@@ -10,8 +10,8 @@ from typing import Any, TypeAlias
 import pydantic
 
 from harness.errors import HarnessError, UsageError, sentence
+from harness.registry.names import did_you_mean
 from harness.registry.parameters import parameters_of
-from harness.registry.registry import did_you_mean
 
 SYNTAX = "write LOW..HIGH, LOW..HIGH:log or A|B|C"
 DEFAULTS = {"learning_rate": "1e-4..1e-2:log", "gamma": "0.9..0.999"}

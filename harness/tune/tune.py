@@ -1,6 +1,6 @@
 """Search the hyperparameters of one algorithm, with an equal budget for every reward."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +10,7 @@ from harness.executor import OnEvent
 from harness.experiment.experiment import DEFAULT_FOLDER, RunOptions
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
+from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.tune.folder import tuning_folder
 from harness.tune.measure import Follow, Measurer
@@ -42,6 +43,7 @@ def tune(
     out: str | Path | None = None,
     jobs: int | None = None,
     executor: str | Mapping[str, Any] = "processes",
+    plugins: Iterable[str | Path | type] = (),
     **tuning: Any,
 ) -> Tuned:
     """Do the trials that are not done yet, and write the best settings as an experiment file.
@@ -51,19 +53,21 @@ def tune(
             goes on where an earlier one stopped.
         jobs: How many cells at once; by default as many as there are cores. The trials do not depend on it.
         executor: What runs the cells, with its settings.
+        plugins: Files and classes beside the installed plugins; see `harness.registry.given.read_given`.
         **tuning: The fields of `harness.tune.tuning.Tuning`; the lists may be single names.
 
     Raises:
         UsageError: Something given cannot be used, or Optuna is missing; nothing is written.
     """
-    options, registry = RunOptions(jobs=jobs, executor=executor), load_registry()
+    options, registry = RunOptions(jobs=jobs, executor=executor), load_registry(given=read_given(plugins))
     setup = resolve(check_tuning(tuning), registry)
     return run_searches(setup, Path(out) if out else default_folder(setup), registry, options)
 
 
 def default_folder(setup: Setup) -> Path:
     """A folder named for what is searched: the same search finds its trials again."""
-    return DEFAULT_FOLDER / f"tune-{setup.experiment['sim'][0]['name']}-{setup.base.name}-{setup.id}"
+    names = f"{setup.experiment['sim'][0]['name']}-{setup.base.name}".replace("/", "-")  # of a qualified name
+    return DEFAULT_FOLDER / f"tune-{names}-{setup.id}"
 
 
 def run_searches(

@@ -19,6 +19,7 @@ from harness.policy import Policy, load_policy
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, POLICY, partial_folder, publish
 from harness.record.manifest import read_manifest
+from harness.registry.given import Given, given_from_json, given_to_json
 from harness.registry.registry import Registry, load_registry
 from harness.robot.load import load_robot
 
@@ -37,21 +38,24 @@ class ValidatePolicy:
     Attributes:
         cell_folder: Of the done cell that trained it.
         episodes: How many.
+        plugins: Given by hand.
     """
 
     cell_folder: Path
     episodes: int
+    plugins: tuple[Given, ...] = ()
 
     noun: ClassVar[str] = "validation"
 
     def to_json(self) -> dict[str, Any]:
         """See `harness.experiment.order.Work`."""
-        return {"cell_folder": str(self.cell_folder), "episodes": self.episodes}
+        told = {"cell_folder": str(self.cell_folder), "episodes": self.episodes}
+        return {**told, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """See `harness.experiment.order.Work`."""
-        return cls(Path(data["cell_folder"]), data["episodes"])
+        return cls(Path(data["cell_folder"]), data["episodes"], given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.order.Work`; a plugin may raise anything."""
@@ -59,7 +63,8 @@ class ValidatePolicy:
         partial.mkdir(parents=True, exist_ok=True)
         try:
             cell, policy = read_manifest(self.cell_folder).cell, load_policy(self.cell_folder / POLICY)
-            record_validation(cell, load_registry(), policy, self.episodes, partial / EVALUATION)
+            registry = load_registry(given=self.plugins)
+            record_validation(cell, registry, policy, self.episodes, partial / EVALUATION)
         except (Exception, SystemExit) as error:
             traceback.print_exc()
             _leave_reason(folder, one_line(error))

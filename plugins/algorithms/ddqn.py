@@ -1,6 +1,7 @@
 """Double deep Q-learning, by stable-baselines3 with another target."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from pydantic.dataclasses import dataclass
 
@@ -26,3 +27,10 @@ class Ddqn(QLearning):
         from ..sb3.double import DoubleDQN
 
         return self.train_with(DoubleDQN, "ddqn", env, steps, seed, progress)
+
+    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
+        """See `harness.algorithm.Algorithm`."""
+        from ..sb3.bare import bare_training
+        from ..sb3.double import DoubleDQN
+
+        return bare_training(DoubleDQN, env, steps, seed, **self.library_settings(steps))

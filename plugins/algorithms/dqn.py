@@ -1,6 +1,7 @@
 """Deep Q-learning, by stable-baselines3."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from pydantic.dataclasses import dataclass
 
@@ -25,3 +26,11 @@ class Dqn(QLearning):
         from stable_baselines3 import DQN
 
         return self.train_with(DQN, "dqn", env, steps, seed, progress)
+
+    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
+        """See `harness.algorithm.Algorithm`."""
+        from stable_baselines3 import DQN
+
+        from ..sb3.bare import bare_training
+
+        return bare_training(DQN, env, steps, seed, **self.library_settings(steps))

@@ -109,25 +109,41 @@ class Ppo:
         from stable_baselines3 import PPO
 
         from ..sb3.policies import categorical, gaussian
-        from ..sb3.training import network, train
+        from ..sb3.training import train
 
         policy_of = categorical if isinstance(env.single_action_space, Discrete) else gaussian
         return train(
             PPO, env, steps, seed, progress,
             lambda model: policy_of(model, self.activation, "ppo"),
             decisions_per_update=self.rollout,
-            learning_rate=self._scheduled(self.learning_rate),
-            gamma=self.gamma,
-            batch_size=self.batch_size,
-            n_steps=self.rollout // self.num_envs,
-            n_epochs=self.epochs,
-            gae_lambda=self.gae_lambda,
-            clip_range=self._scheduled(self.clip_range),
-            ent_coef=self.ent_coef,
-            vf_coef=self.value_coef,
-            max_grad_norm=self.max_gradient,
-            policy_kwargs={**network(self.net_arch, self.activation), "log_std_init": self.log_std},
+            **self._settings(),
         )  # fmt: skip
+
+    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
+        """See `harness.algorithm.Algorithm`."""
+        from stable_baselines3 import PPO
+
+        from ..sb3.bare import bare_training
+
+        return bare_training(PPO, env, steps, seed, **self._settings())
+
+    def _settings(self) -> dict[str, Any]:
+        """What the library's class is made with."""
+        from ..sb3.training import network
+
+        return {
+            "learning_rate": self._scheduled(self.learning_rate),
+            "gamma": self.gamma,
+            "batch_size": self.batch_size,
+            "n_steps": self.rollout // self.num_envs,
+            "n_epochs": self.epochs,
+            "gae_lambda": self.gae_lambda,
+            "clip_range": self._scheduled(self.clip_range),
+            "ent_coef": self.ent_coef,
+            "vf_coef": self.value_coef,
+            "max_grad_norm": self.max_gradient,
+            "policy_kwargs": {**network(self.net_arch, self.activation), "log_std_init": self.log_std},
+        }
 
     def _scheduled(self, value: float) -> float | Callable[[float], float]:
         """A number, or what it is when a share of the training remains."""

@@ -1,6 +1,7 @@
 """Soft actor-critic, by stable-baselines3."""
 
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic.dataclasses import dataclass
 
@@ -26,12 +27,20 @@ class Sac(SoftActorCritic):
         from stable_baselines3 import SAC
 
         from ..sb3.policies import squashed_gaussian
-        from ..sb3.training import replay_settings, train
+        from ..sb3.training import soft_actor_critic_settings, train
 
         return train(
             SAC, env, steps, seed, progress,
             lambda model: squashed_gaussian(model, self.activation, "sac"),
             decisions_per_update=self.train_freq * self.num_envs,
-            **replay_settings(self, steps),
-            ent_coef=self.ent_coef if self.learns_coefficient else self.first_coefficient,
+            **soft_actor_critic_settings(self, steps),
         )  # fmt: skip
+
+    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
+        """See `harness.algorithm.Algorithm`."""
+        from stable_baselines3 import SAC
+
+        from ..sb3.bare import bare_training
+        from ..sb3.training import soft_actor_critic_settings
+
+        return bare_training(SAC, env, steps, seed, **soft_actor_critic_settings(self, steps))

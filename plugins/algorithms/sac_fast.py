@@ -1,6 +1,7 @@
 """Soft actor-critic in lean form, with numpy alone."""
 
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic.dataclasses import dataclass
 
@@ -31,3 +32,9 @@ class SacFast(SoftActorCritic):
         # Matrices this small are slower with more threads, and sums come out the same with one.
         with threadpool_limits(1):
             return Training(self, env, steps, seed, progress).run()
+
+    def peer_trainings(self) -> Mapping[str, Callable[[Any, int, int], Callable[[], None]]]:
+        """See `harness.algorithm.Algorithm`."""
+        from ..peer_trainings import soft_actor_critics
+
+        return soft_actor_critics(self)

@@ -1,6 +1,7 @@
 """Twin delayed deep deterministic policy gradient, by stable-baselines3."""
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -38,21 +39,38 @@ class Td3(OffPolicy):
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
-        import numpy as np
         from stable_baselines3 import TD3
-        from stable_baselines3.common.noise import NormalActionNoise
 
         from ..sb3.policies import deterministic
-        from ..sb3.training import replay_settings, train
+        from ..sb3.training import train
 
-        dimensions = np.ones(env.single_action_space.shape or ())
         return train(
             TD3, env, steps, seed, progress,
             lambda model: deterministic(model, self.activation, "td3", self.action_noise),
             decisions_per_update=self.train_freq * self.num_envs,
-            **replay_settings(self, steps),
-            action_noise=NormalActionNoise(0.0 * dimensions, self.action_noise * dimensions),
-            policy_delay=self.policy_delay,
-            target_policy_noise=self.target_noise,
-            target_noise_clip=self.target_noise_clip,
+            **self._settings(env.single_action_space, steps),
         )  # fmt: skip
+
+    def bare_training(self, env: Any, steps: int, seed: int) -> Callable[[], None]:
+        """See `harness.algorithm.Algorithm`."""
+        from stable_baselines3 import TD3
+
+        from ..sb3.bare import bare_training
+
+        return bare_training(TD3, env, steps, seed, **self._settings(env.action_space, steps))
+
+    def _settings(self, actions: Any, steps: int) -> dict[str, Any]:
+        """What the library's class is made with, for actions of one env's space."""
+        import numpy as np
+        from stable_baselines3.common.noise import NormalActionNoise
+
+        from ..sb3.training import replay_settings
+
+        dimensions = np.ones(actions.shape or ())
+        return {
+            **replay_settings(self, steps),
+            "action_noise": NormalActionNoise(0.0 * dimensions, self.action_noise * dimensions),
+            "policy_delay": self.policy_delay,
+            "target_policy_noise": self.target_noise,
+            "target_noise_clip": self.target_noise_clip,
+        }

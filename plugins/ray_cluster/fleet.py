@@ -63,7 +63,8 @@ class Fleet:
         self._needs, self._at_once, self._on_event = needs, at_once, on_event
         folder = jobs[0].folder.parent
         folder.mkdir(parents=True, exist_ok=True)
-        self._nodes = Nodes([job.cell for job in jobs], folder, needs.cpus, needs.gpus)
+        cells, plugins = [job.cell for job in jobs], jobs[0].options.plugins
+        self._nodes = Nodes(cells, folder, needs.cpus, needs.gpus, plugins)
         self._seats: list[_Seat] = []
 
     def run(self) -> None:
@@ -157,7 +158,7 @@ class Fleet:
         elif isinstance(told, Part):
             add_part(_arrivals(job.folder), told)
         else:
-            self._on_event(Event("progress", job.cell, told))
+            self._on_event(Event("progress", job.cell, told.steps, scalars=told.scalars))
 
     def _lose(self, seat: _Seat, error: Exception) -> None:
         """The slot of a cell is no more: another one does it, unless that happens again and again."""

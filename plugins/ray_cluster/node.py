@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from harness.authoring.folder_parts import Part, add_parts, parts_of
-from harness.executor import Job
+from harness.executor import Job, Word
 from harness.experiment.installation import describe_workers
 from harness.experiment.jobs import events_of
 from harness.experiment.workers import Pool
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder
+from harness.registry.given import given_from_json
 
 TELL_EVERY: Final = 0.5
 """Seconds from one word of progress to the next."""
@@ -27,8 +28,8 @@ class Ended(NamedTuple):
     """Why it left no folder; empty if it did."""
 
 
-Told: TypeAlias = int | Part | Ended
-"""Steps done so far, some of the cell's files, or the end."""
+Told: TypeAlias = Word | Part | Ended
+"""How far the cell is, some of the cell's files, or the end."""
 
 
 class Found(NamedTuple):
@@ -40,14 +41,16 @@ class Found(NamedTuple):
     """Whether it can write where the cells' folders have to be."""
 
 
-def look_around(cells: Sequence[Mapping[str, Any]], token: str) -> Found:
+def look_around(cells: Sequence[Mapping[str, Any]], token: str, plugins: Sequence[Mapping[str, str]]) -> Found:
     """What this node has for some cells, told as JSON.
 
     Args:
         cells: Whose plugins matter.
         token: A file that is in the experiment's folder.
+        plugins: Given by hand, told as JSON.
     """
-    return Found(describe_workers(map(Cell.from_json, cells)), Path(token).is_file())
+    installed = describe_workers(map(Cell.from_json, cells), given_from_json(plugins))
+    return Found(installed, Path(token).is_file())
 
 
 class Slot:
@@ -93,6 +96,6 @@ class Slot:
         for event in events_of([job], 1, self._pool):
             if event.kind == "ended":
                 yield Ended(event.reason)
-            elif event.kind == "progress" and time.monotonic() - told_last >= TELL_EVERY:
+            elif event.kind == "progress" and (event.scalars or time.monotonic() - told_last >= TELL_EVERY):
                 told_last = time.monotonic()
-                yield event.steps
+                yield Word(event.steps, event.scalars)

@@ -15,6 +15,7 @@ from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 from harness.errors import UsageError, one_line
 from harness.experiment.installation import describe_installation, differences
 from harness.record.cell import Cell
+from harness.registry.given import Given, given_to_json
 from harness.registry.registry import load_registry
 from harness.text import one_line_of
 
@@ -63,12 +64,14 @@ class Nodes:
         folder: Where their folders have to be.
         cpus: That each of them reserves.
         gpus: The same.
+        plugins: Given by hand.
     """
 
     cells: Sequence[Cell]
     folder: Path
     cpus: float
     gpus: float
+    plugins: Sequence[Given] = ()
     known: dict[str, Node] = field(default_factory=dict)
     _looked: float = -LOOK_EVERY
     _seen: float = field(default_factory=time.monotonic)
@@ -78,7 +81,7 @@ class Nodes:
         """Note what this machine has, and lay down what tells that a node sees the folder."""
         alike = {(*(choice.name for choice in _choices(cell)), cell.robot): cell for cell in self.cells}
         self._asked = [cell.to_json() for cell in alike.values()]
-        self._here = describe_installation(alike.values(), load_registry())
+        self._here = describe_installation(alike.values(), load_registry(given=self.plugins))
         self._token = tempfile.NamedTemporaryFile(dir=self.folder, prefix=".", suffix=".token")  # noqa: SIM115
 
     def close(self) -> None:
@@ -128,8 +131,9 @@ class Nodes:
         rooms = [has.get(kind, 0.0) / needed for kind, needed in (("CPU", self.cpus), ("GPU", self.gpus)) if needed]
         here = NodeAffinitySchedulingStrategy(told["NodeID"], soft=False)
         task = ray.remote(look_around).options(num_cpus=0, scheduling_strategy=here, max_retries=1)
+        given = given_to_json(self.plugins)
         name = f"{told['NodeManagerHostname']} ({told['NodeManagerAddress']})"
-        return Node(told["NodeID"], name, int(min(rooms)), task.remote(self._asked, self._token.name))
+        return Node(told["NodeID"], name, int(min(rooms)), task.remote(self._asked, self._token.name, given))
 
     def _hear(self, node: Node) -> None:
         answer, node.answer = node.answer, None

@@ -1,7 +1,44 @@
 """What the algorithms of stable-baselines3 share: their training, and the policies that come of it.
 
-The modules are imported one by one: `q_learning` is light, the others import torch.
+`__all__` is for authors of other algorithms too; docs/authoring.md says what each name is, and promises. Importing this
+imports neither torch nor the library: that happens when a name is first used.
 """
+
+from typing import TYPE_CHECKING
+
+from harness.authoring.face import Renamed, lazy_names
+
+if TYPE_CHECKING:
+    from .bare import bare_training
+    from .callback import ProgressCallback
+    from .policies import categorical, deterministic, gaussian, greedy, squashed_gaussian
+    from .training import train
+    from .vec_env import VecEnvAdapter
+
+__all__ = [
+    "ProgressCallback",
+    "VecEnvAdapter",
+    "bare_training",
+    "categorical",
+    "deterministic",
+    "gaussian",
+    "greedy",
+    "squashed_gaussian",
+    "train",
+]
 
 SOURCES = ("harness_plugins.sb3", "harness_plugins.torch_state", "harness_plugins.episode_means")
 """The modules that the algorithms work in, besides their own."""
+
+_POLICIES = ("categorical", "deterministic", "gaussian", "greedy", "squashed_gaussian")
+_HOMES = {
+    **dict.fromkeys(_POLICIES, "harness_plugins.sb3.policies"),
+    "ProgressCallback": "harness_plugins.sb3.callback",
+    "VecEnvAdapter": "harness_plugins.sb3.vec_env",
+    "bare_training": "harness_plugins.sb3.bare",
+    "train": "harness_plugins.sb3.training",
+}
+RENAMED: dict[str, Renamed] = {}
+"""Names that were given up, for one minor version."""
+
+__getattr__ = lazy_names("harness_plugins.sb3", _HOMES, RENAMED)

@@ -12,7 +12,7 @@ from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, TrainingState,
 from ..episode_means import EpisodeMeans
 from .entropy import actor_entropy
 from .scalars import losses
-from .state import pack_model, restore_logged
+from .state import can_be_packed, pack_model, restore_logged
 
 
 def steps_done(state: TrainingState | None) -> int:
@@ -20,10 +20,11 @@ def steps_done(state: TrainingState | None) -> int:
     return 0 if state is None else int(state["done"])
 
 
-class SilentProgress(BaseCallback):
+class ProgressCallback(BaseCallback):
     """Passes on environment steps, the policy and scalars, now and then and at the end; ends a training at its budget.
 
-    The library counts decisions, of which a task may make one in several environment steps.
+    The library counts decisions, of which a task may make one in several environment steps. A model whose parameters
+    are not PyTorch's, as those of sbx, leaves no checkpoints: its training starts over when it is killed.
     """
 
     def __init__(
@@ -32,7 +33,7 @@ class SilentProgress(BaseCallback):
         progress: Progress,
         budget: int,
         policy_of: Callable[[Any], Policy],
-        decisions_per_update: int,
+        decisions_per_update: int = 1,
         state: TrainingState | None = None,
     ) -> None:
         """Begin to count, or go on.
@@ -67,7 +68,8 @@ class SilentProgress(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         # Between an update and the next decision: nothing is half done.
-        self._progress.checkpoint(self._steps, self._make_state)
+        if can_be_packed(self.model):
+            self._progress.checkpoint(self._steps, self._make_state)
 
     def _make_state(self) -> TrainingState:
         counters = as_state({"done": self._steps, "told": self._told, "scalars_told": self._scalars_told})

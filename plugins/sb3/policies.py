@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float32
+from harness.authoring.layers import layer_weights
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
 
 
@@ -45,9 +46,12 @@ def greedy(model: Any, activation: str, algorithm: str, epsilon: float) -> Greed
 
 def _weights(hidden: Iterable[Any], **heads: Any) -> dict[str, Float32]:
     """Copies of the layers' weights, under the names that policies give them."""
-    layers = {f"hidden.{i}": layer for i, layer in enumerate(_linear_layers(hidden))} | heads
-    parts = ("weight", "bias")
-    return {f"{name}.{part}": _array(getattr(layer, part)) for name, layer in layers.items() for part in parts}
+    layers = [_parts(layer) for layer in _linear_layers(hidden)]
+    return layer_weights(layers, **{name: _parts(layer) for name, layer in heads.items()})
+
+
+def _parts(layer: Any) -> tuple[Float32, Float32]:
+    return _array(layer.weight), _array(layer.bias)
 
 
 def _linear_layers(layers: Iterable[Any]) -> list[Any]:

@@ -43,16 +43,24 @@ class QLearning(OffPolicy):
     ) -> Policy:
         """Train the library's class; the policy's card says `name`. See `harness.algorithm.Algorithm`."""
         from .policies import greedy
-        from .training import replay_settings, train
+        from .training import train
 
         return train(
             library, env, steps, seed, progress,
             lambda model: greedy(model, self.activation, name, self.exploration_end),
             decisions_per_update=self.train_freq * self.num_envs,
-            **replay_settings(self, steps),
-            target_update_interval=max(self.target_update_interval, self.num_envs),  # it cannot be more often
-            exploration_fraction=self.exploration_fraction,
-            exploration_initial_eps=self.exploration_start,
-            exploration_final_eps=self.exploration_end,
-            max_grad_norm=self.max_gradient,
+            **self.library_settings(steps),
         )  # fmt: skip
+
+    def library_settings(self, steps: int) -> dict[str, Any]:
+        """What the library's class is made with, for a training of `steps`."""
+        from .training import replay_settings
+
+        return {
+            **replay_settings(self, steps),
+            "target_update_interval": max(self.target_update_interval, self.num_envs),  # it cannot be more often
+            "exploration_fraction": self.exploration_fraction,
+            "exploration_initial_eps": self.exploration_start,
+            "exploration_final_eps": self.exploration_end,
+            "max_grad_norm": self.max_gradient,
+        }

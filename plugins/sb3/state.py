@@ -21,6 +21,12 @@ Part: TypeAlias = tuple[dict[str, Any], Any]
 """Tensors by name, or an optimiser."""
 
 
+def can_be_packed(model: Any) -> bool:
+    """Whether `pack_model` finds all that a model has learned: what is not PyTorch's it does not see."""
+    names, _ = model._get_torch_save_params()
+    return bool(names)
+
+
 def pack_model(model: Any) -> TrainingState:
     """What a model has learned, gathered, counted and logged, and the random numbers that it will draw."""
     state: dict[str, Any] = {name: getattr(model, name) for name in (*ARRAYS, *NUMBERS) if hasattr(model, name)}

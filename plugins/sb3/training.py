@@ -9,7 +9,7 @@ from harness.env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import Progress, under
 
-from .callback import SilentProgress, steps_done
+from .callback import ProgressCallback, steps_done
 from .state import restore_model
 from .vec_env import VecEnvAdapter
 
@@ -51,7 +51,7 @@ def train(
     model = Model("MlpPolicy", VecEnvAdapter(env), seed=seed % 2**32, device="cpu", **settings)
     if state is not None:
         restore_model(model, under("model.", state))
-    callback = SilentProgress(env, progress, steps, policy_of, decisions_per_update, state)
+    callback = ProgressCallback(env, progress, steps, policy_of, decisions_per_update, state)
     is_new = state is None
     del state  # it holds a second replay buffer
     # Without log_interval the logger keeps the last losses for `progress`, and prints nothing. The library counts what
@@ -70,6 +70,12 @@ def replay_settings(settings: Any, steps: int) -> dict[str, Any]:
         "buffer_size": min(settings.buffer_size, steps),
         "policy_kwargs": network(settings.net_arch, settings.activation),
     }
+
+
+def soft_actor_critic_settings(settings: Any, steps: int) -> dict[str, Any]:
+    """What `stable_baselines3.SAC` is made with, for a training of `steps`."""
+    coefficient = settings.ent_coef if settings.learns_coefficient else settings.first_coefficient
+    return {**replay_settings(settings, steps), "ent_coef": coefficient}
 
 
 def network(layers: tuple[int, ...], activation: str) -> dict[str, Any]:

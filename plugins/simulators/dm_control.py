@@ -1,5 +1,6 @@
 """dm_control: every arm an environment of dm_control's own, with a task that drives its joints."""
 
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from harness.robot import Robot
 from harness.simulator import State
 
 from ..mujoco_model import TOUCH, Renderer, build_model, import_engine
+from ..mujoco_model.alone import servo_controls
 
 engine = import_engine("dm_control.mujoco")
 
@@ -34,6 +36,23 @@ class DmControl:
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "DmControlSimulation":
         """See `harness.simulator.Simulator`."""
         return DmControlSimulation(self, robot, num_envs, control_period)
+
+    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
+        """See `harness.simulator.Simulator`: dm_control's Physics, one per arm, without an Environment around it."""
+        model = engine.wrapper.MjModel(build_model(robot, period / self.substeps, self.bandwidth))
+        arms = [engine.Physics.from_model(model) for _ in range(targets.shape[1])]
+        for arm, start in zip(arms, targets[-1], strict=True):
+            with arm.reset_context():
+                arm.data.qpos[:] = arm.data.act[:] = start
+        controls = servo_controls(targets, period)
+
+        def run() -> None:
+            for row in controls:
+                for arm, control_of in zip(arms, row, strict=True):
+                    arm.set_control(control_of)
+                    arm.step(self.substeps)
+
+        return run
 
 
 class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no types

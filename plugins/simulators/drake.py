@@ -1,7 +1,7 @@
 """Drake: every arm in a context and a simulator of its own, driven by velocity servos."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any, ClassVar, NamedTuple
 
@@ -17,13 +17,14 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from harness.arrays import Float
-from harness.authoring.arms_apart import ArmsApart
-from harness.authoring.bare_urdf import bare_urdf
 from harness.authoring.substeps import Substeps
 from harness.errors import SimulationDiverged, UsageError
 from harness.robot import Robot
 from harness.robot.shapes import Shape
 from harness.simulator import State
+
+from ..arms_apart import ArmsApart, bare_loop
+from ..bare_urdf import bare_urdf
 
 FRICTION = 1.0
 """Of links on the ground, Coulomb's coefficient."""
@@ -40,6 +41,7 @@ class Drake:
     """
 
     family: ClassVar[str] = "Drake"
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.arms_apart", "harness_plugins.bare_urdf")
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
     bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 2000.0
 
@@ -48,6 +50,10 @@ class Drake:
         substeps = Substeps(self.substeps, control_period)
         model = _build_model(robot, control_period / self.substeps, self.bandwidth)
         return ArmsApart(robot, num_envs, lambda: Arm(model, substeps))
+
+    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
+        """See `harness.simulator.Simulator`."""
+        return bare_loop(self.open(robot, targets.shape[1], period), targets, period)
 
 
 class Model(NamedTuple):
@@ -70,7 +76,7 @@ class Model(NamedTuple):
 
 
 class Arm:
-    """See `harness.authoring.arms_apart.Arm`."""
+    """See `harness_plugins.arms_apart.Arm`."""
 
     def __init__(self, model: Model, substeps: Substeps) -> None:
         self.model, self._substeps, self._done = model, substeps, 0
@@ -83,7 +89,7 @@ class Arm:
         self._servos = model.plant.get_actuation_input_port(model.arm)
 
     def put(self, qpos: Float) -> None:
-        """See `harness.authoring.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.Arm`."""
         plant, self._done = self.model.plant, 0
         positions = np.empty_like(qpos)
         positions[self.model.order] = qpos
@@ -93,7 +99,7 @@ class Arm:
         self.simulator.Initialize()
 
     def turn(self, speeds: Float, duration: float) -> None:
-        """See `harness.authoring.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.Arm`."""
         self._servos.FixValue(self.context, self.model.damping * speeds)
         self._done += self._substeps.within(duration)
         # Between two steps: on one, rounding would decide whether it is done.
@@ -104,7 +110,7 @@ class Arm:
             raise SimulationDiverged(f"Drake stops the arm: {' '.join(str(error).split())}") from error
 
     def read(self, state: State, env: int) -> None:
-        """See `harness.authoring.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.Arm`."""
         plant, context = self.model.plant, self.context
         state.qpos[env] = plant.GetPositions(context)[self.model.order]
         state.qvel[env] = plant.GetVelocities(context)[self.model.order]

@@ -1,5 +1,6 @@
 """MuJoCo: one arm with one C call per control period, many through the threads of `mujoco.rollout`."""
 
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -13,10 +14,10 @@ from harness.robot import Robot
 from harness.simulator import State
 
 from ..mujoco_model import Renderer, build_model, mujoco
+from ..mujoco_model.alone import FULL, roll_out_alone, step_alone
+from ..peer_envs import fetch_reach, panda_reach
 
 Count = Annotated[int, Field(gt=0)]
-
-FULL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,17 @@ class Mujoco:
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "MujocoSimulation":
         """See `harness.simulator.Simulator`."""
         return MujocoSimulation(self, robot, num_envs, control_period)
+
+    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
+        """See `harness.simulator.Simulator`: ``mj_step``, for a batch `mujoco.rollout`."""
+        model = build_model(robot, period / self.substeps, self.bandwidth)
+        if targets.shape[1] == 1:
+            return step_alone(model, targets[:, 0], period, self.substeps)
+        return roll_out_alone(model, targets, period, self.substeps, self.threads)
+
+    def peer_envs(self) -> Mapping[str, Callable[[], Any]]:
+        """See `harness.simulator.Simulator`."""
+        return {"PandaReach": panda_reach, "FetchReach": fetch_reach}
 
 
 class MujocoSimulation:

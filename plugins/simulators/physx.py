@@ -2,7 +2,7 @@
 
 import tempfile
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -12,13 +12,14 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.authoring.arms_apart import ArmsApart
-from harness.authoring.bare_urdf import bare_urdf
 from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.robot.shapes import Shape
 from harness.simulator import State
+
+from ..arms_apart import ArmsApart, bare_loop
+from ..bare_urdf import bare_urdf
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it warns of graphics drivers, and nothing is drawn by them
@@ -52,6 +53,7 @@ class PhysX:
     """
 
     family: ClassVar[str] = "PhysX"
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.arms_apart", "harness_plugins.bare_urdf")
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
     iterations: Annotated[Count, Field(le=255, description="of the constraint solver per physics step")] = 16
 
@@ -61,6 +63,10 @@ class PhysX:
         model = Model(robot, control_period / self.substeps, self.iterations)
         probe = Probe(model)
         return ArmsApart(robot, num_envs, lambda: Arm(model, probe, substeps))
+
+    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
+        """See `harness.simulator.Simulator`."""
+        return bare_loop(self.open(robot, targets.shape[1], period), targets, period)
 
 
 class Body:
@@ -142,21 +148,21 @@ class Probe:
 
 
 class Arm:
-    """See `harness.authoring.arms_apart.Arm`."""
+    """See `harness_plugins.arms_apart.Arm`."""
 
     def __init__(self, model: Model, probe: Probe, substeps: Substeps) -> None:
         self._model, self._probe, self._substeps = model, probe, substeps
         self._body = Body(model)
 
     def put(self, qpos: Float) -> None:
-        """See `harness.authoring.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.Arm`."""
         self._body = Body(self._model)  # nothing less makes PhysX forget contacts, and it takes a millisecond
         positions = np.empty(len(qpos), np.float32)
         positions[self._body.order] = qpos
         self._body.put(positions)
 
     def turn(self, speeds: Float, duration: float) -> None:
-        """See `harness.authoring.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.Arm`."""
         for joint, speed in zip(self._body.joints, speeds.tolist(), strict=True):
             joint.set_drive_velocity_target(speed)
         step = self._body.system.step
@@ -164,7 +170,7 @@ class Arm:
             step()
 
     def read(self, state: State, env: int) -> None:
-        """See `harness.authoring.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.Arm`."""
         body = self._body
         positions = body.arm.qpos
         state.qpos[env] = positions[body.order]

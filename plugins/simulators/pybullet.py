@@ -5,10 +5,10 @@ import os
 import sys
 import tempfile
 import weakref
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import pybullet
@@ -21,6 +21,8 @@ from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import State
+
+from ..peer_envs import panda_reach
 
 Count = Annotated[int, Field(gt=0)]
 
@@ -51,6 +53,23 @@ class PyBullet:
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "PyBulletSimulation":
         """See `harness.simulator.Simulator`."""
         return PyBulletSimulation(self, robot, num_envs, control_period)
+
+    def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
+        """See `harness.simulator.Simulator`: Bullet's own calls, all substeps of a period in one, for each arm."""
+        simulation = self.open(robot, targets.shape[1], period)
+        simulation.place(targets[-1])
+        speeds = ((targets - np.roll(targets, 1, axis=0)) / period).tolist()
+
+        def run() -> None:
+            for row in speeds:
+                for arm, speed in zip(simulation.arms, row, strict=True):
+                    _turn_alone(arm, speed)
+
+        return run
+
+    def peer_envs(self) -> Mapping[str, Callable[[], Any]]:
+        """See `harness.simulator.Simulator`."""
+        return {"PandaReach": panda_reach}
 
 
 class PyBulletSimulation:
@@ -166,6 +185,19 @@ class Arm:
             point[DISTANCE] <= 0.0 or (point[NORMAL_FORCE] > 0.0 and not placed)
             for point in points
         )
+
+
+def _turn_alone(arm: Arm, speeds: list[float]) -> None:
+    """Bullet's calls for one period of one arm, what is read at its end included."""
+    body, client = arm.body, {"physicsClientId": arm.client}
+    pybullet.setJointMotorControlArray(
+        body, arm.joints, pybullet.VELOCITY_CONTROL, targetVelocities=speeds, forces=arm.forces, **client
+    )
+    pybullet.stepSimulation(**client)
+    pybullet.getJointStates(body, arm.joints, **client)
+    pybullet.getLinkState(body, arm.tip, computeForwardKinematics=1, **client)
+    pybullet.performCollisionDetection(**client)
+    pybullet.getContactPoints(body, arm.ground, **client)
 
 
 class Scene:

@@ -3,11 +3,11 @@
 import sys
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from harness.executor import Event, Job, OnEvent
+from harness.executor import NO_SCALARS, Event, Job, OnEvent
 from harness.record.folder import LOG, partial_folder
 from harness.record.log import write_log
 
@@ -72,16 +72,23 @@ class Array:
             self._submitted.append(_Submitted(job, handle, Told(file)))
 
     def _read(self, cell: _Submitted) -> None:
-        for kind, steps, reason in cell.told.news():
-            self._tell(cell, kind, steps, reason)
+        for kind, steps, reason, scalars in cell.told.news():
+            self._tell(cell, kind, steps, reason, scalars)
 
-    def _tell(self, cell: _Submitted, kind: Any, steps: int = 0, reason: str = "") -> None:
+    def _tell(
+        self,
+        cell: _Submitted,
+        kind: Any,
+        steps: int = 0,
+        reason: str = "",
+        scalars: Mapping[str, float] = NO_SCALARS,
+    ) -> None:
         if kind == "started" and cell.has_begun:
             return  # it was queued again
         cell.has_begun = True
         if kind == "ended":
             self._submitted.remove(cell)
-        self._on_event(Event(kind, cell.job.cell, steps, reason))
+        self._on_event(Event(kind, cell.job.cell, steps, reason, scalars=scalars))
 
     def _ask(self) -> None:
         """Who is said to be over twice and has told no end did not come to one."""

@@ -37,10 +37,10 @@ class CellTask:
 
         def tell(event: Event) -> None:
             nonlocal last
-            if event.kind != "progress" or time.monotonic() - last >= TELL_EVERY:
+            if event.kind != "progress" or event.scalars or time.monotonic() - last >= TELL_EVERY:
                 last = time.monotonic()
                 with self.told.open("a") as file:  # closed again, so that another machine sees it
-                    file.write(json.dumps([event.kind, event.steps, event.reason]) + "\n")
+                    file.write(json.dumps([event.kind, event.steps, event.reason, dict(event.scalars)]) + "\n")
 
         run_jobs([Job.from_json(self.job)], 1, tell)
 
@@ -60,12 +60,12 @@ class Told:
     path: Path
     _read: int = field(default=0, init=False)
 
-    def news(self) -> list[tuple[Any, int, str]]:
-        """Kind, steps and reason of each event since the last call; a line that is half written comes later."""
+    def news(self) -> list[tuple[Any, int, str, dict[str, float]]]:
+        """Kind, steps, reason and scalars of each event since the last call; half a line comes when it is whole."""
         if not self.path.exists():
             return []
         with self.path.open("rb") as file:
             file.seek(self._read)
             whole, newline, _ = file.read().rpartition(b"\n")
         self._read += len(whole + newline)
-        return [(kind, steps, reason) for kind, steps, reason in map(json.loads, whole.splitlines())]
+        return [tuple(event) for event in map(json.loads, whole.splitlines())]

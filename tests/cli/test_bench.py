@@ -10,6 +10,9 @@ import tempfile
 
 import pytest
 
+from harness.bench.speed.contest import Round
+from harness.bench.timed_cell import Failed
+
 QUICK = ("--sim", "ideal", "--algo", "wander", "--steps", 12, "--evaluation-episodes", 2, "--rounds", 1)
 PARTS = {"start_up", "simulator", "reward", "trace", "env", "algorithm", "evaluation", "saving"}
 
@@ -88,6 +91,17 @@ def test_what_cannot_work_is_told_with_its_reason(harness):
         (("--sim", "ideal", "--algo", "wander", "--steps", "0"), "greater than 0"),
         (("--sim", "ideal", "--algo", "wander", "--rounds", "0"), "--rounds 0: must be at least 1"),
         (("--sim", "ideal", "--algo", "wander", "--rounds", "some"), "valid integer"),
+        (("--sim", "ideal", "--algo", "wander", "--num-envs", "3"), "--num-envs: it belongs to"),
+        (("simulator",), "Did you mean 'simulators'?"),
+        (("cells", "simulators"), "timed by themselves"),
+        (("simulators", "--sim", "ideall"), "Did you mean 'ideal'?"),
+        (("simulators", "--reward", "arp"), "--reward: it belongs to 'harness bench cells'"),
+        (("simulators", "--num-envs", "1,x"), "--num-envs 1,x: give numbers from 1 on"),
+        (("simulators", "--num-envs", "0"), "--num-envs 0: give numbers from 1 on"),
+        (("algorithms", "--steps", "0"), "--steps 0: must be at least 1"),
+        (("--compare", "nowhere.json"), "'nowhere.json' cannot be read: No such file"),
+        (("--compare", "nowhere.json", "--sim", "ideal"), "--sim: --compare measures what OLD.json holds"),
+        (("simulators", "--compare", "nowhere.json"), "WHAT: --compare measures what OLD.json holds"),
     ],
 )
 def test_usage_errors_are_one_line(harness, tmp_path, temporary, arguments, text):
@@ -119,3 +133,102 @@ def test_an_interrupt_leaves_nothing(toys, tmp_path, temporary):
     with pytest.raises(ProcessLookupError):
         os.kill(worker, 0)
     assert list(temporary.iterdir()) == []
+
+
+@pytest.fixture
+def timed(monkeypatch):
+    """Rounds without processes: what the env's speed is, one number after the other, for ever the last."""
+    speeds = [0.5]
+
+    def pretend(work, folder):
+        if work.entry.name in pretend.broken:
+            return Failed("it broke")
+        speed = speeds.pop(0) if len(speeds) > 1 else speeds[0]
+        return Round({"bare engine": 1e-4, "env": 1e-4 / speed}, {"env": speed})
+
+    pretend.broken = ()
+    monkeypatch.setattr("harness.bench.speed.measure.time_contest", pretend)
+    return speeds, pretend
+
+
+SPEEDS = ("simulators", "--sim", "ideal", "--num-envs", "1,8")
+
+
+def test_speeds_are_a_table(harness, timed, tmp_path):
+    """On standard output; what happens meanwhile on standard error; nothing is kept."""
+    answer = harness("bench", *SPEEDS, "--rounds", 2)
+    assert answer.status == 0
+    assert "ideal, 8 envs: env" in answer.out
+    assert "0.50" in answer.out
+    assert answer.err.splitlines() == [
+        f"[{n}/4] ideal, {n_envs}" for n, n_envs in enumerate(["1 env", "8 envs"] * 2, 1)
+    ]
+    assert list(tmp_path.iterdir()) == []
+
+
+def _keep(harness, tmp_path, *arguments) -> str:
+    (tmp_path / "old.json").write_text(harness("bench", *SPEEDS, *arguments, "--json").out)
+    return "old.json"
+
+
+def test_the_same_speed_is_no_regression(harness, timed, tmp_path):
+    """Status 0; the same entries as then, as often."""
+    answer = harness("bench", "--compare", _keep(harness, tmp_path))
+    assert answer.status == 0
+    assert "Nothing of 2 became slower beyond the noise." in answer.out
+    assert "[18/18] ideal, 8 envs" in answer.err
+
+
+def test_a_regression_has_status_1_and_names_what_by_how_much(harness, timed, tmp_path):
+    """In the table, and as JSON."""
+    old = _keep(harness, tmp_path)
+    timed[0][:] = [0.4]
+    answer = harness("bench", "--compare", old)
+    assert answer.status == 1
+    assert "SLOWER  ideal, 8 envs: env is 20% slower beside the bare engine" in " ".join(answer.out.split("\n"))
+    answer = harness("bench", "--compare", old, "--json")
+    comparison = json.loads(answer.out)["comparison"]
+    assert (answer.status, comparison["slower"]) == (1, 2)
+    assert comparison["changes"][0]["ratio"] == pytest.approx(0.8)
+
+
+def test_other_versions_are_told(harness, timed, tmp_path):
+    """They may be why."""
+    path = tmp_path / _keep(harness, tmp_path)
+    data = json.loads(path.read_text())
+    data["versions"]["numpy"], data["cpu"] = "0.1", "an abacus"
+    path.write_text(json.dumps(data))
+    out = harness("bench", "--compare", path).out
+    assert "The versions of numpy differ: 0.1 before" in out
+    assert "The machines differ: an abacus before" in out
+
+
+def test_a_run_of_two_rounds_cannot_be_compared(harness, timed, tmp_path):
+    """It says how many it takes, before anything is measured."""
+    answer = harness("bench", "--compare", _keep(harness, tmp_path, "--rounds", 2))
+    assert (answer.status, answer.out) == (2, "")
+    assert "'old.json' has 2 rounds: noise is only known from 3 on" in answer.err
+
+
+def test_a_file_of_cells_cannot_be_compared(harness, tmp_path):
+    """It has seconds alone, which differ from moment to moment."""
+    (tmp_path / "old.json").write_text('{"format": 1, "combinations": []}')
+    answer = harness("bench", "--compare", "old.json")
+    assert (answer.status, answer.err.count("\n")) == (1, 1)
+    assert "holds no speeds" in answer.err
+
+
+def test_what_fails_has_status_1(harness, timed):
+    """With its reason."""
+    timed[1].broken = ("ideal",)
+    answer = harness("bench", *SPEEDS)
+    assert answer.status == 1
+    assert "failed: ideal, 1 env: it broke" in answer.out
+
+
+def test_a_page_is_written_where_it_is_wanted(harness, timed, tmp_path):
+    """Beside the table."""
+    answer = harness("bench", *SPEEDS, "--html", "page.html")
+    assert answer.status == 0
+    assert "Page: page.html" in answer.err
+    assert "ideal, 8 envs: env" in (tmp_path / "page.html").read_text()

@@ -83,7 +83,7 @@ def test_command_that_cannot_be_imported_names_its_plugin(harness, add_commands)
     add_commands("wave", target="no_such_function")
     answer = harness("wave")
     assert answer.status == 1
-    assert "Plugin 'waving' (waving)" in answer.err
+    assert "Plugin 'waving' (waving 1.0)" in answer.err
     assert harness("list", "commands").status == 0
 
 
@@ -93,24 +93,27 @@ def test_command_of_two_plugins_names_both(harness, add_commands):
     add_commands("wave", package="waving_too")
     answer = harness("wave")
     assert answer.status == 1
-    assert "Command 'wave' is claimed by the plugins 'waving' (waving) and 'waving_too' (waving_too)" in answer.err
+    assert (
+        "Command 'wave' is claimed by the plugins 'waving' (waving 1.0) and 'waving_too' (waving_too 1.0)" in answer.err
+    )
 
 
 def test_our_own_command_is_not_replaced(harness, add_commands, rendering):
     """A plugin's command of the same name is hidden, and `plugins` and `doctor` say so."""
     rendering("true")
     add_commands("eta", "wave")
-    hidden = "Command 'eta' of the plugin 'waving' (waving) is hidden by our own"
+    hidden = "Command 'eta' of the plugin 'waving' (waving 1.0) is hidden by our own: write harness waving/eta"
     assert "recorded" in harness("eta", "--help").out
     assert json.loads(harness("plugins", "--json").out)["conflicts"] == [hidden]
     assert hidden in harness("doctor").out
     assert harness("wave").status == 0
+    assert harness("waving/eta").out == "waves 1 times at all\n"
 
 
 def test_command_is_described(harness, add_commands):
     """`harness describe` knows whatever `harness list` shows."""
     add_commands("wave")
-    assert harness("describe", "wave").out == "command wave: waves an arm (plugin 'waving' of waving)\n"
+    assert harness("describe", "wave").out == "command wave: waves an arm (plugin 'waving' of waving 1.0)\n"
 
 
 def test_unknown_command_offers_those_of_plugins(harness, add_commands):

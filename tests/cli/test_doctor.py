@@ -1,7 +1,8 @@
 def test_versions_machine_and_rendering_are_told(harness, rendering):
     """The doctor says what is installed, on what machine, and how each way of rendering goes."""
     rendering("true")
-    out = harness("doctor").out
+    status, out, _ = harness("doctor")
+    assert status == 0
     for text in ("python 3", "cpu ", "numpy ", "plugins ", "MUJOCO_GL=egl: works", "without MUJOCO_GL: works"):
         assert text in out
 
@@ -34,9 +35,10 @@ def test_broken_plugins_are_told(harness, rendering, install):
     """A plugin that cannot be imported is named with the reason, and the doctor goes on."""
     rendering("true")
     install("broken", "import no_such_module")
-    out = harness("doctor").out
-    assert "plugin 'broken' of broken is broken: ModuleNotFoundError" in out
+    status, out, _ = harness("doctor")
+    assert "plugin 'broken' of broken 1.0 is broken: ModuleNotFoundError" in out
     assert "versions" in out
+    assert status == 1
 
 
 def test_what_can_be_run_is_told_last(harness, rendering):

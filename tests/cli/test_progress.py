@@ -1,11 +1,14 @@
 import io
+import re
 
 import pytest
 from rich.console import Console
 
 from harness.cli.progress import LiveProgress
 from harness.executor import Event
+from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
+from harness.registry.choice import Choice
 
 
 @pytest.fixture
@@ -27,14 +30,14 @@ def play(progress, cell, reason=""):
     progress(Event("ended", cell, reason=reason))
 
 
-def test_a_running_cell_has_a_bar_and_so_have_all_cells(make_cell, terminal):
-    """On a terminal each running cell shows its steps, and one bar stands for all."""
+def test_a_running_cell_has_a_line_and_so_have_all_cells(make_cell, terminal):
+    """On a terminal each running cell shows its steps, and one line stands for all."""
     cell = make_cell()
     with LiveProgress([cell], [], terminal) as progress:
         progress(Event("started", cell))
         progress(Event("progress", cell, steps=6))
     shown = terminal.file.getvalue()
-    assert cell.title in shown
+    assert "ideal wander baseline 0" in shown
     assert "all cells" in shown
     assert "6/12" in shown
 
@@ -83,14 +86,73 @@ def test_many_cells_begin_quickly(make_cell, pipe, monkeypatch):
     assert hashed <= 2 * len(cells)
 
 
-def test_a_cell_has_one_line_at_80_columns(make_cell):
-    """Name, bar, steps, speed and the time left."""
-    terminal = Console(file=io.StringIO(), force_terminal=True, width=80, color_system=None)
+def lines_at(width, cells, scalars):
+    """What stands on a terminal of so many columns while cells run, the line of all cells last."""
+    console = Console(file=io.StringIO(), force_terminal=True, width=width, color_system=None)
+    with LiveProgress(cells, [], console) as progress:
+        for cell in cells:
+            progress(Event("started", cell))
+            progress(Event("progress", cell, steps=12_000, scalars=scalars))
+        console.file.truncate(0)
+        progress._progress.refresh()
+        shown = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", console.file.getvalue()).replace("\x00", "")
+    lines = [line.split("\r")[-1] for line in shown.splitlines()]
+    return [*(line for line in lines if "all cells" not in line and line.strip()), lines[0]]
+
+
+@pytest.fixture
+def long_cells(make_cell):
+    """Two cells of 30,000 steps that differ by their rewards, whose names are long."""
+    reward = Choice("arp", (), "arp:k1=2,k2=1.5")
+    return [make_cell(steps=30_000), make_cell(steps=30_000, reward=reward)]
+
+
+LEARNED = {SUCCESS: 0.64, RETURN: 31.23}
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_a_cell_has_one_whole_line(long_cells, width):
+    """How far it is, what it has learned and the time left, in one line that is not longer than the terminal."""
+    first, second, _ = lines_at(width, long_cells, LEARNED)
+    for line in (first, second):
+        assert len(line.rstrip()) <= width
+        assert "40 %" in line
+        assert "success 64 % return 31.2" in line
+        assert line.rstrip().endswith("left")
+
+
+def test_steps_stand_where_there_is_room(long_cells):
+    """At 80 columns, not at 60."""
+    assert "12,000/30,000" in lines_at(80, long_cells, LEARNED)[0]
+    assert "30,000" not in lines_at(60, long_cells, LEARNED)[0]
+
+
+def test_names_keep_what_tells_cells_apart(long_cells):
+    """Where the whole name has no room, what is the same in all cells goes first."""
+    assert lines_at(120, long_cells, LEARNED)[1].startswith("ideal wander arp:k1=2,k2=1.5 0 ")
+    assert lines_at(80, long_cells, LEARNED)[1].startswith("arp:k1=2,k2=1.5 ")
+    assert lines_at(60, long_cells, LEARNED)[0].startswith("baseline ")
+
+
+def test_extreme_numbers_keep_the_line_whole(make_cell):
+    """A return of ten digits, every episode a success, and no end in sight."""
+    [line, _] = lines_at(60, [make_cell(steps=10**9)], {SUCCESS: 1.0, RETURN: -1.23456789e9})
+    assert "success 100 % return -1.23e+09" in line
+    assert len(line.rstrip()) <= 60
+
+
+def test_before_an_episode_has_ended_nothing_is_claimed(make_cell):
+    """Neither success nor return."""
+    [line, _] = lines_at(80, [make_cell(steps=30_000)], {})
+    assert "success" not in line
+    assert "return" not in line
+
+
+def test_the_line_of_an_ended_cell_tells_what_it_learned(make_cell, pipe):
+    """In a log, where nothing moves, it is the only place."""
     cell = make_cell()
-    with LiveProgress([cell], [], terminal) as progress:
+    with LiveProgress([cell], [], pipe) as progress:
         progress(Event("started", cell))
-        progress(Event("progress", cell, steps=6))
-    last = terminal.file.getvalue().split("\r")[-1].split("\n")
-    (line,) = [line for line in last if cell.title in line]
-    assert "6/12 · " in line
-    assert "-:--:--" in line
+        progress(Event("progress", cell, steps=12, scalars=LEARNED))
+        progress(Event("ended", cell))
+    assert "steps/s, success 64 %, return 31.2" in pipe.file.getvalue()

@@ -14,7 +14,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
     """`--json` prints one JSON document with the combinations and the cells."""
     answer = harness("report", experiment, "--json")
     data = json.loads(answer.out)
-    assert set(data) == {"curve", "combinations", "cells", "evaluation_returns", "ranking"}
+    assert set(data) == {"curve", "combinations", "cells", "not_measured", "evaluation_returns", "ranking"}
     assert len(data["cells"]) == 4
     assert answer.err == ""
 
@@ -160,3 +160,16 @@ def test_summary_without_matplotlib_names_the_extra(harness, experiment, monkeyp
     answer = harness("report", experiment, "--summary", "kept")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "pip install 'fd100-harness[figures]'" in answer.err
+
+
+def test_committed_records_open(harness, experiment):
+    """The table from the committed files; what needs cells says where they come from, and status is 2."""
+    harness("report", experiment, "--summary", "records")
+    answer = harness("report", "records")
+    assert (answer.status, answer.err) == (0, "")
+    assert "Committed records of 4 cells, 4 done." in answer.out
+    assert harness("report", "records", "--json").out == harness("report", experiment, "--json").out
+    for command in (("report", "records", "--html", "page.html"), ("report", "records", experiment)):
+        answer = harness(*command)
+        assert answer.status == 2
+        assert "harness run records/experiment.toml --out NEW" in answer.err

@@ -31,6 +31,11 @@ BAD = [
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:epsilon=3"], "covers the targets"),
     (["--sim", "ideal", "--algo", "wander", "--task", "fd100-reach:target_center=9x9x9"], "reaches next to no target"),
     (["--sim", "ideal", "--algo", "wander", "--executor", "cloud"], "No executor 'cloud'"),
+    (["--sim", "ideal", "--algo", "wander", "--tracker", "wanb"], "No tracker 'wanb'"),
+    (
+        ["--sim", "ideal", "--algo", "wander", "--tracker", "clumsy:mood=bad"],
+        "'clumsy:mood=bad' cannot be used: not now",
+    ),
     (["missing.toml"], "No experiment file 'missing.toml'"),
     (["--simulator", "ideal"], "No such option"),
 ]
@@ -60,13 +65,30 @@ def test_missing_tensorboard_is_told_before_anything_runs(harness, quick, tmp_pa
 
 
 def test_tensorboard_leaves_event_files(harness, quick, tmp_path):
-    """In the folder of every cell; the cells are those of a run without."""
+    """A folder for every cell, beside the cells; the next run finds nothing to do."""
     harness("run", *quick, "--seeds", "1", "--tensorboard", "--out", "watched")
-    harness("run", *quick, "--seeds", "1", "--out", "alone")
-    folders = {name: sorted((tmp_path / name / "cells").iterdir()) for name in ("watched", "alone")}
-    assert [folder.name for folder in folders["watched"]] == [folder.name for folder in folders["alone"]]
-    assert all(list((folder / "tensorboard").iterdir()) for folder in folders["watched"])
-    assert not any((folder / "tensorboard").exists() for folder in folders["alone"])
+    cells = sorted(folder.name for folder in (tmp_path / "watched" / "cells").iterdir())
+    events = sorted((tmp_path / "watched" / "tensorboard").iterdir())
+    assert sorted(folder.name.split("-")[-2] for folder in events) == cells
+    assert all(list(folder.iterdir()) for folder in events)
+    again = harness("run", *quick, "--seeds", "1", "--tracker", "tensorboard", "--out", "watched")
+    assert (again.status, "2 of 2 cells were done before" in again.err) == (0, True)
+
+
+def test_a_tracker_that_raises_costs_one_line(harness, quick):
+    """Every cell is done, and the line names the tracker and what it raised."""
+    answer = harness("run", *quick, "--seeds", "1", "--tracker", "clumsy")
+    assert answer.status == 0
+    [line] = [line for line in answer.err.splitlines() if "clumsy" in line]
+    assert line == "harness: tracker 'clumsy' is switched off, the cells go on: ConnectionError: no such server"
+
+
+def test_only_counts_the_cells_that_it_names(harness, quick):
+    """What was done before and is not named is no part of the count."""
+    harness("run", *quick, "--seeds", "2", "--only", "baseline", "--out", "mine")
+    answer = harness("run", *quick, "--seeds", "2", "--only", "arp", "--out", "mine")
+    assert "done before" not in answer.err
+    assert "[2/2]" in answer.err
 
 
 def test_evaluation_is_told_by_flags(harness, quick, tmp_path):

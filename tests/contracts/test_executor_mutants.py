@@ -164,7 +164,7 @@ CASES = [pytest.param(*case, marks=[pytest.mark.slow] * (case[0] in SLOW)) for c
 @pytest.mark.parametrize(("mutant", "check"), CASES)
 def test_mutant_fails_its_check(mutant: type, check: Callable[..., None], tmp_path: Path):
     """An executor that is broken in one way fails the check of that fact."""
-    assert [violation.check for violation in violations([check], mutant(), tmp_path)] == [check.__name__]
+    assert [violation.check for violation in violations([check], mutant(), tmp_path)] == [check.name]
 
 
 def test_every_check_has_a_mutant():

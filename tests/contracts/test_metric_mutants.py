@@ -150,7 +150,7 @@ def failing(mutant: type) -> list[str]:
 @pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
 def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
     """A metric that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant) == [check.__name__]
+    assert failing(mutant) == [check.name]
 
 
 def test_every_check_has_a_mutant():

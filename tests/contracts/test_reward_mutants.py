@@ -198,13 +198,13 @@ def failing(mutant: type) -> list[str]:
 @pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
 def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
     """A reward that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant) == [check.__name__]
+    assert failing(mutant) == [check.name]
 
 
 @pytest.mark.parametrize(("mutant", "check"), COARSE_MUTANTS.items())
 def test_coarse_mutant_fails_its_check(mutant: type, check: Callable[..., None]):
     """A reward that is broken in many ways fails, among others, the check that is nearest."""
-    assert check.__name__ in failing(mutant)
+    assert check.name in failing(mutant)
 
 
 def test_every_check_has_a_mutant():

@@ -11,7 +11,7 @@ import pytest
 import harness
 from harness.robot import Robot
 from harness.simulator import State
-from harness.testing import SIMULATOR_CHECKS, IdealSimulator, simulators, violations
+from harness.testing import SIMULATOR_CHECKS, IdealSimulator, simulations, simulators, violations
 from harness.testing.ideal import IdealSimulation
 
 ROBOT = harness.load_robot("fd100")
@@ -339,7 +339,97 @@ class CountsItsResets(IdealSimulation):
         return super().drive(qpos + 1e-12 * self.count, duration)
 
 
+class LacksRead(IdealSimulation):
+    """Nobody has read the interface to its end."""
+
+    read = None  # type: ignore[assignment]
+
+
+class NamesItsArguments(IdealSimulation):
+    """Arguments have names of its own."""
+
+    def render(self, number: int, marker: np.ndarray, width: int, height: int) -> np.ndarray:
+        return super().render(number, marker, width, height)
+
+
+class KnowsOnePeriod(IdealSimulation):
+    """The speed is that of a whole period, however long the drive lasts."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(qpos, simulations.PERIOD)
+
+
+class GoesAShareOfTheWay(IdealSimulation):
+    """Half a period leads half-way to the target, which was given for the end of that half."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        share = duration / simulations.PERIOD
+        return super().drive(self.qpos + share * (qpos - self.qpos), duration)
+
+
+class LastsAWholePeriod(IdealSimulation):
+    """Half a period is simulated as a whole one at the speed that was asked for: it goes twice as far."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(self.qpos + (qpos - self.qpos) * simulations.PERIOD / duration, duration)
+
+
+class OwesTheRest(IdealSimulation):
+    """A part of a period is rounded down to whole physics steps, of which there are three."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        done = np.floor(3.0 * duration / simulations.PERIOD + 1e-9) / (3.0 * duration / simulations.PERIOD)
+        return super().drive(self.qpos + done * (qpos - self.qpos), duration)
+
+
+class ReversesTheBatch(IdealSimulation):
+    """The last env is driven to the first one's target."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(qpos[::-1], duration)
+
+
+class ReversesTheSpeeds(IdealSimulation):
+    """The velocities come in the order of the engine."""
+
+    def state(self) -> State:
+        state = super().state()
+        return state._replace(qvel=state.qvel[::-1])
+
+
+class TouchesTogether(IdealSimulation):
+    """One arm on the ground is all arms on the ground."""
+
+    def state(self) -> State:
+        state = super().state()
+        return state._replace(ground_contact=np.full(len(self.qpos), state.ground_contact.any()))
+
+
+class TouchesElsewhere(IdealSimulation):
+    """Contacts are told of the next env."""
+
+    def state(self) -> State:
+        state = super().state()
+        return state._replace(ground_contact=np.roll(state.ground_contact, 1))
+
+
+class TellsWhatItWasTold(IdealSimulation):
+    """The positions of a state are the targets, as the caller gave them."""
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        return super().drive(qpos, duration)._replace(qpos=qpos)
+
+
 MUTANTS = {
+    NamesItsArguments: simulators.a_simulation_has_its_methods,
+    KnowsOnePeriod: simulators.parts_of_a_period_add_up,
+    GoesAShareOfTheWay: simulators.parts_of_a_period_add_up,
+    LastsAWholePeriod: simulators.parts_of_a_period_add_up,
+    OwesTheRest: simulators.parts_of_a_period_add_up,
+    ReversesTheBatch: simulators.every_env_does_what_it_was_told,
+    TouchesTogether: simulators.ground_contact_is_the_envs_own,
+    TouchesElsewhere: simulators.ground_contact_is_the_envs_own,
+    TellsWhatItWasTold: simulators.states_are_not_the_callers_arrays,
     CountsItsResets: simulators.the_same_way_leads_to_the_same_place,
     Thawed: simulators.settings_are_frozen,
     SetUpWithASet: simulators.settings_survive_json,
@@ -376,6 +466,8 @@ MUTANTS = {
 }
 
 COARSE_MUTANTS = {
+    LacksRead: simulators.a_simulation_has_its_methods,
+    ReversesTheSpeeds: simulators.every_env_does_what_it_was_told,
     HasNoRenderer: simulators.render_gives_a_frame_or_says_why_not,
     SharesOneArm: simulators.envs_do_not_touch_one_another,
     SwapsEnvs: simulators.reset_leaves_the_other_envs_alone,
@@ -404,13 +496,13 @@ def simulator_of(mutant: type) -> object:
 @pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
 def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
     """A simulator that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant) == [check.__name__]
+    assert failing(mutant) == [check.name]
 
 
 @pytest.mark.parametrize(("mutant", "check"), COARSE_MUTANTS.items())
 def test_coarse_mutant_fails_its_check(mutant: type, check: Callable[..., None]):
     """A simulator that is broken in many ways fails, among others, the check that is nearest."""
-    assert check.__name__ in failing(mutant)
+    assert check.name in failing(mutant)
 
 
 def test_the_mutants_that_render_are_made_of_a_sound_simulation():

@@ -214,7 +214,53 @@ class Turning(Seen):
         return super().observe(episodes)
 
 
+class TargetsOutOfReach(ReachTask):
+    """Metres and millimetres are mixed up."""
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        position, relative = super().draw_targets(robot, rng, count)
+        return Targets(position * [3.0, 1.0, 1.0], relative)
+
+
+class TargetsUnderground(ReachTask):
+    """The box of targets has its zero at the arm's shoulder."""
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        position, relative = super().draw_targets(robot, rng, count)
+        return Targets(position - [0.0, 0.0, 0.7], relative)
+
+
+class RelativeTargetsUnderground(ReachTask):
+    """It counts from the end effector what was drawn from the origin, downwards."""
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        position = np.array([[0.0, 0.0, -3.0]]) * rng.uniform(0.9, 1.0, (count, 1))
+        return Targets(position, np.ones(count, bool))
+
+
+class SpreadsItsTargets(ReachTask):
+    """The targets of a batch are spread over a line: one alone is at its beginning."""
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        rng.random(count)
+        position = np.stack([np.full(count, 0.8), np.linspace(-0.2, 0.2, count), np.full(count, 0.7)], axis=1)
+        return Targets(position, np.zeros(count, bool))
+
+
+class HurriesItsTargets(ReachTask):
+    """The more targets there are to draw, the nearer they are."""
+
+    def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
+        position, relative = super().draw_targets(robot, rng, count)
+        return Targets(position - [0.1 / count, 0.0, 0.0], relative)
+
+
 MUTANTS = {
+    TargetsOutOfReach: tasks.targets_can_be_reached,
+    TargetsUnderground: tasks.targets_can_be_reached,
+    RelativeTargetsUnderground: tasks.targets_can_be_reached,
+    SpreadsItsTargets: tasks.targets_do_not_depend_on_the_count,
+    HurriesItsTargets: tasks.targets_do_not_depend_on_the_count,
     Thawed: tasks.settings_are_frozen,
     SetUpWithASet: tasks.settings_survive_json,
     EndsInANumber: tasks.numbers_are_in_their_ranges,
@@ -243,7 +289,7 @@ def failing(mutant: Callable[[], Any]) -> list[str]:
 @pytest.mark.parametrize(("mutant", "check"), MUTANTS.items())
 def test_mutant_fails_one_check(mutant: type, check: Callable[..., None]):
     """A task that is broken in one way fails the check of that fact, and no other."""
-    assert failing(mutant) == [check.__name__]
+    assert failing(mutant) == [check.name]
 
 
 def test_every_check_has_a_mutant():

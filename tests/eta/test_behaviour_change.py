@@ -197,5 +197,5 @@ def test_json_is_strict(baseline: Values, proposed: Values, is_share: bool):
     assert set(data) == {
         *("name", "unit", "better", "manner", "episodes", "baseline", "proposed", "random", "seeds", "left_out"),
         *("difference", "low", "high", "p", "p_corrected", "result", "values"),
-        *("interquartile_means", "probability_of_improvement"),
+        *("interquartile_means", "probability_of_improvement", "reason"),
     }

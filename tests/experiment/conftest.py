@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.executor import CellOptions
+from harness.executor import CellOptions, Word
 from harness.experiment.order import Order
 from harness.experiment.run_cell import TrainCell
 from harness.experiment.worker import DONE
@@ -30,7 +30,7 @@ def train_in_a_process() -> Callable[..., None]:
             for line in worker.stdout:
                 if line.strip() == DONE:
                     worker.stdin.close()
-                elif until is not None and int(line) >= until:
+                elif until is not None and Word.from_line(line).steps >= until:
                     os.kill(worker.pid, signal.SIGKILL)
                     break
             worker.wait()

@@ -8,9 +8,10 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from harness.executor import CellOptions
+from harness.executor import CellOptions, Word
 from harness.experiment.run_cell import run_cell
 from harness.policy import WEIGHTS
+from harness.progress import RETURN, SPEED, SUCCESS
 from harness.record.cell import Cell
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.folder import (
@@ -23,7 +24,6 @@ from harness.record.folder import (
     RANDOM,
     SCENE,
     STOCHASTIC,
-    TENSORBOARD,
     TRACE,
     evaluation_files,
 )
@@ -51,6 +51,17 @@ WATCHED = (
 def _run(cell: Cell, folder: Path, **options: Any) -> Path:
     assert run_cell(cell, folder, lambda steps: None, CellOptions(**options)).status == "done"
     return folder
+
+
+def _told(cell: Cell, folder: Path, **options: Any) -> dict[str, list[tuple[int, float]]]:
+    """What a cell tells: by name, (steps, value) in order."""
+    words: list[Word] = []
+    assert run_cell(cell, folder, words.append, CellOptions(**options)).status == "done"
+    found: dict[str, list[tuple[int, float]]] = {}
+    for word in words:
+        for name, value in word.scalars.items():
+            found.setdefault(name, []).append((word.steps, value))
+    return found
 
 
 def _require_equal_results(one: Path, other: Path) -> None:
@@ -226,38 +237,42 @@ def test_training_tells_what_is_known_before_it(make_cell: MakeCell, tmp_path: P
     assert read_trace(folder / TRACE).facts == EpisodeFacts(horizon=5, control_period=0.1)
 
 
-def test_event_files_are_left_when_asked_for(make_cell: MakeCell, tmp_path: Path, read_events: Callable):
+def test_what_is_told_is_passed_on_when_asked_for(make_cell: MakeCell, tmp_path: Path):
     """All that the training tells, under its names, and each evaluation, the final one included."""
-    folder = _run(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell", tensorboard=True)
-    events = read_events(folder / TENSORBOARD)
-    assert set(WATCHED) <= set(events)
-    assert events["Policy/Entropy"] == [(steps, 1.5) for steps in range(1, 13)]
-    assert [steps for steps, _ in events["Evaluation/Success Rate"]] == [5, 10, 12]
-    assert [steps for steps, _ in events["Evaluation/Cumulative Reward"]] == [5, 10, 12]
+    told = _told(make_cell(**NARRATE, evaluate_every=5), tmp_path / "cell", tracked=True)
+    assert set(WATCHED) <= set(told)
+    assert told["Policy/Entropy"] == [(steps, 1.5) for steps in range(1, 13)]
+    assert [steps for steps, _ in told["Evaluation/Success Rate"]] == [5, 10, 12]
+    assert [steps for steps, _ in told["Evaluation/Cumulative Reward"]] == [5, 10, 12]
 
 
-def test_event_files_change_nothing(make_cell: MakeCell, tmp_path: Path):
-    """A cell with them has the results of one without, and the folder one thing more."""
-    watched = _run(make_cell(**NARRATE), tmp_path / "watched", tensorboard=True)
+def test_nothing_but_the_harness_s_own_numbers_is_passed_on_unasked(make_cell: MakeCell, tmp_path: Path):
+    """Where no tracker listens, no metric is computed for it."""
+    assert set(_told(make_cell(**NARRATE), tmp_path / "cell")) <= {SUCCESS, RETURN, SPEED}
+
+
+def test_what_is_told_changes_nothing(make_cell: MakeCell, tmp_path: Path):
+    """A cell that is tracked has the files and the results of one that is not."""
+    tracked = _run(make_cell(**NARRATE), tmp_path / "tracked", tracked=True)
     alone = _run(make_cell(**NARRATE), tmp_path / "alone")
-    _require_equal_results(watched, alone)
-    assert {path.name for path in watched.iterdir()} == {path.name for path in alone.iterdir()} | {TENSORBOARD}
+    _require_equal_results(tracked, alone)
+    assert {path.name for path in tracked.iterdir()} == {path.name for path in alone.iterdir()}
 
 
 def test_metric_that_raises_costs_no_cell(make_cell: MakeCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """What TensorBoard would show of an evaluation decides nothing: the error is in the log, the cell is done."""
+    """What a tracker would show of an evaluation decides nothing: the error is in the log, the cell is done."""
 
     def fail(trace: Any, registry: Any) -> None:
         raise ZeroDivisionError("a metric")
 
     monkeypatch.setattr("harness.experiment.cell_evaluations.evaluation_scalars", fail)
-    folder = _run(make_cell(**NARRATE), tmp_path / "cell", tensorboard=True)
+    folder = _run(make_cell(**NARRATE), tmp_path / "cell", tracked=True)
     assert "ZeroDivisionError: a metric" in (folder / LOG).read_text()
 
 
 @pytest.mark.slow
-def test_sac_tells_what_unity_tells(make_cell: MakeCell, tmp_path: Path, read_events: Callable):
-    """The event files have the names that users of Unity ML-Agents look for, and finite numbers."""
-    events = read_events(_run(make_cell(**SAC), tmp_path / "cell", tensorboard=True) / TENSORBOARD)
-    assert set(WATCHED) <= set(events)
-    assert all(np.isfinite(value) for values in events.values() for _, value in values)
+def test_sac_tells_what_unity_tells(make_cell: MakeCell, tmp_path: Path):
+    """The names that users of Unity ML-Agents look for, and finite numbers."""
+    told = _told(make_cell(**SAC), tmp_path / "cell", tracked=True)
+    assert set(WATCHED) <= set(told)
+    assert all(np.isfinite(value) for values in told.values() for _, value in values)

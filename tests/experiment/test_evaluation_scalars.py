@@ -1,4 +1,4 @@
-"""What an evaluation says to TensorBoard."""
+"""What an evaluation says to trackers."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -9,6 +9,9 @@ from harness.executor import Event
 from harness.experiment.ended_cells import EndedCells
 from harness.experiment.followed import WRITE_EVERY, Followed
 from harness.experiment.plan import Plan
+from harness.experiment.trackers import Trackers
+from harness.experiment.tracking import Tracking
+from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.running import RUNNING, read_running
 from harness.record.store import Store
@@ -33,7 +36,8 @@ def followed(
     cell, events, times = make_cell(), [], Times()
     plan = make_plan(cell)
     store = Store.create(tmp_path / "out", plan)
-    return Followed(store, EndedCells(store, toys, plan), events.append, now=times), cell, times, events
+    tracking = Tracking(Trackers({}, events.append), store.folder)
+    return Followed(store, EndedCells(store, toys, plan), tracking, events.append, now=times), cell, times, events
 
 
 def test_running_cells_are_told_now_and_then(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
@@ -46,6 +50,18 @@ def test_running_cells_are_told_now_and_then(followed: tuple[Followed, Cell, Tim
     times.now += WRITE_EVERY
     follow(Event("progress", cell, steps=8))
     assert read_running(tmp_path / "out")[cell.id].steps == 8
+
+
+def test_success_and_return_are_told_too(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+    """They stay until there are newer ones; what is no number is left out."""
+    follow, cell, times, _ = followed
+    follow(Event("started", cell))
+    follow(Event("progress", cell, steps=4, scalars={SUCCESS: 0.25, RETURN: -2.0}))
+    follow(Event("progress", cell, steps=6, scalars={SUCCESS: 0.5, RETURN: float("nan")}))
+    times.now += WRITE_EVERY
+    follow(Event("progress", cell, steps=8))
+    told = read_running(tmp_path / "out")[cell.id]
+    assert (told.steps, told.success, told.mean_return) == (8, 0.5, -2.0)
 
 
 def test_a_cell_without_a_folder_gets_a_manifest(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):

@@ -10,7 +10,9 @@ from harness.errors import UsageError
 from harness.experiment.installation import describe_installation, describe_workers, differences
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry.given import read_given
+from harness.registry.registry import Registry, load_registry
+from tests.registry.test_given import REWARD
 
 
 def test_versions_sources_and_robots_are_told(toys: Registry, make_cell: Callable[..., Cell]):
@@ -35,6 +37,20 @@ def test_a_worker_that_finds_other_sources_tells_them(
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
     (difference, *_) = differences(describe_installation([make_cell()], toys), describe_workers([make_cell()]))
     assert difference.startswith("source of simulator 'ideal' ")
+
+
+def test_a_worker_has_a_file_that_is_not_there(toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path):
+    """Its text goes with the question: the source has the same digest."""
+    path = tmp_path / "my_reward.py"
+    path.write_text(REWARD)
+    given = read_given([path])
+    cell = make_cell(reward=Choice("my_reward", (("scale", 1.0),), "my_reward"))
+    here = describe_installation([cell], load_registry(given=given))
+    path.unlink()
+    assert describe_workers([cell], given) == here
+    assert "source of reward 'my_reward'" in here
+    with pytest.raises(UsageError, match="No reward 'my_reward'"):
+        describe_workers([cell])
 
 
 def test_what_a_worker_lacks_is_told(toys: Registry, make_cell: Callable[..., Cell]):

@@ -8,15 +8,23 @@ import pytest
 
 from harness.bench.timed_cell import TimeCell
 from harness.executor import CellOptions
+from harness.experiment.installation import Describe
 from harness.experiment.order import Order, Work, read_order
 from harness.experiment.run_cell import TrainCell
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
+from harness.registry.given import PluginClass, PluginFile
 from harness.transfer.evaluation import EvaluateElsewhere
+from harness.tune.validation import ValidatePolicy
 
+PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
 WORKS: dict[str, Callable[[Cell], Work]] = {
-    "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tensorboard=True)),
+    "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tracked=True)),
     "evaluate elsewhere": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco", (("substeps", 4),), "m")),
+    "train by a file": lambda cell: TrainCell(cell, CellOptions(plugins=PLUGINS)),
+    "evaluate by a file": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco"), PLUGINS),
+    "validate by a file": lambda cell: ValidatePolicy(Path("/a/cell"), 8, PLUGINS),
+    "describe": lambda cell: Describe((cell,), PLUGINS),
     "time": lambda cell: TimeCell(cell, 12.5),
 }
 

@@ -1,6 +1,7 @@
 """A cell from its start to its folder, in this process."""
 
 from collections.abc import Callable
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +10,21 @@ import pytest
 
 from harness import load_robot
 from harness.env.make import build_world
+from harness.executor import CellOptions, Word
 from harness.experiment.evaluate import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
+from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, SCENE, STOCHASTIC, TRACE, partial_folder
 from harness.record.manifest import Manifest, read_manifest
+from harness.record.returns import mean_return
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
+from harness.registry.given import read_given
 from harness.registry.registry import Registry
 from harness.robot import robot
+from tests.registry.test_given import REWARD
 
 pytestmark = pytest.mark.usefixtures("toys")
 MakeCell = Callable[..., Cell]
@@ -109,10 +115,19 @@ def test_equal_seeds_meet_equal_starts_under_any_reward(make_cell: MakeCell, tmp
 
 
 def test_progress_is_told(make_cell: MakeCell, tmp_path: Path):
-    """The number of steps done so far, as the algorithm says it."""
-    told: list[int] = []
+    """Where the training begins, then the number of steps done so far, as the algorithm says it."""
+    told: list[Word] = []
     run_cell(make_cell(steps=3), tmp_path / "cell", told.append)
-    assert told == [1, 2, 3]
+    assert [word.steps for word in told] == [0, 1, 2, 3, 3]
+
+
+def test_the_last_word_tells_success_and_return(make_cell: MakeCell, tmp_path: Path):
+    """However short a training is: of its episodes what their rows in the trace say."""
+    told: list[Word] = []
+    run_cell(make_cell(), tmp_path / "cell", told.append)
+    trace = read_trace(tmp_path / "cell" / TRACE)
+    assert told[-1].scalars[SUCCESS] == 0.0
+    assert told[-1].scalars[RETURN] == pytest.approx(mean_return(trace))
 
 
 def test_cell_that_raises_is_failed(make_cell: MakeCell, tmp_path: Path):
@@ -178,3 +193,15 @@ def test_robot_is_read_once(make_cell: MakeCell, toys: Registry, tmp_path: Path,
     monkeypatch.setattr("harness.robot.load.read_robot", lambda path: read.append(path) or plain(path))
     _run(make_cell(evaluate_every=6), tmp_path / "cell")
     assert len(read) == 1
+
+
+def test_cell_is_taught_by_a_file_that_came_with_it(toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path):
+    """Where the cell is done the file need not be; its SHA-256 is in the manifest."""
+    path = tmp_path / "my_reward.py"
+    path.write_text(REWARD)
+    digest = sha256(path.read_bytes()).hexdigest()
+    options = CellOptions(plugins=read_given([path]))
+    path.unlink()
+    cell = make_cell(reward=Choice("my_reward", (("scale", 1.0),), "my_reward"))
+    manifest = run_cell(cell, tmp_path / "cell", lambda steps: None, options)
+    assert (manifest.status, manifest.environment["sources"]["rewards"]) == ("done", digest)

@@ -1,11 +1,14 @@
 """Which simulators are compared, and in which order."""
 
+from dataclasses import replace
+
 import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.parity.contenders import Missing, choose_contenders
 from harness.parity.failure import Failure
-from harness.registry.registry import Registry, Spec
+from harness.registry.registry import Registry
+from harness.registry.spec import Spec
 
 
 def spec(name, target="harness.testing:IdealSimulator", requires=(), plugin="toys"):
@@ -75,10 +78,12 @@ def test_a_broken_plugin_costs_its_simulator_alone():
         choose_contenders(both, ["broken"], None)
 
 
-def test_a_name_that_two_plugins_claim_is_a_failure():
-    """The others go on."""
-    both = registry(spec("ideal"), spec("twin"), spec("twin", plugin="others"))
-    assert "claimed by the plugins" in choose_contenders(both, [], None).simulators["twin"].reason
+def test_a_name_that_two_plugins_claim_stands_under_both_qualified_names():
+    """And the plain name is a usage error that names them."""
+    both = registry(spec("ideal"), spec("twin"), replace(spec("twin"), distribution="others"))
+    assert list(choose_contenders(both, [], None).simulators) == ["ideal", "others/twin", "toy-arm/twin"]
+    with pytest.raises(PluginError, match="write toy-arm/twin or others/twin"):
+        choose_contenders(both, ["twin"], None)
 
 
 @pytest.mark.parametrize(

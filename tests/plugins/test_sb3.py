@@ -14,7 +14,7 @@ from harness.reach import ReachTask
 from harness.robot.inverse_kinematics import reach_position
 from harness.testing import IdealSimulator
 from harness.testing.trainings import NegativeDistance
-from harness_plugins.sb3.callback import SilentProgress
+from harness_plugins.sb3.callback import ProgressCallback
 from harness_plugins.sb3.vec_env import VecEnvAdapter
 from harness_plugins.tasks.unity import Arp2021
 
@@ -162,9 +162,9 @@ class Told(Progress):
         self.steps.append(steps)
 
 
-def watch(env: ReachVectorEnv, progress: Progress) -> SilentProgress:
+def watch(env: ReachVectorEnv, progress: Progress) -> ProgressCallback:
     """The callback of a training that has no model yet."""
-    callback = SilentProgress(env, progress, 1000, policy_of=lambda model: None, decisions_per_update=1)
+    callback = ProgressCallback(env, progress, 1000, policy_of=lambda model: None, decisions_per_update=1)
     callback.model = SimpleNamespace(logger=SimpleNamespace(name_to_value={}))
     callback.locals = {"rewards": np.zeros(env.num_envs), "dones": np.zeros(env.num_envs, bool)}
     return callback

@@ -268,6 +268,9 @@ def register_rewards(register):
 @dataclass(frozen=True)
 class Mine:
     k: float = 1
+
+    def initial_carry(self, begin_distance): ...
+    def __call__(self, carry, sample): ...
 """
 
 

@@ -4,12 +4,15 @@ import sys
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, metadata
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.hookspecs import KINDS
-from harness.registry.registry import Plugin, Registry, Spec, did_you_mean, load_registry, unknown_name
+from harness.registry.names import did_you_mean, unknown_name
+from harness.registry.registry import Plugin, Registry, load_registry
+from harness.registry.spec import Spec
 
 Write = Callable[..., EntryPoint]
 
@@ -76,6 +79,11 @@ def test_register_tasks(write_plugin: Write):
 def test_register_executors(write_plugin: Write):
     """A name that is registered as an executor is found among the executors alone."""
     _assert_hook_registers("executors", write_plugin)
+
+
+def test_register_trackers(write_plugin: Write):
+    """A name that is registered as a tracker is found among the trackers alone."""
+    _assert_hook_registers("trackers", write_plugin)
 
 
 def test_register_commands(write_plugin: Write):
@@ -167,11 +175,22 @@ def test_name_registered_before_a_hook_broke_is_not_kept(write_plugin: Write):
 INCOMPATIBLE = {
     "unknown hook": (
         _plugin_with("pass", "register_rewrads(register)"),
-        "no hook register_rewrads; there is: register_simulators, register_algorithms, register_rewards",
+        "there is no hook register_rewrads. Did you mean 'register_rewards'?",
     ),
-    "wrong signature": (_plugin_with("pass", "register_rewards(registrar)"), "registrar"),
+    "wrong signature": (
+        _plugin_with("pass", "register_rewards(registrar)"),
+        "register_rewards(registrar) cannot be called: its one argument has to be named 'register'",
+    ),
     "newer interfaces": ("harness_api = 2\n" + _reward(), "written for harness_api 2, this is 1"),
-    "no hook": ("import harness\ndef register_rewards(register): ...\n", "implements no hook: mark its functions with"),
+    "no hook": ("import harness\n", "implements no hook: mark its functions with"),
+    "strange hook": (
+        _plugin_with("pass", "paint(register)"),
+        "there is no hook paint. There is: register_simulators, ",
+    ),
+    "unmarked hook": (
+        _plugin_with("pass", "register_metrics(register)") + "def register_rewards(register): ...\n",
+        "register_rewards is not marked: write @harness.hookimpl above it",
+    ),
 }
 
 
@@ -295,3 +314,68 @@ def test_unknown_name_among_none():
 def test_far_name_has_no_near_match():
     """Nothing is offered that does not look alike."""
     assert did_you_mean("mujoco", ["sac", "spg"]) == ""
+
+
+class Dist(NamedTuple):
+    """What the loading asks of a distribution."""
+
+    name: str
+    version: str
+
+
+def _points(write_plugin: Write, **distributions: str) -> list[EntryPoint]:
+    """Plugins that all register the reward 'mine', by entry point, each of its distribution."""
+    found = []
+    for entry, name in distributions.items():
+        point = write_plugin(_reward(), entry)
+        found.append(point._for(Dist(name, "1.0")))
+    return found
+
+
+def test_built_in_name_stays_the_built_in_one(write_plugin: Write):
+    """Whoever claims it too has the qualified name, and a line says so."""
+    registry = load_registry(_points(write_plugin, one="fd100-harness", two="Clash_Algo"))
+    assert registry.get("rewards", "mine").distribution == "fd100-harness"
+    assert registry.get("rewards", "clash-algo/mine").plugin == "two"
+    assert registry.names("rewards") == ["Clash_Algo/mine", "mine"]
+    assert registry.conflicts() == [
+        "Reward 'mine' is the built-in one. It is claimed by package Clash_Algo 1.0 too: write Clash_Algo/mine for that"
+    ]
+
+
+def test_name_of_two_third_parties_is_told_with_both_qualified_names(write_plugin: Write):
+    """The plain name is an error, the qualified ones are not."""
+    registry = load_registry(_points(write_plugin, one="one-algo", two="two-algo"))
+    with pytest.raises(PluginError, match="write one-algo/mine or two-algo/mine, or leave one out"):
+        registry.get("rewards", "mine")
+    assert registry.get("rewards", "two-algo/mine").plugin == "two"
+    assert registry.names("rewards") == ["one-algo/mine", "two-algo/mine"]
+
+
+def test_name_that_one_distribution_claims_twice_cannot_be_qualified(write_plugin: Write):
+    """One of the plugins has to be left out."""
+    registry = load_registry(_points(write_plugin, one="algo", two="algo"))
+    assert registry.names("rewards") == []
+    with pytest.raises(PluginError, match=r"\(algo 1\.0\): leave one out with HARNESS_PLUGINS=-two"):
+        registry.get("rewards", "algo/mine")
+
+
+def test_qualified_name_of_a_sole_claimant_is_its_plain_one(write_plugin: Write):
+    """Both find it, and the kinds of both are known."""
+    registry = load_registry(_points(write_plugin, one="one-algo"))
+    assert registry.get("rewards", "one-algo/mine") is registry.get("rewards", "mine")
+    assert registry.kinds_of("one-algo/mine") == registry.kinds_of("mine") == ["rewards"]
+    assert registry.kinds_of("two-algo/mine") == []
+    with pytest.raises(UsageError, match="No reward 'two-algo/mine'"):
+        registry.get("rewards", "two-algo/mine")
+
+
+def test_unknown_name_tells_of_plugins_that_did_not_load(write_plugin: Write):
+    """The name may be theirs."""
+    registry = load_registry([write_plugin("import harness\n", "empty"), write_plugin("raise OSError", "sick")])
+    with pytest.raises(UsageError) as error:
+        registry.get("rewards", "mine")
+    assert "Not loaded: plugin 'empty' of empty_" in str(error.value)
+    assert "is incompatible: implements no hook" in str(error.value)
+    assert "is broken: OSError" in str(error.value)
+    assert len(registry.complaints()) == 2

@@ -1,7 +1,8 @@
 """Small experiment folders, written without training anything: every reward in them is what its reward really pays."""
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -22,6 +23,11 @@ from harness.results import Results, load_results
 from harness.score.compare import Comparison, compare_recordings
 from harness.score.open_recording import match_recordings
 from harness.score.scorer import score_trace
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+NO_WEBGL = ["--disable-webgl", "--disable-3d-apis"]
+GRAVE = ("serious", "critical")
 
 BASELINE = "baseline"
 ENVIRONMENT = {
@@ -229,3 +235,61 @@ def compare(tmp_path: Path) -> Callable[..., Comparison]:
         return compare_recordings(groups[0], groups[1], load_registry(), **flags)
 
     return compare_files
+
+
+@pytest.fixture(scope="module")
+def driver() -> Iterator[Any]:
+    """Playwright, where it and a Chromium are installed."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is missing: pip install playwright")
+    if BROWSER is None:
+        pytest.skip("there is no chromium, chromium-browser or google-chrome: apt-get install chromium")
+    with playwright.sync_playwright() as driver:
+        yield driver
+
+
+@pytest.fixture(scope="module")
+def launch(driver: Any) -> Iterator[Callable[..., Any]]:
+    """Starts the browser with some flags, once for the same flags."""
+    started: dict[tuple[str, ...], Any] = {}
+
+    def start(*flags: str) -> Any:
+        if flags not in started:
+            started[flags] = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox", *flags])
+        return started[flags]
+
+    yield start
+    for browser in started.values():
+        browser.close()
+
+
+@pytest.fixture
+def show(launch: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """Opens an address; what the browser complained of and asked for are the page's ``complaints`` and ``requests``."""
+    contexts = []
+
+    def open_page(address: str, width: int = 1440, scheme: str = "light", flags: Sequence[str] = tuple(WEBGL)) -> Any:
+        context = launch(*flags).new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        contexts.append(context)
+        page = context.new_page()
+        page.complaints, page.requests = [], []
+        page.on("console", lambda message: page.complaints.append(message.text))
+        page.on("pageerror", lambda error: page.complaints.append(str(error)))
+        page.on("request", lambda request: page.requests.append(request.url))
+        page.goto(address)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture
+def barriers() -> Callable[[Any], list[str]]:
+    """What axe finds on a page that keeps people out, serious or critical: the rule and the places."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="pip install axe-playwright-python").Axe()
+
+    def find(page: Any) -> list[str]:
+        found = [it for it in axe.run(page).response["violations"] if it["impact"] in GRAVE]
+        return [f"{it['id']}: {node['html'][:200]}: {node['failureSummary']}" for it in found for node in it["nodes"]]
+
+    return find

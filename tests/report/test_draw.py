@@ -4,6 +4,7 @@ import math
 import re
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 from harness.report.chart import (
@@ -32,8 +33,10 @@ def parts(chart, kind):
 
 
 def points(path):
-    """The corners of a path."""
-    return [tuple(map(float, pair)) for pair in re.findall(r"[ML](-?[\d.]+) (-?[\d.]+)", path.get("d"))]
+    """The corners of a path of one stretch: the first one, then how far it goes from each to the next."""
+    begin, _, steps = path.get("d").removeprefix("M").rstrip("Z").partition("l")
+    told = np.array(f"{begin} {steps}".split(), float).reshape(-1, 2)
+    return [tuple(corner) for corner in told.cumsum(axis=0).round(1)]
 
 
 def test_line_goes_from_corner_to_corner():
@@ -56,7 +59,18 @@ def test_logarithmic_axis_has_equal_factors_equally_far_apart():
 def test_gap_interrupts_a_line():
     """The path begins anew behind it."""
     chart = Chart(PLAIN, UP, (Line([0.0, 1.0, GAP, 2.0, 3.0], [0.0, 0.0, GAP, 0.0, 0.0], "ink"),))
-    assert [part[0] for part in re.findall(r"[ML][^ML]+", parts(chart, "line")[0].get("d"))] == ["M", "L", "M", "L"]
+    assert re.sub(r"[^Ml]", "", parts(chart, "line")[0].get("d")) == "MlMl"
+
+
+def test_a_path_of_many_points_stays_where_they_are():
+    """Rounding to a tenth of a pixel does not add up."""
+    x, y = np.linspace(0.0, 10.0, 1_001), np.sin(np.arange(1_001.0))
+    chart = Chart(PLAIN, UP, (Line(x.tolist(), y.tolist(), "ink"),))
+    (line,), (axis,) = parts(chart, "line"), parts(chart, "axis")
+    (left, top), (_, bottom), (right, _) = points(axis)
+    across, down = np.array(points(line)).T
+    np.testing.assert_allclose(across, left + (right - left) * x / 10.0, atol=0.11)
+    np.testing.assert_allclose(down, top + (bottom - top) * (1.0 - y) / 2.0, atol=0.11)
 
 
 def test_what_has_no_points_is_not_drawn():

@@ -124,7 +124,7 @@ def test_what_was_kept_of_a_damaged_cell_is_not_taken_for_it(ended: Results, dam
 def test_changed_metric_is_computed_again(ended: Results, reads: Reads, monkeypatch: pytest.MonkeyPatch):
     """Of every trace: its fingerprint is another."""
     before = report_text(ended)
-    monkeypatch.setattr("harness.results.done_cells.fingerprint", lambda metric: f"edited {metric}")
+    monkeypatch.setattr("harness.results.metrics.fingerprint", lambda metric: f"edited {metric}")
     assert report_text(fresh(ended)) == before
     assert {TRACE, EVALUATION} <= set(reads.files)
 

@@ -1,13 +1,15 @@
 """Episodes to be shown."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.record.folder import EVALUATION, SCENE
+from harness.record.folder import EVALUATION, SCENE, STOCHASTIC
 from harness.record.trace import read_trace
 from harness.results import Results
-from harness.results.replay import choose_episodes, first_show, show_cells, shows_of
+from harness.results.replay import Pair, choose_episodes, first_show, show_cells, shows_of
 
 R, G, T = "reached", "ground", "time-out"
 
@@ -23,6 +25,33 @@ def test_episodes_that_end_differently_are_chosen_before_others():
 def test_a_failure_is_chosen_where_no_episodes_differ():
     """What went wrong on every side tells more than another success."""
     assert choose_episodes([[R, R, R, R, T], [R, R, R, R, T]], 2) == [0, 4]
+
+
+def test_every_way_to_end_is_chosen():
+    """Of both sides, however late it comes first."""
+    baseline = [R] * 90 + [T, R, G]
+    proposed = [R, T] * 46 + [G]
+    chosen = choose_episodes([baseline, proposed])
+    for side in (baseline, proposed):
+        assert {side[number] for number in chosen} == set(side)
+
+
+def test_the_evaluation_that_decides_is_shown(recorded: Results):
+    """The one in the other manner, where that has more episodes."""
+    (combination,) = recorded.combinations
+    cells = tuple(recorded.done_cells)
+    assert Pair(cells, "", (), combination).files == [EVALUATION] * 2
+    more = replace(combination, episodes={"deterministic": 1, "stochastic": 100})
+    assert Pair(cells, "", (), more).files == [STOCHASTIC] * 2
+
+
+def test_an_episode_alone_has_the_metrics_of_the_whole(recorded: Results):
+    """The mean over all episodes is that of the evaluation, where every episode has a value."""
+    (show,) = shows_of(recorded)
+    for side in show.sides:
+        own = recorded.measured(recorded.done[0].cell if side is show.sides[0] else recorded.done[1].cell).own
+        for name in ("success_rate", "time_to_target", "final_distance", "timeouts"):
+            assert np.mean([it.values[name] for it in side.episodes]) == pytest.approx(own[name]), name
 
 
 def test_no_more_episodes_are_chosen_than_there_are():

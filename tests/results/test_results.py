@@ -28,7 +28,7 @@ MakePlan = Callable[..., Plan]
 def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
     """What `harness report --json` promises is there, under these names, and what is added is named here."""
     data = Results(experiment.folder, registry).to_json()
-    assert set(data) == {"curve", "combinations", "cells"}
+    assert set(data) == {"curve", "combinations", "cells", "not_measured"}
     combination, cell = data["combinations"][0], data["cells"][0]
     assert set(combination) == {
         *("simulator", "algorithm", "robot", "task", "steps", "deterministic", "baseline", "proposed", "is_control"),
@@ -94,6 +94,7 @@ def test_table_has_a_row_per_cell(experiment: Store, make_cell: MakeCell, regist
     assert path == experiment.folder / RESULTS
     assert table.column_names == [
         *["id", "simulator", "algorithm", "reward", "seed", "status", "reason", "seconds", "steps", "robot", "task"],
+        "not_measured",
         *metrics,
         *(f"random_{name}" for name in metrics),
     ]

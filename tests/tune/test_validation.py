@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.executor import CellOptions
 from harness.experiment.evaluate import EVALUATION_SEED
 from harness.experiment.order import Order
 from harness.experiment.run_cell import run_cell
@@ -13,7 +14,9 @@ from harness.record.folder import EVALUATION, LOG
 from harness.record.manifest import read_manifest
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
+from harness.registry.given import read_given
 from harness.tune.validation import REASON, VALIDATION_SEED, ValidatePolicy, validate_all
+from tests.registry.test_given import REWARD
 
 
 @pytest.fixture
@@ -82,6 +85,17 @@ def test_what_goes_wrong_costs_itself_alone(trained):
     assert [order.folder / EVALUATION for order in (raising, dying, fine) if (order.folder / EVALUATION).exists()] == [
         fine.folder / EVALUATION
     ]
+
+
+def test_policy_that_a_file_taught_is_validated(toys, make_cell, tmp_path):
+    """The file goes with the order."""
+    (tmp_path / "my_reward.py").write_text(REWARD)
+    given = read_given([tmp_path / "my_reward.py"])
+    cell = make_cell(reward=Choice("my_reward", (("scale", 1.0),), "my_reward"))
+    run_cell(cell, tmp_path / "cell", lambda steps: None, CellOptions(plugins=given))
+    done = Order(tmp_path / "with", ValidatePolicy(tmp_path / "cell", 2, given))
+    assert _validate(done).is_file()
+    assert not ValidatePolicy(tmp_path / "cell", 2).do(tmp_path / "without", lambda steps: None)
 
 
 def test_what_is_validated_is_not_again(trained):

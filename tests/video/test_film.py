@@ -15,7 +15,7 @@ def episode(steps: int, outcome: str) -> Episode:
     qpos = robot.home + np.linspace(0, 0.5, steps + 1)[:, None] * np.eye(6)[0]
     target = np.tile(robot.end_effector(qpos[-1]), (steps + 1, 1))
     distance = np.linalg.norm(robot.end_effector(qpos) - target, axis=1)
-    return Episode(np.arange(steps + 1), qpos, target, distance, -distance, outcome)
+    return Episode(np.arange(steps + 1), qpos, target, distance, -distance, outcome, {})
 
 
 @pytest.fixture(scope="module")

@@ -91,11 +91,10 @@ function choose(show, episode) {
   state.last = Math.max(...state.sides.map((side) => side.now.last));
   frameAll();
   part("comparison").value = show;
-  part("episode").replaceChildren(...shown.numbers.map((number, index) => {
-    const ends = shown.sides.map((side) => side.episodes[index].outcome);
-    return new Option(`${number}: ${new Set(ends).size > 1 ? ends.join(" | ") : ends[0]}`, index);
-  }));
+  part("episode").replaceChildren(...shown.numbers.map((number, index) => new Option(`${number}: ${endings(shown, index)}`, index)));
   part("episode").value = episode;
+  const seeds = [...new Set(shown.sides.map((side) => side.seed))];
+  part("told").textContent = `Episode ${shown.numbers[episode]} of the final evaluation, seed ${seeds.join(" | ")}: ${endings(shown, episode)}.`;
   part("scrub").max = state.last;
   views.forEach((figure, index) => {
     const side = state.sides[index];
@@ -111,6 +110,11 @@ function choose(show, episode) {
   plot(part("distance"), "distance");
   plot(part("paid"), "paid");
   seek(0);
+}
+
+// How an episode ended on every side, said once where it is the same.
+function endings(shown, index) {
+  return [...new Set(shown.sides.map((side) => side.episodes[index].outcome))].join(" | ");
 }
 
 // The first episode that ends differently, or else the first.
@@ -448,10 +452,15 @@ function follow() {
   const index = data.shows[show - 1].numbers.indexOf(Number(episode));
   choose(show - 1, index < 0 ? telling(show - 1) : index);
   root.scrollIntoView();
+  part("play").focus({ preventScroll: true });
   return true;
 }
 
 addEventListener("hashchange", follow);
+addEventListener("click", (event) => {  // a link to where the address leads already changes no address
+  const link = event.target.closest('a[href^="#replay-"]');
+  if (link && link.hash === location.hash) follow();
+});
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
 if (!follow()) choose(0, telling(0));
 })();

@@ -68,6 +68,7 @@ def _side(side: Side, scenes: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "title": side.title,
         "scene": scenes.index(scene),
+        "seed": side.seed,
         "period": side.period,
         "episodes": [_episode(episode) for episode in side.episodes],
     }

@@ -15,6 +15,8 @@ from harness.text import visible
 
 OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")
 """Of the run alone, under the reward that it was paid; the indices are not rounded."""
+NOT_MEASURED = "not_measured"
+"""The column of the metrics that failed, each with the reason."""
 FORMULAS = ("=", "+", "-", "@")
 """What a spreadsheet takes for the beginning of one."""
 
@@ -29,7 +31,7 @@ def write_cells(results: Results) -> str:
     """
     rows = [_row(results, manifest) for manifest in results.manifests]
     text = StringIO()
-    writer = csv.DictWriter(text, [*_describe_names(), *OWN, *results.metrics], lineterminator="\n")
+    writer = csv.DictWriter(text, [*_describe_names(), *OWN, *results.metrics, NOT_MEASURED], lineterminator="\n")
     writer.writeheader()
     writer.writerows({name: plain_text(value) for name, value in row.items()} for row in rows)
     return text.getvalue()
@@ -39,8 +41,10 @@ def _row(results: Results, manifest: Manifest) -> dict[str, Any]:
     row = dict(zip(_describe_names(), _describe(manifest), strict=True))
     if manifest.status != "done":
         return row
-    values = results.measured(manifest.cell).own
-    return {**row, **_own(results, manifest), **{name: values[name] for name in results.metrics}}
+    measured = results.measured(manifest.cell)
+    values = {name: measured.own[name] for name in results.metrics}
+    failed = "; ".join(f"{name}: {why}" for name, why in measured.reasons.items())
+    return {**row, **_own(results, manifest), **values, NOT_MEASURED: failed}
 
 
 def _describe_names() -> tuple[str, ...]:

@@ -7,14 +7,10 @@ so that one that no longer works is seen at once.
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import pytest
 
 from harness.env.vector_env import ReachVectorEnv
-
-SHARED = ("learning_rate", "gamma", "batch_size")
-OFF_POLICY = (*SHARED, "learning_starts", "train_freq", "gradient_steps", "tau")
 
 
 @pytest.fixture(scope="session")
@@ -85,35 +81,3 @@ def step_through() -> Callable[[ReachVectorEnv, Sequence[object]], None]:
         assert env.environment_steps - before == len(actions) * env.num_envs > 0
 
     return step
-
-
-@pytest.fixture
-def train_bare() -> Callable[..., int]:
-    """Train by stable-baselines3 alone, on the same env and settings; returns the number of its updates."""
-
-    def train(name: str, settings: Any, steps: int, task: str = "fd100-reach", **others: Any) -> int:
-        import gymnasium
-        import stable_baselines3
-        import torch
-
-        from harness_plugins.off_policy import OffPolicy
-
-        torch.set_num_threads(1)
-        same, buffer = (OFF_POLICY, {"buffer_size": steps}) if isinstance(settings, OffPolicy) else (SHARED, {})
-        model = getattr(stable_baselines3, name.upper())(
-            "MlpPolicy",
-            gymnasium.make("harness/Reach-v0", simulator="mujoco", task=task),
-            policy_kwargs={
-                "net_arch": list(settings.net_arch),
-                "activation_fn": {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}[settings.activation],
-            },
-            seed=0,
-            device="cpu",
-            **{key: getattr(settings, key) for key in same},
-            **buffer,
-            **others,
-        )
-        model.learn(steps)
-        return int(model._n_updates)
-
-    return train

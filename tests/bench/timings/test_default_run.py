@@ -5,13 +5,14 @@ import statistics
 import pytest
 
 import harness
+from harness.env.single_env import ReachEnv
 from harness_plugins.algorithms.sac import Sac
 
 pytestmark = pytest.mark.bench
 CELLS, STEPS, PIECE, PIECES = 12, 5_000, 1_000, 3
 
 
-def test_the_default_run_learns_in_less_time_than_its_bare_trainings(tmp_path, train_bare, seconds, is_timed):
+def test_the_default_run_learns_in_less_time_than_its_bare_trainings(tmp_path, seconds, is_timed):
     """Success is at least 0.6 under baseline and ARP, below 0.1 at random, and two cores do it all sooner than one.
 
     The one core does the same trainings, one after the other, by bare stable-baselines3, without an evaluation. Of
@@ -24,7 +25,7 @@ def test_the_default_run_learns_in_less_time_than_its_bare_trainings(tmp_path, t
         return
 
     def bare() -> list[float]:
-        return [seconds(lambda: train_bare("sac", Sac(), PIECE, ent_coef=Sac().ent_coef)) for _ in range(PIECES)]
+        return [seconds(Sac().bare_training(ReachEnv(), PIECE, 0)) for _ in range(PIECES)]
 
     runs = []
     before = bare()

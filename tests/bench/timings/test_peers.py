@@ -4,50 +4,23 @@ Both peers do 20 physics steps per env step and have no batch; ours has one, and
 """
 
 import warnings
-from importlib import import_module
-from importlib.util import find_spec
 
-import gymnasium
 import numpy as np
 import pytest
 
 import harness
+from harness.errors import UsageError
+from harness_plugins.peer_envs import fetch_reach, panda_reach
 
 pytestmark = pytest.mark.bench
 BATCH = 64
 
 
-class _PlainEnums:
-    """mujoco with enums of plain integers: since 3.12 an array's number is in no tuple of its enums.
-
-    Gymnasium-Robotics 1.4.2 looks for one there, and its FetchReach cannot be made with a newer mujoco.
-    """
-
-    def __init__(self, mujoco):
-        self._mujoco = mujoco
-        members = mujoco.mjtJoint.__members__
-        self.mjtJoint = type("mjtJoint", (), {name: int(value) for name, value in members.items()})
-
-    def __getattr__(self, name):
-        return getattr(self._mujoco, name)
-
-
-def _panda_reach(monkeypatch):
-    _require("panda_gym")
-    return gymnasium.make("PandaReach-v3")
-
-
-def _fetch_reach(monkeypatch):
-    _require("gymnasium_robotics")
-    module = import_module("gymnasium_robotics.utils.mujoco_utils")
-    monkeypatch.setattr(module, "mujoco", _PlainEnums(module.mujoco))
-    return gymnasium.make("FetchReach-v4")
-
-
-def _require(package: str) -> None:
-    if find_spec(package) is None:
-        pytest.skip(f"{package} is not installed: pip install '.[peers]'")
-    gymnasium.register_envs(import_module(package))
+def _made(make_peer):
+    try:
+        return make_peer()
+    except UsageError as error:
+        pytest.skip(str(error))
 
 
 def _peer_steps(env, steps):
@@ -73,22 +46,20 @@ def _our_actions(env, steps):
 @pytest.mark.parametrize(
     ("make_peer", "simulator", "num_envs", "times"),
     [
-        pytest.param(_panda_reach, "mujoco:substeps=20,threads=2", BATCH, 10.0, id="PandaReach, 64 envs on 2 threads"),
+        pytest.param(panda_reach, "mujoco:substeps=20,threads=2", BATCH, 10.0, id="PandaReach, 64 envs on 2 threads"),
         # 8 is wanted. Bare mujoco.rollout on two cores that share one is itself 6 to 7 times as fast.
-        pytest.param(_fetch_reach, "mujoco:substeps=20,threads=2", BATCH, 6.0, id="FetchReach, 64 envs on 2 threads"),
+        pytest.param(fetch_reach, "mujoco:substeps=20,threads=2", BATCH, 6.0, id="FetchReach, 64 envs on 2 threads"),
         # A bare mj_step loop of 20 physics steps is itself 8 and 5 times as fast.
-        pytest.param(_panda_reach, "mujoco:substeps=20", 1, 5.0, id="PandaReach, one env"),
-        pytest.param(_fetch_reach, "mujoco:substeps=20", 1, 3.0, id="FetchReach, one env"),
+        pytest.param(panda_reach, "mujoco:substeps=20", 1, 5.0, id="PandaReach, one env"),
+        pytest.param(fetch_reach, "mujoco:substeps=20", 1, 3.0, id="FetchReach, one env"),
     ],
 )
-def test_many_times_as_fast_as_a_peer(
-    make_peer, simulator, num_envs, times, require_speed, step_through, amount, monkeypatch
-):
+def test_many_times_as_fast_as_a_peer(make_peer, simulator, num_envs, times, require_speed, step_through, amount):
     """At least `times` the env steps per second of the peer."""
     steps = amount(640, BATCH)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        peer = make_peer(monkeypatch)
+        peer = _made(make_peer)
         peer.reset(seed=0)
         ours = harness.make_env(simulator, num_envs=num_envs)
         ours.reset(seed=0)

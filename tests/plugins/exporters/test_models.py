@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Network, SquashedGaussian
+from harness.testing import check_export
 from harness_plugins.exporters import onnx_model, torch_script
 
 Make = Callable[..., Network]
@@ -60,6 +61,15 @@ def test_model_acts_as_the_policy(
     """To 1e-5 on random observations, scaling of observations and actions included."""
     policy = make_network(kind, layers=layers, activation=activation, is_normalised=is_normalised, low=-0.5, high=2.0)
     _assert_equal(form, policy, _observations(200, 1.0))
+
+
+@every_form
+@every_kind
+def test_model_passes_the_kits_checks(make_network: Make, form: Any, kind: Any):
+    """As anybody's export: `check_export` compares the policy with the model that was made of it."""
+    export, load = form
+    policy = make_network(kind, low=-0.5, high=2.0)
+    assert check_export(policy, load(export(policy, CARD)), _observations(50, 1.0)) is None
 
 
 EXTREMES = np.array(

@@ -13,7 +13,7 @@ from harness.progress import Progress
 from harness.reach import ReachTask
 from harness.testing import IdealSimulator
 from harness.testing.trainings import NegativeDistance
-from harness_plugins.sb3.callback import SilentProgress
+from harness_plugins.sb3.callback import ProgressCallback
 from harness_plugins.sb3.vec_env import VecEnvAdapter
 
 ROBOT = harness.load_robot("fd100")
@@ -47,9 +47,9 @@ def stand(adapter: VecEnvAdapter) -> Any:
     return adapter.step(np.zeros((adapter.num_envs, 6), np.float32))
 
 
-def watch(env: ReachVectorEnv, told: Told, budget: int = 10_000, **logged: float) -> SilentProgress:
+def watch(env: ReachVectorEnv, told: Told, budget: int = 10_000, **logged: float) -> ProgressCallback:
     """The callback of a model that logged something, before its first step; an update comes every 12 decisions."""
-    callback: Any = SilentProgress(env, told, budget, lambda model: f"policy of {model.name}", 12)  # type: ignore[arg-type, return-value]
+    callback: Any = ProgressCallback(env, told, budget, lambda model: f"policy of {model.name}", 12)  # type: ignore[arg-type, return-value]
     names = {f"train/{name}": value for name, value in logged.items()}
     callback.model = SimpleNamespace(name="the model", logger=SimpleNamespace(name_to_value=names))
     callback.locals = {"rewards": np.zeros(env.num_envs), "dones": np.zeros(env.num_envs, bool)}

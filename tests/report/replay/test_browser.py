@@ -1,52 +1,49 @@
 """The replay in a browser: Chromium, without a screen."""
 
-import shutil
-from collections.abc import Iterator
+import re
+import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from harness.cli.watch import HOST, Pages, open_server
 from harness.report.html import write_html
 from harness.results import Results
 from harness.results.replay import shows_of
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
+from tests.report.conftest import NO_WEBGL
 
 pytestmark = pytest.mark.slow
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+COLOURS = """all => all.map((canvas) => new Set(new Uint32Array(
+  canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size)"""
 TIPS = "all => all.map((canvas) => canvas.dataset.tip.split(' ').map(Number))"
 VIEWS = ".replay-views canvas"
 
 
 @pytest.fixture
-def page(recorded: Results, tmp_path: Path) -> Iterator[Any]:
-    """The report of an experiment, opened from its file; an error or a request fails the test that opened it."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is missing: pip install playwright")
-    if BROWSER is None:
-        pytest.skip("no Chromium on this machine: apt install chromium")
+def address(recorded: Results, tmp_path: Path) -> str:
+    """Of the report of an experiment."""
     write_html(recorded, tmp_path / "page.html")
-    told: list[str] = []
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1440, "height": 900})
-        page.on("console", lambda message: told.append(message.text))
-        page.on("pageerror", lambda error: told.append(str(error)))
-        page.on("request", lambda request: None if request.url.startswith("file:") else told.append(request.url))
-        page.goto((tmp_path / "page.html").as_uri() + "#replay-1-1")
-        page.wait_for_selector(f"{VIEWS}[data-tip]")
-        yield page
-        browser.close()
-    assert told == []
+    return (tmp_path / "page.html").as_uri()
+
+
+@pytest.fixture
+def page(show: Callable[..., Any], address: str) -> Iterator[Any]:
+    """The report at its first episode; an error or a request fails the test that opened it."""
+    page = show(f"{address}#replay-1-1")
+    page.wait_for_selector(f"{VIEWS}[data-tip]")
+    yield page
+    assert page.complaints == []
+    assert [url for url in page.requests if not url.startswith("file:")] == []
 
 
 def test_the_arm_is_seen(page: Any):
     """Each view holds many colours: ground, arm, target, way."""
-    count = """all => all.map((canvas) => new Set(new Uint32Array(
-      canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size)"""
-    assert min(page.eval_on_selector_all(VIEWS, count)) > 100
+    assert min(page.eval_on_selector_all(VIEWS, COLOURS)) > 100
 
 
 def test_the_drawn_arm_is_where_kinematics_says(page: Any, recorded: Results):
@@ -101,3 +98,77 @@ def test_a_link_leads_to_an_episode(page: Any):
     page.evaluate("location.hash = '#replay-1-3'")
     page.wait_for_timeout(300)
     assert page.eval_on_selector("[data-part=episode]", "it => it.selectedOptions[0].text").startswith("3:")
+
+
+def test_an_outcome_leads_to_an_episode_that_ended_so(page: Any):
+    """Every part of the bars of both rewards; the replay names the outcome of that side."""
+    found = 0
+    for side, bar in enumerate(page.locator(".bars dd").all()[:2]):
+        for part in bar.locator("a").all():
+            kind = part.get_attribute("class")
+            part.click()
+            page.wait_for_function(
+                "number => document.querySelector('[data-part=told]').textContent.includes(number)",
+                arg=f"Episode {part.get_attribute('href').split('-')[2]} ",
+            )
+            assert page.locator(".replay-views figcaption b").nth(side).inner_text() == kind
+            found += 1
+    assert found >= 2
+
+
+def test_a_measure_leads_to_an_episode(page: Any):
+    """Every link of the table of behaviour, pressed by Enter, to the episode that its title names."""
+    links = page.locator(".grid.wide td a").all()
+    assert len(links) >= 10
+    for link in links:
+        number, outcome = re.fullmatch(
+            r"Watch episode (\d+) of seed 0: .*?([-a-z]+)", link.get_attribute("title")
+        ).groups()
+        link.press("Enter")
+        told = page.get_by_text(f"Episode {number} of the final evaluation, seed 0: ")
+        told.wait_for()
+        assert outcome in told.inner_text()
+    assert page.evaluate("document.activeElement.dataset.part") == "play"
+
+
+def test_a_link_leads_back_to_its_episode(page: Any):
+    """Also where the address is that of the link already, but another episode has been chosen since."""
+    page.select_option("[data-part=episode]", index=2)
+    page.evaluate("document.querySelector('main a[href=\"#replay-1-1\"]').click()")
+    assert page.inner_text("[data-part=told]").startswith("Episode 1 ")
+
+
+def test_without_webgl_the_arm_is_a_line(show: Callable[..., Any], address: str):
+    """The page says so in a sentence, and shows how the arm and its tip move."""
+    page = show(f"{address}#replay-1-1", flags=NO_WEBGL)
+    page.wait_for_selector(f"{VIEWS}[data-tip]")
+    assert page.get_by_text("This browser has no WebGL 2: the arm is drawn as a line through its joints.").is_visible()
+    assert min(page.eval_on_selector_all(VIEWS, COLOURS)) > 20
+    before = page.eval_on_selector_all(VIEWS, TIPS)
+    page.locator("[data-part=scrub]").press("End")
+    page.wait_for_function("() => document.querySelector('.replay-views canvas').dataset.step > 0")
+    assert page.eval_on_selector_all(VIEWS, TIPS) != before
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nobody_is_kept_out(show: Callable[..., Any], barriers: Callable[[Any], list[str]], address: str, scheme: str):
+    """Axe finds nothing serious on a page with a replay, everything unfolded."""
+    page = show(address, scheme=scheme)
+    page.evaluate("document.querySelectorAll('main details').forEach((part) => { part.open = true })")
+    assert barriers(page) == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nobody_is_kept_out_of_the_watch_page(
+    show: Callable[..., Any], barriers: Callable[[Any], list[str]], recorded: Results, scheme: str
+):
+    """Axe finds nothing serious on what ``harness watch`` serves."""
+    with open_server(Pages(recorded.folder), 0) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        page = show(f"http://{HOST}:{server.server_port}/", scheme=scheme)
+        page.wait_for_selector(f"{VIEWS}[data-tip]")
+        found = barriers(page)
+        server.shutdown()
+        thread.join()
+    assert found == []

@@ -1,0 +1,1 @@
+"""An example plugin: an arm by a URDF with meshes."""

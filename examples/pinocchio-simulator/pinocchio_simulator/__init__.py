@@ -1,0 +1,1 @@
+"""An example plugin: a simulator on pinocchio's articulated body algorithm."""

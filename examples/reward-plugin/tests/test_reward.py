@@ -1,0 +1,10 @@
+"""The reward keeps its contract."""
+
+from cautious_reward.reward import Cautious
+
+from harness.testing import check_reward
+
+
+def test_contract() -> None:
+    """It is finite, pure, the same in any batch, and works with arrays of any library."""
+    check_reward(Cautious())

@@ -1,0 +1,1 @@
+"""An example plugin: soft actor-critic by sbx."""

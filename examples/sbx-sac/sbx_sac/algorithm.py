@@ -1,0 +1,67 @@
+"""Soft actor-critic by sbx, which is stable-baselines3's interface on JAX."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from harness.algorithm import ActionSpace
+from harness.policy import SquashedGaussian
+from harness.progress import Progress
+
+if TYPE_CHECKING:
+    from harness.env import ReachVectorEnv
+
+Count = Annotated[int, Field(gt=0)]
+Positive = Annotated[float, Field(gt=0)]
+
+
+@dataclass(frozen=True)
+class SbxSac:
+    """SAC with the settings that the built-in `sac` has; it leaves no checkpoints, so a killed one starts over."""
+
+    learning_rate: Positive = 1e-3
+    gamma: Annotated[float, Field(gt=0, le=1)] = 0.95
+    net_arch: tuple[Count, ...] = (64, 64)
+    batch_size: Count = 256
+    learning_starts: Count = 100
+    num_envs: Count = 1
+
+    action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
+    sources: ClassVar[tuple[str, ...]] = ("sbx_sac",)  # the manifest has a hash of all modules
+
+    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> SquashedGaussian:
+        """See `harness.algorithm.Algorithm`."""
+        # Imported here: JAX takes seconds, and settings are checked before anything runs.
+        from sbx import SAC
+
+        from sbx_sac.vec_env import Adapter, Tell
+
+        model = SAC(
+            "MlpPolicy",
+            Adapter(env),
+            learning_rate=self.learning_rate,
+            gamma=self.gamma,
+            batch_size=self.batch_size,
+            learning_starts=self.learning_starts,
+            buffer_size=steps,
+            ent_coef="auto_0.1",
+            policy_kwargs={"net_arch": list(self.net_arch)},
+            seed=seed % 2**32,
+        )
+        model.learn(steps, callback=Tell(env, steps, progress, self._policy))
+        return self._policy(model)
+
+    def _policy(self, model: Any) -> SquashedGaussian:
+        """The actor as a policy that acts with numpy alone; Flax keeps weights as (in, out)."""
+        layers = model.policy.actor_state.params["params"]
+        depth = len(self.net_arch)
+        names = [*(f"hidden.{i}" for i in range(depth)), "mean", "log_std"]
+        weights = {}
+        for index, name in enumerate(names):
+            layer = layers[f"Dense_{index}"]
+            weights[f"{name}.weight"] = np.array(layer["kernel"], np.float32).T
+            weights[f"{name}.bias"] = np.array(layer["bias"], np.float32)
+        low, high = (tuple(bound.tolist()) for bound in (model.action_space.low, model.action_space.high))
+        return SquashedGaussian(weights, "relu", low, high, "sbx-sac")

@@ -1,0 +1,55 @@
+"""From the layers of any library to the weights of a policy."""
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from harness.arrays import Float32
+from harness.errors import UsageError
+
+Layer: TypeAlias = tuple[ArrayLike, ArrayLike]
+"""Weight, (out, in), and bias, (out,)."""
+
+
+def layer_weights(hidden: Sequence[Layer], **heads: Layer) -> dict[str, Float32]:
+    """Layers by the names that policies give them, each a copy in float32.
+
+    Args:
+        hidden: Weight, (out, in), and bias, (out,), of each hidden layer, the first one on the observation. PyTorch
+            keeps weights so; Flax and Keras keep them transposed.
+        heads: The same of the linear heads on the last hidden layer, by name: ``mean``, ``log_std``, ``logits``,
+            ``value``, as the kind of policy wants.
+
+    Returns:
+        What `Network.weights` takes.
+
+    Raises:
+        UsageError: A layer does not fit the one before it; says which, its shapes, and what they may be.
+    """
+    weights: dict[str, Float32] = {}
+    width: int | None = None
+    for index, layer in enumerate(hidden):
+        width = _add(weights, f"hidden.{index}", layer, width)
+    for name, layer in heads.items():
+        _add(weights, name, layer, width)
+    return weights
+
+
+def _add(weights: dict[str, Float32], name: str, layer: Layer, inputs: int | None) -> int:
+    """Returns how many outputs the layer has."""
+    weight, bias = (_copy(part) for part in layer)
+    fits = weight.ndim == 2 and bias.shape == weight.shape[:1] and inputs in {None, weight.shape[1]}
+    if not fits:
+        wanted = "in" if inputs is None else inputs
+        raise UsageError(
+            f"layer {name}: weight {weight.shape} and bias {bias.shape}; allowed: (out, {wanted}) and (out,). "
+            "Transpose the weight if its library keeps it as (in, out)"
+        )
+    weights[f"{name}.weight"], weights[f"{name}.bias"] = weight, bias
+    return int(weight.shape[0])
+
+
+def _copy(part: Any) -> Float32:
+    return np.array(part, np.float32)

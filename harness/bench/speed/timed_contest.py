@@ -1,0 +1,88 @@
+"""One round of one entry, in a process of its own."""
+
+import json
+import shutil
+import warnings
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from harness.bench.speed.contest import Round, round_of, take_turns
+from harness.bench.speed.contests import open_contest
+from harness.bench.speed.entry import Entry, Setting
+from harness.bench.timed_cell import Failed
+from harness.errors import UsageError, one_line
+from harness.experiment.order import Order, Report
+from harness.experiment.workers import News, run_orders
+from harness.record.folder import partial_folder, publish
+from harness.registry.registry import load_registry
+
+FILE = "turns.json"
+
+
+class LeftOut(Failed):
+    """Why an entry cannot be timed here: nothing is wrong with it."""
+
+
+@dataclass(frozen=True)
+class TimeContest:
+    """What a worker is told to do: let the contenders of an entry take turns."""
+
+    entry: Entry
+    setting: Setting
+
+    noun: ClassVar[str] = "timing"
+
+    def to_json(self) -> dict[str, Any]:
+        """See `harness.experiment.order.Work`."""
+        return {"entry": self.entry.to_json(), "setting": self.setting.to_json()}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """See `harness.experiment.order.Work`."""
+        return cls(Entry.from_json(data["entry"]), Setting.from_json(data["setting"]))
+
+    def do(self, folder: Path, report: Report) -> bool:
+        """See `harness.experiment.order.Work`."""
+        partial = partial_folder(folder)
+        (partial / FILE).write_text(json.dumps(self.turns()))
+        publish(partial, folder)
+        return False
+
+    def turns(self) -> dict[str, Any]:
+        """What was measured, or why nothing was; a plugin may raise anything."""
+        try:
+            with ExitStack() as stack, warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # those of other people's environments
+                contenders, reference = open_contest(self.entry, self.setting, load_registry(), stack)
+                return {"reference": reference, "turns": take_turns(contenders, self.setting.budget)}
+        except UsageError as error:
+            return {"left out": str(error)}
+        except Exception as error:
+            return {"failed": one_line(error)}
+
+
+def time_contest(work: TimeContest, folder: Path) -> Round | Failed:
+    """Have a fresh one-thread process do one round of an entry.
+
+    Args:
+        work: What to do.
+        folder: Where; removed again.
+    """
+    ended: list[str] = []
+
+    def tell(news: News) -> None:
+        if news.kind == "ended":
+            ended.append(news.reason)
+
+    run_orders([Order(folder, work, fresh=True)], 1, tell)
+    [reason] = ended
+    if reason:
+        return Failed(reason)
+    told = json.loads((folder / FILE).read_text())
+    shutil.rmtree(folder)
+    if "left out" in told:
+        return LeftOut(told["left out"])
+    return Failed(told["failed"]) if "failed" in told else round_of(told["turns"], told["reference"])

@@ -1,0 +1,57 @@
+"""``harness new-plugin``: a package that works, for its author to change."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.cli.lines import say
+from harness.errors import UsageError
+
+NEXT = """{folder}: {count} files. Type next:
+
+  pip install -e "{folder}[test]"
+  pytest {quoted}
+  {command}
+
+The {noun} is {folder}/{module}/{noun}.py: change that file, and its tests beside it."""
+
+
+def _kinds(incomplete: str) -> list[str]:
+    """What a shell offers."""
+    from harness.scaffold.package import kinds
+
+    return [kind for kind in kinds() if kind.startswith(incomplete)]
+
+
+def new_plugin(
+    context: typer.Context,
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help="algorithm, command, executor, metric, reward, robot, simulator, task or tracker.",
+            autocompletion=_kinds,
+            metavar="KIND",
+        ),
+    ],
+    name: Annotated[str, typer.Argument(help="What users will type, as my-reward.", metavar="NAME")],
+    into: Annotated[
+        Path, typer.Option(help="Make the new folder in this one.", show_default="here", metavar="DIR")
+    ] = Path(),
+) -> None:
+    """Write a plugin's package: a working implementation, its tests, a README and a CI workflow."""
+    from harness.registry.registry import load_registry
+    from harness.scaffold.package import command_to_try, package_files, require_new, require_unclaimed, write_package
+    from harness.scaffold.plugin_name import PluginName
+
+    folder = into / name
+    require_new(folder)
+    plugin = PluginName(name)
+    files = package_files(kind, plugin)
+    require_unclaimed(kind, plugin, load_registry())
+    if kind == "command" and name in context.obj:
+        raise UsageError(f"The name '{name}' is taken: it is a command of the harness. Choose another name")
+    write_package(files, folder)
+    quoted = f'"{folder}"' if " " in str(folder) else str(folder)
+    command = command_to_try(kind, plugin)
+    say(NEXT.format(folder=folder, quoted=quoted, count=len(files), command=command, noun=kind, module=plugin.module))

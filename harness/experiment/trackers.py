@@ -1,0 +1,156 @@
+"""Tells trackers what happens to cells. Whatever a tracker does, the cells go on."""
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from harness.errors import PluginError, UsageError, one_line
+from harness.record.cell import Cell
+from harness.registry.choice import Choice, choose, split_list
+from harness.registry.registry import Registry
+from harness.tracker import Outcome, Track, TrackedCell, Tracker
+
+CLOSE_WITHIN = 60.0
+"""Seconds that trackers get to finish when all cells have ended."""
+
+Given: TypeAlias = str | Mapping[str, Any]
+OnTrouble: TypeAlias = Callable[[str], None]
+
+
+def build_trackers(given: Given | Iterable[Given], registry: Registry) -> dict[str, Tracker]:
+    """Trackers by their labels: ``"wandb:mode=offline,tensorboard"``, a table, or a list of such.
+
+    Raises:
+        UsageError: One is not known, a setting of it is not, or it cannot be used here.
+        PluginError: One raises when it is asked whether it can.
+    """
+    items = [given] if isinstance(given, str | Mapping) else list(given)
+    names = [name for item in items for name in (split_list(item) if isinstance(item, str) else [item])]
+    choices = dict.fromkeys(choose(registry, "trackers", name) for name in names)
+    return {choice.label: _usable(choice, registry) for choice in choices}
+
+
+def _usable(choice: Choice, registry: Registry) -> Tracker:
+    tracker: Tracker = choice.build(registry, "trackers")
+    try:
+        reason = tracker.why_not()
+    except Exception as error:  # whatever a plugin raises
+        raise PluginError(f"Tracker '{choice.label}' cannot say whether it can be used: {one_line(error)}") from error
+    if reason:
+        raise UsageError(f"Tracker '{choice.label}' cannot be used: {reason}")
+    return tracker
+
+
+def tracked_cell(cell: Cell, begun: float, folder: Path) -> TrackedCell:
+    """A cell as trackers are told of it.
+
+    Args:
+        cell: Which.
+        begun: When it was, seconds since 1970: it tells a cell that is done again from its first time.
+        folder: Of the experiment.
+    """
+    parts = {"simulator": cell.simulator, "algorithm": cell.algorithm, "reward": cell.reward, "task": cell.task}
+    config: dict[str, Any] = {name: part.label for name, part in parts.items()}
+    config |= {
+        f"{name}.{key}": value for name, part in parts.items() for key, value in part.to_json()["params"].items()
+    }
+    config |= {key: value for key, value in cell.to_json().items() if key not in parts}
+    group = " · ".join((cell.simulator.label, cell.algorithm.label, cell.reward.label, cell.task.label))
+    return TrackedCell(f"{cell.id}-{int(1000 * begun):x}", cell.title, group, {**config, "cell": cell.id}, folder)
+
+
+class Trackers:
+    """Tells each tracker in a thread of its own: one that waits for a server holds nobody up."""
+
+    def __init__(self, trackers: Mapping[str, Tracker], on_trouble: OnTrouble, within: float = CLOSE_WITHIN) -> None:
+        """Begin nothing yet.
+
+        Args:
+            trackers: By their labels.
+            on_trouble: Told in the caller's thread, once, when a tracker is switched off, and why.
+            within: Seconds that they get to finish.
+        """
+        self._listeners = [_Listener(label, tracker) for label, tracker in trackers.items()]
+        self._on_trouble, self._within = on_trouble, within
+
+    def __bool__(self) -> bool:
+        """Whether there is anybody to tell."""
+        return bool(self._listeners)
+
+    def begin(self, cell: TrackedCell) -> None:
+        """A cell begins or goes on."""
+        self._tell(lambda listener: listener.begin(cell))
+
+    def log(self, cell: str, steps: int, scalars: Mapping[str, float]) -> None:
+        """Numbers of a tracked cell, named by its id."""
+        self._tell(lambda listener: listener.tracks[cell].log(steps, scalars))
+
+    def end(self, cell: str, outcome: Outcome, reason: str = "") -> None:
+        """A tracked cell, named by its id, has ended."""
+        self._tell(lambda listener: listener.tracks.pop(cell).end(outcome, reason))
+
+    def close(self) -> None:
+        """Wait until all is told; a tracker that takes too long is left alone."""
+        for listener in self._listeners:
+            listener.close()
+        until = time.monotonic() + self._within
+        for listener in self._listeners:
+            listener.wait(max(0.0, until - time.monotonic()), self._within)
+        self._complain()
+
+    def _tell(self, order: "Callable[[_Listener], None]") -> None:
+        self._complain()
+        for listener in self._listeners:
+            listener.tell(order)
+
+    def _complain(self) -> None:
+        """Of those that gave up since."""
+        for listener in [one for one in self._listeners if one.trouble]:
+            self._listeners.remove(listener)
+            self._on_trouble(f"tracker '{listener.label}' is switched off, the cells go on: {listener.trouble}")
+
+
+class _Listener:
+    """One tracker, and the thread that calls it.
+
+    Attributes:
+        label: Of the tracker.
+        tracks: What it keeps, by the id of the cell; only its thread looks at it.
+        trouble: Why it is not called any more; empty while it is.
+    """
+
+    def __init__(self, label: str, tracker: Tracker) -> None:
+        self.label, self.tracks, self.trouble = label, dict[str, Track](), ""
+        self._tracker = tracker
+        self._orders: queue.SimpleQueue[Callable[[_Listener], None] | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._listen, daemon=True)
+        self._thread.start()
+
+    def begin(self, cell: TrackedCell) -> None:
+        """In its thread."""
+        self.tracks[cell.id] = self._tracker.begin(cell)
+
+    def tell(self, order: "Callable[[_Listener], None]") -> None:
+        """Have its thread do something."""
+        self._orders.put(order)
+
+    def close(self) -> None:
+        """Nothing more will come."""
+        self._orders.put(None)
+
+    def wait(self, seconds: float, allowed: float) -> None:
+        """Until its thread has done everything, for so many of the `allowed` seconds at most."""
+        self._thread.join(seconds)
+        if self._thread.is_alive():
+            self.trouble = f"it has not finished within {allowed:g} s"
+
+    def _listen(self) -> None:
+        while (order := self._orders.get()) is not None:
+            try:
+                order(self)
+            except BaseException as error:  # a library may raise anything, here SystemExit ends nothing but the thread
+                self.trouble = one_line(error)
+                return

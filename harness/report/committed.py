@@ -1,0 +1,215 @@
+"""Committed records, which ``harness report DIR --summary FOLDER`` leaves: what they say, without any cell."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, TypeAdapter, with_config
+from rich.console import Group, RenderableType
+from rich.text import Text
+from typing_extensions import TypedDict
+
+from harness.errors import UsageError
+from harness.eta.headline import SUCCESS
+from harness.files.bounded import parse_json, read_bytes, reading
+from harness.record.forms import OPEN, Count, Line, Name, Status, require_form
+from harness.record.plan_file import EXPERIMENT, PLAN
+from harness.report.grid_table import show_grid
+from harness.report.rows import Grid, format_number
+from harness.report.summary.summary import RECORD, SUMMARY
+from harness.results.combination import deciding_manner
+from harness.results.overview import NOTHING
+
+MOST_BYTES = 64 * 2**20
+HEADINGS = ("", "the robot", "success", "seeds", "eta_N", "eta_P", "ruler")
+PLACES = ("simulator", "algorithm", "robot", "task")
+READING = (
+    "success: baseline > proposed. eta = proposed / baseline; below 1 counts as better for eta_N, above 1 for eta_P. "
+    "ruler: the part of eta_P that comes from counting the same runs otherwise. *: see the remarks below."
+)
+Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+@with_config(OPEN)
+class RatioForm(TypedDict):
+    """See `harness.eta.index.Ratio`."""
+
+    value: Number | None
+    note: Line
+
+
+@with_config(OPEN)
+class SplitForm(TypedDict):
+    """See `harness.eta.decompose.Split`."""
+
+    eta: RatioForm
+    ruler: RatioForm
+
+
+@with_config(OPEN)
+class ChangeForm(TypedDict):
+    """See `harness.eta.behaviour_change.Change`."""
+
+    name: Name
+    manner: Name
+    baseline: Number | None
+    proposed: Number | None
+
+
+@with_config(OPEN)
+class HeadlineForm(TypedDict):
+    """See `harness.eta.headline.Headline`."""
+
+    answer: Name
+    robot: Line
+    number: Line
+
+
+@with_config(OPEN)
+class ComparisonForm(TypedDict):
+    """See `harness.results.combination.Combination`."""
+
+    simulator: Name
+    algorithm: Name
+    robot: Name
+    task: Name
+    steps: Count
+    deterministic: bool
+    baseline: Name
+    proposed: Name
+    is_control: bool
+    seeds: list[int]
+    headline: HeadlineForm
+    eta_N: SplitForm
+    eta_P: SplitForm
+    episodes: dict[Name, int]
+    behaviour: list[ChangeForm]
+
+
+@with_config(OPEN)
+class CellForm(TypedDict):
+    """One of the cells."""
+
+    status: Status
+
+
+@with_config(OPEN)
+class RecordForm(TypedDict):
+    """What ``harness report --json`` prints."""
+
+    combinations: list[ComparisonForm]
+    cells: list[CellForm]
+
+
+FORM: TypeAdapter[RecordForm] = TypeAdapter(RecordForm)
+
+
+def is_committed(folder: Path) -> bool:
+    """Whether a folder holds records, but no experiment."""
+    return (folder / RECORD).is_file() and not (folder / PLAN).exists()
+
+
+def committed_text(folder: Path) -> str:
+    """The records as JSON.
+
+    Raises:
+        SchemaError: The file is damaged.
+    """
+    with reading(folder / RECORD, "record"):
+        return read_bytes(folder / RECORD, MOST_BYTES).decode("utf-8").rstrip("\n")
+
+
+def committed_table(folder: Path) -> RenderableType:
+    """What is the same in all comparisons, a line for each, and where more is to be found.
+
+    Raises:
+        SchemaError: The file is damaged.
+    """
+    record = _read(folder)
+    done = sum(cell["status"] == "done" for cell in record["cells"])
+    parts: list[RenderableType] = [Text(f"Committed records of {len(record['cells'])} cells, {done} done.")]
+    comparisons = record["combinations"]
+    if comparisons:
+        apart = [kind for kind in (*PLACES, "steps", "baseline") if len({_told(it, kind) for it in comparisons}) > 1]
+        names = [" · ".join([*(_told(it, kind) for kind in apart), _proposed(it)]) for it in comparisons]
+        shared = [_told(comparisons[0], kind) for kind in (*PLACES, "baseline", "steps") if kind not in apart]
+        rows = [_row(name, it) for name, it in zip(names, comparisons, strict=True)]
+        parts += [Text(" · ".join(shared), style="bold"), *show_grid(Grid(HEADINGS, rows, []))]
+        parts += [Text(), Text(READING, style="dim"), *map(Text, _remarks(names, comparisons))]
+    if len(comparisons) == 1:
+        told = comparisons[0]["headline"]
+        parts += [part for line in (told["robot"], told["number"]) if line for part in (Text(), Text(line))]
+    return Group(*parts, Text(), Text(_more(folder)))
+
+
+def refuse_committed(folder: Path, flag: str) -> None:
+    """Say what can be done instead, where a flag needs cells.
+
+    Raises:
+        UsageError: The folder holds records alone.
+    """
+    if is_committed(folder):
+        raise UsageError(f"{flag} needs cells, and '{folder}' holds committed records alone. {_more(folder)}")
+
+
+def _read(folder: Path) -> RecordForm:
+    with reading(folder / RECORD, "record"):
+        data: RecordForm = parse_json(read_bytes(folder / RECORD, MOST_BYTES))
+        require_form(FORM, data)
+    return data
+
+
+def _more(folder: Path) -> str:
+    return (
+        f"All numbers and figures: {folder / SUMMARY}. To train its cells again, for the page and the replay: "
+        f"harness run {folder / EXPERIMENT} --out NEW"
+    )
+
+
+def _told(comparison: ComparisonForm, kind: str) -> str:
+    if kind == "steps":
+        return f"{comparison['steps']:,} steps"
+    label = str(dict(comparison)[kind])
+    return f"against {label}" if kind == "baseline" else label
+
+
+def _proposed(comparison: ComparisonForm) -> str:
+    return f"{comparison['proposed']}{' (other seeds)' if comparison['is_control'] else ''}"
+
+
+def _row(name: str, comparison: ComparisonForm) -> tuple[str, ...]:
+    ratios = _ratios(comparison)
+    return (
+        name,
+        comparison["headline"]["answer"].upper(),
+        _success(comparison),
+        str(len(comparison["seeds"])),
+        *(f"{format_number(it['value'])}{'*' if it['note'] else ''}" for it in ratios.values()),
+    )
+
+
+def _ratios(comparison: ComparisonForm) -> dict[str, RatioForm]:
+    return {
+        "eta_N": comparison["eta_N"]["eta"],
+        "eta_P": comparison["eta_P"]["eta"],
+        "ruler": comparison["eta_P"]["ruler"],
+    }
+
+
+def _remarks(names: Sequence[str], comparisons: Sequence[ComparisonForm]) -> list[str]:
+    """What to keep in mind beside a number, said once for all comparisons that it is true of."""
+    found: dict[str, list[str]] = {}
+    for name, comparison in zip(names, comparisons, strict=True):
+        for column, ratio in _ratios(comparison).items():
+            if ratio["note"]:
+                found.setdefault(f"{column}: {ratio['note']}", []).append(name)
+    return [f"* {', '.join(where)}: {note}" for note, where in found.items()]
+
+
+def _success(comparison: ComparisonForm) -> str:
+    manner = deciding_manner(comparison["deterministic"], comparison["episodes"])
+    for change in comparison["behaviour"]:
+        values = (change["baseline"], change["proposed"])
+        if (change["name"], change["manner"]) == (SUCCESS, manner) and None not in values:
+            return "{:.0f}>{:.0f}%".format(*(100 * value for value in values if value is not None))
+    return NOTHING

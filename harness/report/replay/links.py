@@ -1,0 +1,100 @@
+"""From a number to an episode that shows it: links into the replay, each with a title that names the episode."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from harness.eta.behaviour_change import Change
+from harness.eta.headline import SUCCESS
+from harness.report.behaviour_rows import value_text
+from harness.results.combination import Combination
+from harness.results.replay import Episode, Show
+
+BASELINE, PROPOSED = 0, 1
+"""Places of the sides in a show."""
+
+
+class Link(NamedTuple):
+    """A link of the page."""
+
+    address: str
+    title: str
+    """Which episode it is, and what it shows."""
+
+
+@dataclass(frozen=True)
+class EpisodeLinks:
+    """Links to the episodes of one comparison.
+
+    Attributes:
+        place: Of the show on the page, from 1.
+        show: Its episodes, under both rewards.
+    """
+
+    place: int
+    show: Show
+
+    def ending(self, side: int, outcome: str) -> Link | None:
+        """To the first episode that ended so under the side's reward; None where none is shown."""
+        for index, episode in enumerate(self.show.sides[side].episodes):
+            if episode.outcome == outcome:
+                return self._link(side, index, outcome)
+        return None
+
+    def showing(self, side: int, change: Change) -> Link | None:
+        """To the shown episode whose value is nearest to a measure's mean; None where none has a value.
+
+        Of a measure that is 0 or 1 in every episode, a share, to an episode that it counts, if there is one.
+        """
+        mean = change.proposed if side == PROPOSED else change.baseline
+        found = enumerate(self.show.sides[side].episodes)
+        values = {index: value for index, it in found if (value := it.values.get(change.name)) is not None}
+        if mean is None or not values:
+            return None
+        wanted = 1.0 if set(values.values()) <= {0.0, 1.0} else mean
+        index = min(values, key=lambda index: abs(values[index] - wanted))
+        return self._link(side, index, self._told(change, values[index], self.show.sides[side].episodes[index]))
+
+    @property
+    def success(self) -> dict[str, Link | None]:
+        """By column of the overview: to an episode that reached the target, or else to one that shows how it fails."""
+        return {
+            column: next(filter(None, (self.ending(side, end) for end in ("reached", "time-out", "ground"))), None)
+            for side, column in ((BASELINE, "success, baseline"), (PROPOSED, "success, proposed"))
+        }
+
+    @property
+    def all(self) -> list[tuple[str, Link]]:
+        """Every episode, with how it ended under both rewards."""
+        episodes = zip(*(side.episodes for side in self.show.sides), strict=True)
+        return [
+            (
+                f"{number}: {both_outcomes(pair)}",
+                Link(self._address(number), f"Watch episode {number}: {both_outcomes(pair)}"),
+            )
+            for number, pair in zip(self.show.numbers, episodes, strict=True)
+        ]
+
+    def _told(self, change: Change, value: float, episode: Episode) -> str:
+        name = change.name.replace("_", " ")
+        if change.name == SUCCESS:
+            return episode.outcome
+        return f"{name} {value_text(change, value)}, {episode.outcome}"
+
+    def _link(self, side: int, index: int, told: str) -> Link:
+        number, shown = self.show.numbers[index], self.show.sides[side]
+        return Link(self._address(number), f"Watch episode {number} of seed {shown.seed}: {told}")
+
+    def _address(self, number: int) -> str:
+        return f"#replay-{self.place}-{number}"
+
+
+def both_outcomes(episodes: Sequence[Episode]) -> str:
+    """How an episode ended under both rewards, said once where it is the same."""
+    return " | ".join(dict.fromkeys(episode.outcome for episode in episodes))
+
+
+def links_of(shows: Sequence[Show], combinations: Sequence[Combination]) -> list[EpisodeLinks | None]:
+    """Of each comparison; None where it has no episodes to show."""
+    found = {id(show.combination): EpisodeLinks(place, show) for place, show in enumerate(shows, start=1)}
+    return [found.get(id(combination)) for combination in combinations]

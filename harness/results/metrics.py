@@ -1,0 +1,75 @@
+"""The metrics that results are told in, and what stands for one that cannot be used."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+from harness.errors import Unmeasured, one_line
+from harness.eta.headline import DECIDING
+from harness.metric import Metric
+from harness.record.trace import Trace
+from harness.registry.choice import Choice, choose, split_list
+from harness.registry.registry import Registry
+from harness.registry.sources import fingerprint
+from harness.results.measured import unmeasured_if_it_raises
+
+BETTER = ("higher", "lower")
+
+
+@dataclass(frozen=True)
+class Unmeasurable:
+    """Stands for a metric that cannot be used, and says why of every trace: nobody else loses a report by it."""
+
+    reason: str
+    unit: str = ""
+    better: str = "higher"
+
+    def __call__(self, trace: Trace) -> float | None:
+        """Raises Unmeasured."""
+        raise Unmeasured(self.reason)
+
+
+def load_metrics(registry: Registry, names: Iterable[str] | None = None) -> dict[str, Metric]:
+    """Metrics by name; one that nobody named and that cannot be used is `Unmeasurable`.
+
+    Args:
+        registry: The plugins.
+        names: Those to load, ``"work"`` or with parameters, several with commas, by their labels; what decides about
+            the robot always stands before them. All that are registered if None.
+
+    Raises:
+        UsageError: A named one is not registered, or not installed.
+        PluginError: A named one is broken.
+    """
+    if names is None:
+        return {name: _usable(registry, name) for name in registry.names("metrics")}
+    deciding = [name for name in DECIDING if name in registry.names("metrics")]
+    chosen = dict.fromkeys(choose(registry, "metrics", name) for name in [*deciding, *split_list(names)])
+    return {choice.label: choice.build(registry, "metrics") for choice in chosen}
+
+
+def with_fingerprints(metrics: Mapping[str, Metric]) -> dict[str, tuple[Metric, str]]:
+    """Each with its fingerprint; one whose sources cannot be read is `Unmeasurable`."""
+    return {name: _fingerprinted(metric) for name, metric in metrics.items()}
+
+
+def _fingerprinted(metric: Metric) -> tuple[Metric, str]:
+    try:
+        return metric, fingerprint(metric)
+    except Exception as error:  # a plugin may be of any make
+        instead = Unmeasurable(f"its sources cannot be read: {one_line(error)}")
+        return instead, fingerprint(instead)
+
+
+def _usable(registry: Registry, name: str) -> Metric:
+    try:
+        return unmeasured_if_it_raises(partial(_build, registry, name))
+    except Unmeasured as error:
+        return Unmeasurable(str(error))
+
+
+def _build(registry: Registry, name: str) -> Metric:
+    metric: Metric = Choice(name).build(registry, "metrics")
+    if metric.better not in BETTER:
+        raise Unmeasured(f"its 'better' is {metric.better!r}: there is {' and '.join(BETTER)}")
+    return metric

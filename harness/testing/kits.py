@@ -1,0 +1,65 @@
+"""All checks, by the kind of what they check."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from harness.testing.algorithms import ALGORITHM_CHECKS, ALGORITHM_WARNINGS
+from harness.testing.executors import EXECUTOR_CHECKS
+from harness.testing.exports import EXPORT_CHECKS
+from harness.testing.long_runs import a_long_episode_is_paid_without_growing, a_long_simulation_neither_drifts_nor_leaks
+from harness.testing.metrics import METRIC_CHECKS
+from harness.testing.rewards import REWARD_CHECKS
+from harness.testing.robots import ROBOT_CHECKS, ROBOT_WARNINGS
+from harness.testing.simulators import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
+from harness.testing.speed import (
+    a_metric_is_quick,
+    a_reward_is_quick,
+    a_simulation_is_quick,
+    a_training_is_quick,
+    an_episode_is_drawn_quickly,
+)
+from harness.testing.tasks import TASK_CHECKS, TASK_WARNINGS
+from harness.testing.trackers import TRACKER_CHECKS
+from harness.testing.violations import Check
+
+
+@dataclass(frozen=True)
+class Kit:
+    """The checks of one kind.
+
+    Attributes:
+        contract: What has to hold.
+        advice: Warnings: what is slow, or was not tried.
+        long: What takes minutes, and is run on demand.
+    """
+
+    contract: tuple[Check, ...]
+    advice: tuple[Check, ...] = ()
+    long: tuple[Check, ...] = ()
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """All of them."""
+        return (*self.contract, *self.advice, *self.long)
+
+
+KITS: Mapping[str, Kit] = MappingProxyType(
+    {
+        "simulators": Kit(
+            SIMULATOR_CHECKS,
+            (*SIMULATOR_WARNINGS, a_simulation_is_quick),
+            (a_long_simulation_neither_drifts_nor_leaks,),
+        ),
+        "algorithms": Kit(ALGORITHM_CHECKS, (*ALGORITHM_WARNINGS, a_training_is_quick)),
+        "rewards": Kit(REWARD_CHECKS, (a_reward_is_quick,), (a_long_episode_is_paid_without_growing,)),
+        "metrics": Kit(METRIC_CHECKS, (a_metric_is_quick,)),
+        "tasks": Kit(TASK_CHECKS, (*TASK_WARNINGS, an_episode_is_drawn_quickly)),
+        "robots": Kit(ROBOT_CHECKS, ROBOT_WARNINGS),
+        "executors": Kit(EXECUTOR_CHECKS),
+        "trackers": Kit(TRACKER_CHECKS),
+    }
+)
+"""By kind, as `harness.hookspecs.KINDS` has them; commands have none."""
+EXPORTS = Kit(EXPORT_CHECKS)
+"""Of policies; see `harness.testing.exports`."""

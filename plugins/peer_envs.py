@@ -1,0 +1,56 @@
+"""The reach tasks that others have, each as its authors ship it: what ours are timed beside.
+
+Both do 20 physics steps per env step and have no batch.
+"""
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+import gymnasium
+
+from harness.errors import UsageError
+
+
+class _PlainEnums:
+    """mujoco with enums of plain integers: since 3.12 an array's number is in no tuple of its enums.
+
+    Gymnasium-Robotics 1.4.2 looks for one there, and its FetchReach cannot be made with a newer mujoco.
+    """
+
+    def __init__(self, mujoco: Any) -> None:
+        self._mujoco = mujoco
+        members = mujoco.mjtJoint.__members__
+        self.mjtJoint = type("mjtJoint", (), {name: int(value) for name, value in members.items()})
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._mujoco, name)
+
+
+def panda_reach() -> Any:
+    """``PandaReach-v3`` of panda-gym, on PyBullet.
+
+    Raises:
+        UsageError: It is not installed.
+    """
+    _require("panda_gym")
+    return gymnasium.make("PandaReach-v3")
+
+
+def fetch_reach() -> Any:
+    """``FetchReach-v4`` of Gymnasium-Robotics, on MuJoCo; from now on its module sees plain enums.
+
+    Raises:
+        UsageError: It is not installed.
+    """
+    _require("gymnasium_robotics")
+    module: Any = import_module("gymnasium_robotics.utils.mujoco_utils")
+    if not isinstance(module.mujoco, _PlainEnums):  # it looks there when it is made, and in every step
+        module.mujoco = _PlainEnums(module.mujoco)
+    return gymnasium.make("FetchReach-v4")
+
+
+def _require(package: str) -> None:
+    if find_spec(package) is None:
+        raise UsageError(f"{package} is not installed: pip install 'fd100-harness[peers]'")
+    gymnasium.register_envs(import_module(package))

@@ -1,0 +1,52 @@
+"""Event files that TensorBoard reads."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from harness.tracker import Outcome, TrackedCell
+
+if TYPE_CHECKING:
+    from tensorboard.summary import Writer
+
+LONGEST = 100
+"""Characters of a folder's name that come from the title of a cell."""
+
+
+@dataclass(frozen=True)
+class TensorBoard:
+    """Event files in ``tensorboard/`` of the experiment's folder, a folder for each cell."""
+
+    folder: ClassVar[str] = "tensorboard"
+
+    def why_not(self) -> str:
+        """See `harness.tracker.Tracker`."""
+        return ""
+
+    def begin(self, cell: TrackedCell) -> "Events":
+        """See `harness.tracker.Tracker`."""
+        from tensorboard import summary  # it takes a second
+
+        title = re.sub(r"[^\w.,=+-]+", "_", cell.title)[:LONGEST]
+        return Events(summary.Writer(str(cell.folder / self.folder / f"{title}-{cell.id}")))
+
+
+class Events:
+    """The files of one cell; one that goes on adds a file to them."""
+
+    def __init__(self, writer: "Writer") -> None:
+        self._writer = writer
+
+    def log(self, steps: int, scalars: Mapping[str, float]) -> None:
+        """See `harness.tracker.Track`."""
+        with np.errstate(over="ignore"):  # it keeps float32: what is too large becomes infinite
+            for name, value in scalars.items():
+                self._writer.add_scalar(name, value, steps)
+        self._writer.flush()  # who looks on sees it now
+
+    def end(self, outcome: Outcome, reason: str) -> None:
+        """See `harness.tracker.Track`."""
+        self._writer.close()

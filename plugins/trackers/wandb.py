@@ -1,0 +1,75 @@
+"""Weights & Biases."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.tracker import Outcome, TrackedCell
+
+if TYPE_CHECKING:
+    import wandb
+
+LONGEST = 128
+"""Characters that the service allows for a name."""
+STEPS = "steps"
+
+
+@dataclass(frozen=True)
+class WandB:
+    """A run for each cell, grouped by combination; in ``wandb/`` of the working directory, and online unless told not.
+
+    The library's own environment variables hold, such as WANDB_DIR and WANDB_BASE_URL.
+    """
+
+    project: Annotated[str, Field(min_length=1, description="that the runs belong to")] = "fd100-harness"
+    entity: Annotated[str, Field(description="user or team; by default the library's choice")] = ""
+    mode: Annotated[
+        Literal["online", "offline"], Field(description="'offline' keeps the runs here, for 'wandb sync'")
+    ] = "online"
+
+    def why_not(self) -> str:
+        """See `harness.tracker.Tracker`."""
+        import wandb
+
+        if self.mode == "offline" or wandb.login(prompt=False, verify=False):
+            return ""
+        return "nobody is logged in here: type 'wandb login', or give mode=offline"
+
+    def begin(self, cell: TrackedCell) -> "Run":
+        """See `harness.tracker.Tracker`."""
+        import wandb
+
+        # symlink: nothing is written into an experiment's folder with links, and the working directory may be one.
+        settings = wandb.Settings(silent=True, console="off", symlink=False, x_disable_stats=True)
+        run = wandb.init(
+            project=self.project,
+            entity=self.entity or None,
+            mode=self.mode,
+            id=cell.id,
+            resume="allow",
+            reinit="create_new",
+            name=cell.title[:LONGEST],
+            group=cell.group[:LONGEST],
+            config=dict(cell.config),
+            settings=settings,
+        )
+        run.define_metric("*", step_metric=STEPS)
+        return Run(run)
+
+
+class Run:
+    """One cell's."""
+
+    def __init__(self, run: "wandb.Run") -> None:
+        self._run = run
+
+    def log(self, steps: int, scalars: Mapping[str, float]) -> None:
+        """See `harness.tracker.Track`."""
+        self._run.log({STEPS: steps, **scalars})
+
+    def end(self, outcome: Outcome, reason: str) -> None:
+        """See `harness.tracker.Track`."""
+        self._run.summary.update({"outcome": outcome, "reason": reason})
+        self._run.finish(exit_code=0 if outcome == "done" else 1)

@@ -1,0 +1,49 @@
+"""Ground contact by name of the robot, without an engine."""
+
+import numpy as np
+import pytest
+
+import harness
+from harness.authoring import GroundContact
+from harness.errors import UsageError
+from harness.robot.kinematics import link_frames
+
+ROBOTS = ("fd100", "unity-arm")
+RNG = np.random.default_rng(3)
+
+
+def _poses(robot, count: int = 200) -> np.ndarray:
+    return RNG.uniform(robot.lower, robot.upper, (count, robot.dof))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_contact_is_a_clearance_below_zero(name: str):
+    """In every pose; both happen."""
+    robot = harness.load_robot(name)
+    contact, qpos = GroundContact(robot), _poses(robot)
+    touches = contact(qpos)
+    np.testing.assert_array_equal(touches, contact.clearance(qpos) < 0.0)
+    assert 0 < touches.sum() < len(qpos)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_it_says_what_the_kinematic_simulator_says(name: str):
+    """Of the same poses, one simulator beside the other."""
+    env = harness.make_env("kinematic", robot=name, num_envs=50)
+    qpos = _poses(env.robot, 50)
+    np.testing.assert_array_equal(GroundContact(env.robot)(qpos), env.simulation.place(qpos).ground_contact)
+    env.close()
+
+
+def test_the_arm_is_lowest_somewhere_below_its_joints():
+    """No frame of a joint is lower than the lowest point of the shapes around it."""
+    robot = harness.load_robot("fd100")
+    qpos = _poses(robot)
+    heights = link_frames(robot.chain, qpos)[1:, 2, 3]  # the first joint turns inside the base
+    assert (GroundContact(robot).clearance(qpos) <= heights.min(axis=0) + 1e-9).all()
+
+
+def test_another_shape_is_a_usage_error():
+    """It says what was given."""
+    with pytest.raises(UsageError, match=r"\(1, 5\).*6"):
+        GroundContact(harness.load_robot("fd100"))(np.zeros((1, 5)))

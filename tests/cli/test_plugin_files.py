@@ -1,0 +1,82 @@
+"""`--plugin FILE`: a reward in fifteen lines, from its first run to its report elsewhere."""
+
+import json
+
+import pytest
+
+from tests.registry.test_given import REWARD
+
+
+@pytest.fixture
+def file(tmp_path):
+    """A file with one reward."""
+    (tmp_path / "my_reward.py").write_text(REWARD)
+    return "my_reward.py"
+
+
+@pytest.fixture
+def ran(harness, quick, file, tmp_path):
+    """An experiment that it taught."""
+    answer = harness("run", "--plugin", file, "--reward", "my_reward:scale=2", *quick, "--seeds", "1", "--out", "mine")
+    assert answer.status == 0
+    return "mine"
+
+
+def _manifests(folder):
+    return [json.loads(path.read_text()) for path in folder.glob("cells/*/manifest.json")]
+
+
+def test_reward_of_a_file_teaches_and_is_recorded(harness, ran, tmp_path, file):
+    """Its SHA-256 stands in the manifest and in experiment.toml."""
+    from hashlib import sha256
+
+    digest = sha256((tmp_path / file).read_bytes()).hexdigest()
+    (taught,) = [it for it in _manifests(tmp_path / ran) if it["cell"]["reward"]["label"] == "my_reward:scale=2"]
+    assert taught["environment"]["sources"]["rewards"] == digest
+    assert f'sha256 = "{digest}"' in (tmp_path / ran / "experiment.toml").read_text()
+
+
+def test_the_experiment_elsewhere_says_what_is_missing(harness, ran, file):
+    """And does nothing again where it is given."""
+    again = ("run", f"{ran}/experiment.toml", "--executor", "here", "--out", ran)
+    missing = harness(*again)
+    assert missing.status == 2
+    assert "The experiment needs the plugin my_reward.py (SHA-256 " in missing.err
+    assert "give --plugin" in missing.err
+    assert harness(*again, "--plugin", file).status == 0
+
+
+def test_edited_file_is_another_plugin(harness, ran, file, tmp_path):
+    """Its done cells are not mixed with new ones in silence."""
+    (tmp_path / file).write_text(REWARD.replace("self.scale *", "2 * self.scale *"))
+    answer = harness("run", f"{ran}/experiment.toml", "--executor", "here", "--out", ran, "--plugin", file)
+    assert answer.status == 2
+    assert "made by another my_reward" in answer.err
+
+
+def test_report_stands_without_the_file(harness, ran, file):
+    """As with any plugin that is not installed; with it, everything is split again."""
+    without = json.loads(harness("report", ran, "--json").out)["combinations"][0]
+    assert "No reward 'my_reward'" in json.dumps(without)
+    there = json.loads(harness("report", ran, "--json", "--plugin", file).out)["combinations"][0]
+    assert "No reward" not in json.dumps(there)
+
+
+def test_other_commands_take_the_file_too(harness, ran, file, transferred_here):
+    """List, describe, score, audit, transfer."""
+    assert "my_reward         Pays the way" in harness("list", "rewards", "--plugin", file).out
+    assert "of my_reward.py" in harness("describe", "my_reward", "--plugin", file).out
+    assert harness("score", ran, "--reward", "my_reward", "--plugin", file).status == 0
+    assert harness("audit", "--reward", "my_reward", "--plugin", file, "--episodes", "2").status == 0
+    assert harness("transfer", ran, "--to", "stuck", "--plugin", file).status == 0
+
+
+def test_qualified_names_are_names(harness, tmp_path):
+    """A third party's is recorded as it was typed; a built-in one's is its plain one."""
+    names = ("--sim", "toy-arm/ideal", "--algo", "Toy_Arm/wander", "--reward", "fd100-harness/arp", "--seeds", "1")
+    small = ("--steps", "12", "--evaluation-episodes", "2", "--executor", "here", "--out", "mine")
+    assert harness("run", *names, *small).status == 0
+    cells = [it["cell"] for it in _manifests(tmp_path / "mine")]
+    assert {cell["algorithm"]["name"] for cell in cells} == {"toy-arm/wander"}
+    assert {cell["reward"]["name"] for cell in cells} == {"baseline", "arp"}
+    assert harness("report", "mine").status == 0

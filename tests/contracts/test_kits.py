@@ -1,0 +1,84 @@
+"""The checks together: their names, their levels, their page in the docs, and how many ways to be wrong they catch."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.hookspecs import KINDS
+from harness.testing.kits import EXPORTS, KITS
+from harness.testing.violations import Check
+
+DOCS = Path(__file__).parents[2] / "docs" / "contracts.md"
+PREFIXES = {
+    "simulators": "sim-", "algorithms": "algo-", "rewards": "reward-", "metrics": "metric-", "tasks": "task-",
+    "robots": "robot-", "executors": "executor-", "trackers": "tracker-",
+}  # fmt: skip
+SHARED = ("settings-frozen", "settings-json")
+ALL = {check.name: check for kit in (*KITS.values(), EXPORTS) for check in kit.checks}
+TABLES = ("MUTANTS", "COARSE_MUTANTS", "FOUND", "WRONG")
+"""What the modules of mutants call the tables of them, each of which is a test."""
+MUTANT_MODULES = "algorithm checkpoint executor export long_run metric reward robot simulator speed task tracker"
+
+
+def rows() -> list[tuple[str, str, str]]:
+    """The rows of the tables in the docs: name, level, fact."""
+    lines = DOCS.read_text(encoding="utf-8").splitlines()
+    found = [re.fullmatch(r"\| `([a-z-]+)` \| (\w+) \| (.+) \|", line) for line in lines]
+    return [(match[1], match[2], match[3]) for match in found if match]
+
+
+@pytest.mark.parametrize("kind", KITS)
+def test_names_begin_with_their_kind(kind: str):
+    """But for the two that all kinds share; and no two checks of a kind have one name."""
+    names = [check.name for check in KITS[kind].checks]
+    assert len(set(names)) == len(names)
+    assert all(name in SHARED or name.startswith(PREFIXES[kind]) for name in names)
+
+
+def test_every_kind_but_commands_has_a_kit():
+    """A command does whatever it likes."""
+    assert set(KITS) == set(KINDS) - {"commands"}
+
+
+def test_levels_are_those_of_their_place():
+    """The contract is made of errors, advice of warnings."""
+    for kit in KITS.values():
+        assert {check.level for check in (*kit.contract, *kit.long)} == {"error"}
+        assert {check.level for check in kit.advice} <= {"warning"}
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_docs_say_what_a_check_holds(name: str):
+    """A row of the page has its name, its level and the first paragraph of its docstring, word for word."""
+    check: Check = ALL[name]
+    assert (name, check.level, check.fact.replace("``", "`").replace("|", "or")) in rows()
+
+
+def test_docs_have_no_check_that_is_gone():
+    """Every row is of a check."""
+    assert {name for name, _, _ in rows()} == set(ALL)
+
+
+def test_the_kit_catches_at_least_sixty_mutants():
+    """As the page says; each is a test of its own in the modules of mutants."""
+    folder = Path(__file__).parent
+    modules = [folder / f"test_{name}_mutants.py" for name in MUTANT_MODULES.split()]
+    assert sorted(folder.glob("test_*_mutants.py")) == sorted(modules)
+    counted = sum(map(_mutants_in, modules))
+    told = re.search(r"catch (\d+) planted mistakes", DOCS.read_text(encoding="utf-8"))
+    assert told
+    assert counted == int(told[1])
+    assert counted >= 60
+
+
+def _mutants_in(module: Path) -> int:
+    """Entries of the tables of mutants in a module."""
+    count = 0
+    for node in ast.parse(module.read_text(encoding="utf-8")).body:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        if any(isinstance(target, ast.Name) and target.id in TABLES for target in targets):
+            value = node.value
+            count += len(value.keys if isinstance(value, ast.Dict) else value.elts)
+    return count

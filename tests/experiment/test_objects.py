@@ -1,0 +1,73 @@
+"""Objects where names are expected."""
+
+import dataclasses
+import sys
+
+import pytest
+
+from harness.errors import UsageError
+from harness.experiment.objects import name_objects
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness_plugins.rewards.arp import Arp
+
+
+@dataclasses.dataclass(frozen=True)
+class Steps:
+    """Pays each step."""
+
+    k: float = 1.0
+
+    def initial_carry(self, begin_distance):
+        """Nothing."""
+        return ()
+
+    def __call__(self, carry, sample):
+        """The same always."""
+        return carry, self.k + 0.0 * sample.distance
+
+
+@pytest.fixture
+def importable(monkeypatch: pytest.MonkeyPatch) -> type[Steps]:
+    """As if this module were one that anybody can import."""
+    monkeypatch.setitem(sys.modules, Steps.__module__, sys.modules[__name__])
+    return Steps
+
+
+def test_names_stay_names():
+    """And what takes no objects stays as it is."""
+    given = {"sim": "a,b", "algo": ["sac", {"name": "ppo"}], "seeds": [1, 2], "robot": None}
+    assert name_objects(given) == (given, ())
+
+
+def test_object_of_a_registered_class_has_its_name():
+    """With all parameters; the class need not be sent."""
+    named, classes = name_objects({"reward": [Arp(k2=2.0), "dense"]})
+    assert named["reward"][0] == {"name": "arp", **dataclasses.asdict(Arp(k2=2.0))}
+    assert (named["reward"][1], classes) == ("dense", ())
+
+
+def test_object_of_another_class_is_named_by_its_module(importable: type[Steps]):
+    """A registry that knows the class builds the same object."""
+    named, classes = name_objects({"reward": importable(k=3.0)})
+    registry = load_registry(given=classes)
+    choice = choose(registry, "rewards", named["reward"])
+    assert choice.name == f"{importable.__module__}/Steps"
+    assert choice.label.endswith("/Steps:k=3")
+    assert choice.build(registry, "rewards") == importable(k=3.0)
+
+
+@pytest.mark.parametrize("given", [lambda carry, sample: 0.0, Steps, object()])
+def test_what_is_no_object_of_a_dataclass_is_refused(given: object):
+    """In one line that says what to give."""
+    with pytest.raises(
+        UsageError, match="give a name, or an object of a dataclass with initial_carry, __call__"
+    ) as error:
+        name_objects({"reward": given})
+    assert "\n" not in str(error.value)
+
+
+def test_object_of_another_kind_is_refused():
+    """A reward is no simulator."""
+    with pytest.raises(UsageError, match="Arp has no open; a simulator has open"):
+        name_objects({"sim": Arp()})

@@ -1,0 +1,65 @@
+"""Pages of real trainings with their replays: how large they are, how long, and how soon they are seen."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import harness
+from harness.report.html import write_html
+from harness.results import load_results
+
+pytestmark = pytest.mark.slow
+REWARDS = ["arp", "relative", "dense", "scaled", "potential", "sparse"]
+MATRIX = {"sim": ["kinematic", "mujoco"], "algo": ["random", "ik"], "reward": REWARDS, "seeds": 1, "steps": 300}
+SINGLE = {"sim": "kinematic", "algo": "random", "seeds": 3, "steps": 300}
+SCREEN = 900
+"""Height of the window, [px]."""
+
+
+def page_of(out: Path, **settings: Any) -> Path:
+    """Train, and write the page."""
+    harness.run(**settings, evaluation_episodes=10, evaluate_every=100, out=out)
+    write_html(load_results(out), out / "page.html")
+    return out / "page.html"
+
+
+@pytest.fixture(scope="module")
+def matrix(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """24 comparisons."""
+    return page_of(tmp_path_factory.mktemp("matrix"), **MATRIX)
+
+
+def shows_in(page: Path) -> list[dict[str, Any]]:
+    """What the replay of a page shows."""
+    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL)
+    shows: list[dict[str, Any]] = json.loads(data)["shows"]
+    return shows
+
+
+def test_page_of_24_comparisons_is_small(matrix: Path):
+    """4 MB, with a replay of each, episodes of 100 steps among them."""
+    shows = shows_in(matrix)
+    assert len(shows) == 24
+    assert max(it["last"] for show in shows for side in show["sides"] for it in side["episodes"]) == 100
+    assert matrix.stat().st_size <= 4e6
+
+
+def test_page_of_6_cells_is_small(tmp_path: Path):
+    """3 MB."""
+    page = page_of(tmp_path, **SINGLE)
+    assert len(shows_in(page)) == 1
+    assert page.stat().st_size <= 3e6
+
+
+def test_page_of_24_comparisons_is_short_and_soon_seen(show: Callable[..., Any], matrix: Path):
+    """8 screens before anything is unfolded; painted within a second, the best of some times on a busy machine."""
+    pages = [show(matrix.as_uri()) for _ in range(4)]
+    assert pages[0].evaluate("document.documentElement.scrollHeight") <= 8 * SCREEN
+    for page in pages:
+        page.wait_for_function("() => performance.getEntriesByName('first-contentful-paint').length > 0")
+    painted = "performance.getEntriesByName('first-contentful-paint')[0].startTime"
+    assert min(page.evaluate(painted) for page in pages) < 1_000.0

@@ -1,0 +1,169 @@
+"""Metrics that fail cost their own values; those that are chosen stand alone."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from harness.errors import PluginError, Unmeasured, UsageError
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.store import Store
+from harness.registry.registry import Registry, load_registry
+from harness.report.behaviour_rows import behaviour_grids
+from harness.report.document import report_text
+from harness.report.summary.cells import write_cells
+from harness.results import Results
+from harness.results.measured import measure, value_of
+from harness.results.metrics import Unmeasurable, load_metrics
+from tests.results.folders import ARP, finish, only
+
+HOOKS = """
+import harness
+
+@harness.hookimpl
+def register_metrics(register):
+    register("raises", f"{__name__}_code:Raises", summary="raises")
+    register("leaves", f"{__name__}_code:Leaves", summary="wants to end the process")
+    register("nan", f"{__name__}_code:Nan", summary="is no number")
+    register("text", f"{__name__}_code:Text", summary="is text")
+    register("vague", f"{__name__}_code:Vague", summary="does not say what is better")
+    register("half", f"{__name__}_code:Half", summary="is not called as a metric")
+    register("gone", f"{__name__}_code:Gone", summary="is not there")
+    register("far", f"{__name__}_code:Nan", summary="needs a library", requires=["no_such_library"])
+"""
+CODE = """
+from dataclasses import dataclass
+
+@dataclass(frozen=True)
+class Raises:
+    unit = ""
+    better = "higher"
+    def __call__(self, trace):
+        return {}["no_such"]
+
+class Leaves(Raises):
+    def __call__(self, trace):
+        raise SystemExit(3)
+
+class Nan(Raises):
+    def __call__(self, trace):
+        return float("nan")
+
+class Text(Raises):
+    def __call__(self, trace):
+        return "much"
+
+class Vague(Raises):
+    better = "more"
+
+class Half(Raises):
+    def __call__(self):
+        return 1.0
+"""
+REASONS = {
+    "raises": "KeyError: 'no_such'",
+    "leaves": "SystemExit: 3",
+    "nan": "it returned nan",
+    "text": "TypeError: ",
+    "vague": "its 'better' is 'more': there is higher and lower",
+    "half": "Metric 'half' of package odd 1.0 cannot be called as it has to be: __call__ takes 1 argument beside self",
+    "gone": "Plugin 'odd' (odd 1.0): ",
+    "far": "Metric 'far' needs no_such_library: pip install no_such_library",
+}
+
+
+@pytest.fixture
+def odd(install: Callable[..., str]) -> Registry:
+    """All metrics, and some that fail in every way."""
+    install("odd", HOOKS, code=CODE)
+    return load_registry()
+
+
+@pytest.fixture
+def results(odd: Registry, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_path: Path) -> Results:
+    """One seed of two rewards."""
+    cells = [make_cell(), make_cell(reward=ARP)]
+    store = Store.create(tmp_path / "experiment", make_plan(*cells))
+    for cell in cells:
+        finish(store, cell, [1.0, 0.5, 0.25])
+    return Results(store.folder, odd)
+
+
+def test_each_failing_metric_says_why(results: Results):
+    """And no other is touched."""
+    told = results.not_measured
+    assert set(told) == set(REASONS)
+    for name, reason in REASONS.items():
+        assert reason in told[name]
+    measured = results.measured(results.done_cells[0])
+    assert measured.own["success_rate"] == 1.0
+    assert {measured.own[name] for name in REASONS} == {None}
+
+
+def test_change_has_the_reason(results: Results):
+    """In JSON, strictly; one that is only not defined has none."""
+    behaviour = json.loads(report_text(results))["combinations"][0]["behaviour"]
+    reasons = {it["name"]: it["reason"] for it in behaviour if it["manner"] == "deterministic"}
+    assert reasons["raises"] == "KeyError: 'no_such'"
+    assert reasons["success_rate"] == ""
+
+
+def test_row_shows_the_reason(results: Results):
+    """In table and page, in place of the values."""
+    (grid, *_) = behaviour_grids(only(results))
+    rows = {row[0]: row for row in grid.rows}
+    assert rows["raises"][1] == "n/a (KeyError: 'no_such')"
+    assert rows["success rate"][1] == "100.0%"
+    assert len(rows["half"][1]) <= 70
+
+
+def test_table_has_null_and_the_reason(results: Results):
+    """In results.parquet."""
+    row = pq.read_table(results.write_table()).to_pylist()[0]
+    assert row["raises"] is None
+    assert "raises: KeyError: 'no_such'" in row["not_measured"]
+    assert row["success_rate"] == 1.0
+
+
+def test_csv_has_nothing_and_the_reason(results: Results):
+    """In cells.csv of a summary."""
+    head, first, *_ = write_cells(results).splitlines()
+    assert head.endswith(",not_measured")
+    assert "raises: KeyError: 'no_such'" in first
+
+
+def test_chosen_metrics_stand_beside_those_that_decide(results: Results, odd: Registry):
+    """By their labels; nothing else fails then."""
+    chosen = Results(results.folder, odd, metrics=["smoothness,work"])
+    assert list(chosen.metrics) == ["success_rate", "time_to_target", "smoothness", "work"]
+    assert chosen.not_measured == {}
+    assert only(chosen).headline.robot
+
+
+def test_chosen_metric_that_is_broken_is_an_error(odd: Registry):
+    """It was asked for."""
+    with pytest.raises(PluginError, match="Metric 'half' of package odd"):
+        load_metrics(odd, ["half"])
+    with pytest.raises(UsageError, match="Did you mean 'work'"):
+        load_metrics(odd, "wrok")
+
+
+def test_interrupt_is_no_failure_of_a_metric():
+    """Whoever presses Ctrl-C means it."""
+
+    def interrupted(trace: object) -> float:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        value_of(interrupted, None)  # type: ignore[arg-type]
+
+
+def test_measuring_goes_on_behind_a_failure():
+    """In the order of the metrics."""
+    metrics = {"a": Unmeasurable("gone"), "b": lambda trace: 2.0}
+    assert measure(metrics, None) == {"a": None, "b": 2.0}  # type: ignore[arg-type]
+    with pytest.raises(Unmeasured, match="gone"):
+        metrics["a"](None)  # type: ignore[arg-type]

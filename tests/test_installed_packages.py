@@ -1,0 +1,101 @@
+"""Packages of plugins as their authors install and test them: new ones of every kind, and those in `examples/`."""
+
+import ast
+import subprocess
+import sys
+import sysconfig
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from harness.scaffold.package import kinds
+
+EXAMPLES = {
+    path.parent.name: path.parent for path in sorted(Path(__file__).parents[1].glob("examples/*/pyproject.toml"))
+}
+NO_TESTS = 5
+"""Exit status of pytest where all tests are skipped before they are collected."""
+
+
+def run(*command: str | Path, cwd: Path) -> "subprocess.CompletedProcess[str]":
+    """A command in a folder, and what it printed."""
+    return subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Python of a new environment, which sees the libraries of this one: what is installed there stays there."""
+    folder = tmp_path_factory.mktemp("fresh")
+    made = run(sys.executable, "-m", "venv", "--without-pip", folder, cwd=folder)
+    assert made.returncode == 0, made.stderr
+    own, here = (Path(sysconfig.get_path("purelib", vars=base)) for base in ({"base": str(folder)}, {}))
+    (own / "this.pth").write_text(f"import site; site.addsitedir({str(here)!r})\n")
+    return Path(sysconfig.get_path("scripts", vars={"base": str(folder)})) / Path(sys.executable).name
+
+
+def install(python: Path, folder: str | Path, *options: str, cwd: Path) -> None:
+    """As `pip install -e`, from nowhere but here."""
+    offline = ("--no-index", "--no-build-isolation", "--disable-pip-version-check", "--quiet", *options)
+    done = run(sys.executable, "-m", "pip", "--python", python, "install", *offline, "-e", folder, cwd=cwd)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", kinds())
+def test_new_plugin_passes_its_tests(python: Path, tmp_path: Path, kind: str):
+    """From an empty folder by three commands, as they are typed."""
+    name = f"zz-{kind}"
+    made = run(python, "-m", "harness", "new-plugin", kind, name, cwd=tmp_path)
+    assert made.returncode == 0, made.stderr
+    install(python, f"{name}[test]", cwd=tmp_path)
+    tested = run(python, "-m", "pytest", "-p", "no:cacheprovider", name, cwd=tmp_path)
+    assert tested.returncode == 0, tested.stdout
+    assert " passed" in tested.stdout
+    shown = run(python, "-m", "harness", "plugins", cwd=tmp_path).stdout
+    assert f"{name}  ok  {name} 0.1.0  (zz_{kind}.plugin)" in shown
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example_passes_its_tests(python: Path, tmp_path: Path, name: str):
+    """Those whose library is installed; the others say what to install."""
+    install(python, EXAMPLES[name], "--no-deps", cwd=tmp_path)
+    tested = run(python, "-m", "pytest", "-p", "no:cacheprovider", "-rs", EXAMPLES[name], cwd=tmp_path)
+    if tested.returncode == NO_TESTS and "is not installed: pip install" in tested.stdout:
+        pytest.skip(next(line for line in tested.stdout.splitlines() if "is not installed" in line))
+    assert tested.returncode == 0, tested.stdout
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example_is_complete(name: str):
+    """It has a README, tests, an entry point, and the class or folder that its hook announces."""
+    folder = EXAMPLES[name]
+    project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
+    assert project["name"] in {name, "cautious-reward"}
+    assert f'pip install -e "examples/{name}[test]"' in (folder / "README.md").read_text()
+    assert list((folder / "tests").glob("test_*.py"))
+    (module,) = project["entry-points"]["harness"].values()
+    plugin = ast.parse((folder / f"{module.replace('.', '/')}.py").read_text())
+    texts = [node.value for node in ast.walk(plugin) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    (target,) = [text for text in texts if text.count(":") == 1 and " " not in text]
+    home, attribute = target.split(":")
+    code = (folder / f"{home.replace('.', '/')}.py").read_text()
+    assert f"class {attribute}:" in code or f"\n{attribute} = " in code
+
+
+def test_example_reward_keeps_its_contract(monkeypatch: pytest.MonkeyPatch):
+    """The one that remembers, without being installed."""
+    monkeypatch.syspath_prepend(EXAMPLES["memory-reward"])
+    from memory_reward.reward import Steady
+
+    from harness.testing import check_reward
+
+    check_reward(Steady())
+
+
+def test_example_robot_is_read():
+    """Its URDF, its settings and its meshes."""
+    from harness import load_robot
+
+    assert load_robot(EXAMPLES["mesh-arm"] / "mesh_arm" / "arm").dof == 5
