@@ -90,13 +90,14 @@ class ArmsApart:
 
 
 def bare_loop(simulation: ArmsApart, targets: Float, period: float) -> Callable[[], None]:
-    """See `harness.simulator.Simulator`: the arms are driven by the engine's own calls, and nothing is read."""
+    """See `harness.simulator.Simulator`: the arms are driven and read by the engine's own calls."""
     simulation.place(targets[-1])
-    speeds = (targets - np.roll(targets, 1, axis=0)) / period
+    state, speeds = simulation.read(), (targets - np.roll(targets, 1, axis=0)) / period
 
     def run() -> None:
         for row in speeds:
-            for arm, speed in zip(simulation.arms, row, strict=True):
-                arm.turn(speed, period)
+            for k, arm in enumerate(simulation.arms):
+                arm.turn(row[k], period)
+                arm.read(state, k)
 
     return run
