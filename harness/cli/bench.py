@@ -95,7 +95,7 @@ def bench(
 
 
 def _check(what: list[str]) -> None:
-    from harness.registry.registry import unknown_name
+    from harness.registry.names import unknown_name
 
     for word in what:
         if word not in WHAT:

@@ -14,7 +14,8 @@ from string import Template
 
 from harness.errors import UsageError
 from harness.hookspecs import NOUNS
-from harness.registry.registry import Registry, unknown_name
+from harness.registry.names import unknown_name
+from harness.registry.registry import Registry
 from harness.scaffold.plugin_name import PluginName
 
 TEMPLATES = Path(__file__).parent / "templates"

@@ -23,7 +23,7 @@ STATUS = {"done": "FINISHED", "failed": "FAILED", "interrupted": "KILLED"}
 
 @dataclass(frozen=True)
 class MLflow:
-    """A run for each cell; the combination is the tag ``harness.group``.
+    """A run for each cell; a tag says its combination.
 
     The library's own environment variables hold, such as MLFLOW_TRACKING_URI.
     """

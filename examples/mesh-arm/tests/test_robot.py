@@ -7,7 +7,7 @@ from mesh_arm.robot import FOLDER
 from harness import load_robot
 from harness.reach import ReachTask
 from harness.registry.registry import load_registry
-from harness.testing import check_simulator
+from harness.testing import check_robot, check_simulator
 
 
 @pytest.mark.parametrize("name", ["kinematic", "mujoco", "pybullet"])
@@ -17,6 +17,11 @@ def test_moves_in_a_simulator(name: str) -> None:
     if spec.missing:
         pytest.skip(f"{', '.join(spec.missing)} is not installed: {spec.remedy}")
     check_simulator(spec.load()(), load_robot(FOLDER))
+
+
+def test_contract() -> None:
+    """Its files make an arm that can be computed with."""
+    check_robot(FOLDER)
 
 
 def test_joints_and_reach() -> None:

@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from harness.arrays import Float, Mask
-from harness.authoring.substeps import Substeps
+from harness.authoring import GroundContact, Substeps
 from harness.robot import Robot
-from harness.robot.ground_clearance import build_solids
-from harness.robot.kinematics import link_frames
 from harness.scene.picture import draw_still
 from harness.scene.scene import scene_of
 from harness.simulator import State
@@ -44,7 +42,7 @@ class PinocchioSimulation:
         self._model = pinocchio.buildModelFromXML(robot.urdf)
         self._data = self._model.createData()  # holds nothing from one call to the next
         self._turns_freely = np.array([joint.nq == 2 for joint in self._model.joints[1:]])
-        self._solids = build_solids(robot.joint_shapes)
+        self._touches = GroundContact(robot)
         self._qpos = np.tile(robot.home, (num_envs, 1))
         self._qvel = np.zeros_like(self._qpos)
         self._target = self._qpos.copy()  # where the ramp stands: errors do not add up over periods
@@ -71,9 +69,8 @@ class PinocchioSimulation:
 
     def read(self) -> State:
         """See `harness.simulator.Simulation`."""
-        touches = self._solids.touch_ground(link_frames(self._robot.chain, self._qpos))
         tips = np.array([self._tip(qpos) for qpos in self._qpos])
-        return State(self._qpos.copy(), self._qvel.copy(), tips, touches)
+        return State(self._qpos.copy(), self._qvel.copy(), tips, self._touches(self._qpos))
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """See `harness.simulator.Simulation`; drawn without an engine."""

@@ -14,7 +14,8 @@ from harness.bench.speed.timed_contest import LeftOut, TimeContest, time_contest
 from harness.bench.timed_cell import Failed
 from harness.experiment.provenance import describe_machine, versions_behind
 from harness.registry.choice import choose, parse, split_list
-from harness.registry.registry import Registry, Spec
+from harness.registry.registry import Registry
+from harness.registry.spec import Spec
 
 SIZES = (1, 64, 1024)
 """Envs that a simulator is timed with."""
