@@ -15,6 +15,7 @@ from harness.registry.parameters import parameters_of, values_of
 from harness.registry.registry import Registry
 from harness.robot import Robot
 from harness.robot.load import load_robot
+from harness.simulator import family_of
 from harness.task import Task
 
 
@@ -33,6 +34,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
     spec, thing = registry.get(kind, choice.name), choice.build(registry, kind)
     parts = [f"{NOUNS[kind]} {choice.label}: {spec.summary} (plugin '{spec.plugin}' of {spec.package})"]
     parts.append(inspect.cleandoc(type(thing).__doc__ or ""))
+    if kind == "simulators":
+        parts.append(_describe_family(thing))
     if kind == "tasks":
         parts.append(describe_task(thing, load_robot(robot or thing.robot, registry)))
     parts.append(_describe_parameters(type(thing), values_of(thing)))
@@ -122,6 +125,11 @@ def _rewards(task: Task) -> str:
         ("step", f"{task.step_reward:+g}", "the baseline's step penalty"),
     ]
     return f"R, the reward: the sum of\n{_table(rows)}"
+
+
+def _describe_family(simulator: Any) -> str:
+    family = family_of(simulator)
+    return f"Engine: {family}. Simulators of one engine count as one." if family else "Engine: none."
 
 
 def _describe_robot(robot: Robot) -> str:

@@ -64,7 +64,7 @@ class Simulation(Protocol):
 class Simulator(Protocol):
     """A frozen dataclass whose fields are the engine's settings.
 
-    It may also have what ``harness bench`` times it beside:
+    It may also have a class variable ``family``, see `family_of`, and what ``harness bench`` times it beside:
 
     * ``bare_loop(robot, targets, period)``: the engine without the harness. It returns a function without arguments
       that drives the robots once along `targets`, (periods, num_envs, dof), one after another, each in `period` [s]; it
@@ -81,3 +81,14 @@ class Simulator(Protocol):
             num_envs: How many, >= 1.
             control_period: The longest duration that `drive` will be called with, [s].
         """
+
+
+def family_of(simulator: object) -> str | None:
+    """The engine that a simulator, or its class, computes with; None where it is none.
+
+    It is the class variable ``family``, such as "MuJoCo". Simulators of one family solve the same equations by the same
+    code: where they agree, one engine has spoken. Without it a simulator is a family of its own, by its class's name.
+    """
+    kind = simulator if isinstance(simulator, type) else type(simulator)
+    family: str | None = getattr(kind, "family", kind.__name__)
+    return family

@@ -75,6 +75,14 @@ def egl(_egl_fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "egl")
 
 
+@pytest.fixture
+def installed(simulator: str) -> None:
+    """Skip the test of a `simulator` whose library is not installed, and say what brings it."""
+    spec = load_registry().get("simulators", simulator)
+    if spec.missing:
+        pytest.skip(f"{', '.join(spec.missing)} is not installed: {spec.remedy}")
+
+
 @pytest.fixture(scope="session")
 def toy_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the package `toy_arm` and its metadata, as an installer leaves them."""

@@ -49,6 +49,17 @@ def verdict(parity: Parity) -> str:
     return f"Largest distance of the tip from {parity.reference}'s: {', '.join(told)}"
 
 
+def engines_text(parity: Parity) -> str:
+    """Which simulators are independent engines: those of one family are one."""
+    families: dict[str | None, list[str]] = {}
+    for simulator in parity.simulators:
+        families.setdefault(simulator.family, []).append(simulator.name)
+    without = families.pop(None, [])
+    told = [f"{family} ({', '.join(names)}{': one vote' * (len(names) > 1)})" for family, names in families.items()]
+    engines = f"Independent engines: {', '.join(told) or 'none'}."
+    return f"{engines} No engine: {', '.join(without)}." if without else engines
+
+
 def simulator_grid(parity: Parity) -> Grid:
     """Each simulator's own errors, and what it costs."""
     headings = (

@@ -3,7 +3,16 @@
 from pathlib import Path
 
 from harness.parity.figure import JOINTS, TIPS, draw_all_pairs, draw_pairs
-from harness.parity.grids import failures, not_installed, pair_grids, setting_text, simulator_grid, title, verdict
+from harness.parity.grids import (
+    engines_text,
+    failures,
+    not_installed,
+    pair_grids,
+    setting_text,
+    simulator_grid,
+    title,
+    verdict,
+)
 from harness.parity.parity import Parity
 from harness.report.draw import draw_chart
 from harness.report.page import render_page, write_page
@@ -27,6 +36,7 @@ def write_parity(parity: Parity, path: Path) -> None:
         title=title(parity),
         setting=setting_text(parity),
         verdict=verdict(parity),
+        engines=engines_text(parity),
         panels=[(heading, draw_chart(draw_pairs(parity, curve), f"{heading}: {TOLD}")) for heading, curve in curves],
         all_panels=[(heading, draw_chart(chart, f"{heading}: {TOLD}")) for heading, chart in everything if chart],
         grids=grids,

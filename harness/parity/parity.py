@@ -19,6 +19,7 @@ from harness.parity.performance import Performance, perform
 from harness.parity.placement import Placement, placement_of
 from harness.parity.track import Track
 from harness.robot import Robot
+from harness.simulator import family_of
 
 FORMAT = 1
 """Of the JSON."""
@@ -31,12 +32,14 @@ class Measured:
 
     Attributes:
         name: Its name, parameters included.
+        family: The engine that it computes with, see `harness.simulator.family_of`.
         placement: Errors of an arm that is placed.
         tracking: How far the driven arm is from where it was told to be.
         seconds_per_step: Of one arm, median, [s].
     """
 
     name: str
+    family: str | None
     placement: Placement
     tracking: Drift
     seconds_per_step: float
@@ -45,6 +48,7 @@ class Measured:
         """Plain data."""
         return {
             "name": self.name,
+            "family": self.family,
             "placement_error_m": self.placement.error_m,
             "placement_error_rad": self.placement.error_rad,
             "tracking_error_m": self.tracking.max_tip_error_m,
@@ -146,7 +150,7 @@ def compare_simulators(contenders: Contenders, setting: Setting) -> Parity:
     return Parity(
         contenders.reference,
         setting,
-        _measure(sound, seconds, setting.robot, orders),
+        _measure(sound, {name: family_of(simulators[name]) for name in sound}, seconds, setting.robot, orders),
         tuple(_compare(*first, *second, setting.period) for first, second in combinations(sound.items(), 2)),
         failed | broken | stopped,
         contenders.missing,
@@ -154,13 +158,18 @@ def compare_simulators(contenders: Contenders, setting: Setting) -> Parity:
 
 
 def _measure(
-    performed: Mapping[str, Performance], seconds: Mapping[str, float], robot: Robot, orders: Orders
+    performed: Mapping[str, Performance],
+    families: Mapping[str, str | None],
+    seconds: Mapping[str, float],
+    robot: Robot,
+    orders: Orders,
 ) -> tuple[Measured, ...]:
     motion = orders.motion
     ideal = Track(motion, robot.end_effector(motion), np.zeros(motion.shape[:2], bool))
     return tuple(
         Measured(
             name,
+            families[name],
             placement_of(performance.placed, robot, orders.poses),
             drift_between(ideal, performance.driven),
             seconds[name],

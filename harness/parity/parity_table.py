@@ -3,7 +3,16 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.parity.grids import failures, not_installed, pair_grids, setting_text, simulator_grid, title, verdict
+from harness.parity.grids import (
+    engines_text,
+    failures,
+    not_installed,
+    pair_grids,
+    setting_text,
+    simulator_grid,
+    title,
+    verdict,
+)
 from harness.parity.parity import Parity
 from harness.report.grid_table import show_grid
 
@@ -14,6 +23,7 @@ def parity_table(parity: Parity) -> RenderableType:
         Text(title(parity), style="bold"),
         Text(f"{setting_text(parity)}\n"),
         Text(verdict(parity), style="bold"),
+        Text(engines_text(parity)),
     ]
     for grid in (*pair_grids(parity), simulator_grid(parity)):
         parts += show_grid(grid)

@@ -9,26 +9,40 @@ def register_simulators(register: harness.Register) -> None:
     register(
         "dm_control",
         "harness_plugins.simulators.dm_control:DmControl",
-        summary="dm_control's Physics and control.Environment, one per arm; moves as mujoco does",
+        summary="engine MuJoCo: dm_control's Physics and control.Environment, one per arm; moves as mujoco does",
         requires=("dm_control", "mujoco"),
         extra="dm-control",
     )
     register(
+        "drake",
+        "harness_plugins.simulators.drake:Drake",
+        summary="engine Drake: its multibody plant and SAP contact solver, every arm in a context of its own",
+        requires=("pydrake",),
+        extra="drake",
+    )
+    register(
         "kinematic",
         "harness_plugins.simulators.kinematic:Kinematic",
-        summary="no dynamics: joints exactly where they are driven, many arms at once",
+        summary="no engine, no dynamics: joints exactly where they are driven, many arms at once",
     )
     register(
         "mujoco",
         "harness_plugins.simulators.mujoco:Mujoco",
-        summary="MuJoCo, many arms through mujoco.rollout threads",
+        summary="engine MuJoCo: many arms through mujoco.rollout threads",
         requires=("mujoco",),
         extra="mujoco",
     )
     register(
+        "physx",
+        "harness_plugins.simulators.physx:PhysX",
+        summary="engine PhysX, by SAPIEN: every arm in a scene of its own",
+        requires=("sapien",),
+        extra="physx",
+    )
+    register(
         "pybullet",
         "harness_plugins.simulators.pybullet:PyBullet",
-        summary="Bullet, every arm in a physics client of its own",
+        summary="engine Bullet: every arm in a physics client of its own",
         requires=("pybullet",),
         extra="pybullet",
     )

@@ -1,7 +1,7 @@
 """dm_control: every arm an environment of dm_control's own, with a task that drives its joints."""
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from dm_control.rl import control
@@ -29,6 +29,7 @@ class DmControl:
     With equal settings it moves as `mujoco` does. A state that dm_control calls invalid ends the cell at once.
     """
 
+    family: ClassVar[str] = "MuJoCo"
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
     bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 100.0
 

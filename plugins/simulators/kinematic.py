@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ class Kinematic:
 
     Ground contact is exact for the moving links' collision shapes: boxes, cylinders, capsules, spheres and meshes.
     """
+
+    family: ClassVar[str | None] = None
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "KinematicSimulation":
         """See `harness.simulator.Simulator`."""

@@ -1,7 +1,7 @@
 """MuJoCo: one arm with one C call per control period, many through the threads of `mujoco.rollout`."""
 
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ class Mujoco:
     (2 I w, critically damped) its speed. Gravity is compensated, the integrator implicit.
     """
 
+    family: ClassVar[str] = "MuJoCo"
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
     bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 100.0
     threads: Annotated[Count, Field(description="of a batch of several arms")] = 1

@@ -8,7 +8,7 @@ import weakref
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import pybullet
@@ -46,6 +46,7 @@ class PyBullet:
     A client takes about 28 MB of memory, and a process has at most 1,024 of them.
     """
 
+    family: ClassVar[str] = "Bullet"
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
     iterations: Annotated[Count, Field(description="of the constraint solver per physics step")] = 50
 

@@ -12,7 +12,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 
 REGISTRY = load_registry()
-SIMULATORS = ("kinematic", "mujoco", "pybullet", "dm_control")
+SIMULATORS = ("kinematic", "mujoco", "pybullet", "dm_control", "drake", "physx")
 PERIOD = 0.1
 
 
@@ -29,6 +29,7 @@ def test_parts_that_do_not_divide_are_a_usage_error(count: int, parts: int):
         Substeps(count, PERIOD).within(PERIOD / parts)
 
 
+@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("simulator", SIMULATORS[1:])
 def test_every_engine_says_that_it_cannot_divide(simulator: str):
     """Through the env: the first step that would need a part of a physics step is refused."""
@@ -41,6 +42,7 @@ def test_every_engine_says_that_it_cannot_divide(simulator: str):
         env.close()
 
 
+@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("frame", ["wcs", "tcs"])
 @pytest.mark.parametrize("simulator", SIMULATORS)
 def test_every_engine_follows_the_line(simulator: str, frame: str):

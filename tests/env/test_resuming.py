@@ -70,6 +70,7 @@ def _is_same(first: list[list[Any]], second: list[list[Any]]) -> bool:
     )
 
 
+@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize(
     ("simulator", "task", "num_envs"),
     [*((simulator, "joints", num_envs) for simulator in REGISTRY.names("simulators") for num_envs in (1, 3)),
@@ -101,6 +102,7 @@ def test_restored_env_goes_on_as_the_other(simulator: str, task: str, num_envs: 
         opened.close()
 
 
+@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("simulator", REGISTRY.names("simulators"))
 def test_the_ground_was_touched_in_these_episodes(simulator: str):
     """The test above says something about contact too."""

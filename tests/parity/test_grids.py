@@ -9,6 +9,7 @@ from rich.console import Console
 
 from harness.parity.contenders import Missing
 from harness.parity.grids import (
+    engines_text,
     failures,
     not_installed,
     pair_grids,
@@ -29,6 +30,18 @@ def found(compare, toolbox):
 def test_the_verdict_names_the_largest_distances(found):
     """To the reference, in millimetres."""
     assert verdict(found) == "Largest distance of the tip from right's: 1 mm (off), 0 mm (numb)"
+
+
+def test_simulators_of_one_engine_are_one_vote(found):
+    """Each engine with its simulators; those without an engine apart."""
+
+    def told(*families):
+        pairs = zip(found.simulators, families, strict=True)
+        return engines_text(replace(found, simulators=[replace(one, family=family) for one, family in pairs]))
+
+    assert told("MuJoCo", "Bullet", "MuJoCo") == "Independent engines: MuJoCo (right, numb: one vote), Bullet (off)."
+    assert told(None, "Drake", None) == "Independent engines: Drake (off). No engine: right, numb."
+    assert told(None, None, None) == "Independent engines: none. No engine: right, off, numb."
 
 
 def test_the_title_names_all(found):

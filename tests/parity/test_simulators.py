@@ -1,5 +1,7 @@
 """Every simulator that is installed is the same robot, and moves alike within known bounds."""
 
+from itertools import combinations
+
 import pytest
 
 from harness.parity.contenders import choose_contenders
@@ -7,7 +9,13 @@ from harness.parity.orders import Setting
 from harness.parity.parity import compare_simulators
 from harness.registry.registry import load_registry
 
-SIMULATORS = ("mujoco", "dm_control", "pybullet", "kinematic")
+SIMULATORS = ("mujoco", "dm_control", "pybullet", "drake", "physx", "kinematic")
+
+
+DRIVEN = [("mujoco", 3e-3), ("dm_control", 3e-3), ("pybullet", 1e-3), ("drake", 3e-3), ("physx", 1e-3)]
+"""Simulators with dynamics, and how far the end effector may be from where it was told to be, [m]."""
+OTHERS = ("pybullet", "drake", "physx", "kinematic")
+"""Those that are not MuJoCo."""
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +61,7 @@ def test_a_placed_arm_is_the_robot(simulator, name):
     assert placement.error_rad < 1e-6
 
 
-@pytest.mark.parametrize(("name", "bound"), [("mujoco", 3e-3), ("dm_control", 3e-3), ("pybullet", 1e-3)])
+@pytest.mark.parametrize(("name", "bound"), DRIVEN)
 def test_a_driven_arm_is_near_where_it_was_told_to_be(simulator, name, bound):
     """Over 200 steps of smooth motion; it does move, so that it is not exactly there."""
     tracking = simulator(name).tracking
@@ -72,10 +80,10 @@ def test_dm_control_is_mujoco(pair):
     assert found.placed_disagreement == 0.0
 
 
-@pytest.mark.parametrize("other", ["pybullet", "kinematic"])
-def test_other_engines_stay_near_mujoco(pair, other):
+@pytest.mark.parametrize(("one", "other"), list(combinations(("mujoco", *OTHERS), 2)))
+def test_engines_stay_near_one_another(pair, one, other):
     """Within 5 mm over 200 steps, and they see the ground within a period or so of one another."""
-    found = pair("mujoco", other)
+    found = pair(one, other)
     assert found.drift.max_tip_error_m < 5e-3
     assert found.contact.both == 8
     assert found.contact.max_delay_s <= 0.1 + 1e-9

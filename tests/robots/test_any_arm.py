@@ -11,13 +11,13 @@ import pytest
 
 import harness
 from harness.errors import UsageError
+from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.robot.robot import read_robot
 from harness.testing.simulators import SIMULATOR_CHECKS, frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.kinematic import Kinematic
 from harness_plugins.simulators.mujoco import Mujoco
-from harness_plugins.simulators.pybullet import PyBullet
 
 PUBLISHED = {
     "panda": ("franka_panda/panda.urdf", "panda_hand", 7),
@@ -26,7 +26,10 @@ PUBLISHED = {
 }
 """File in pybullet_data, end effector and number of joints."""
 ARMS = [*PUBLISHED, "scara", "gantry"]
-SIMULATORS = (Mujoco(), PyBullet(), Kinematic())
+REGISTRY = load_registry()
+ENGINES = [name for name in ("mujoco", "pybullet", "drake", "physx") if not REGISTRY.get("simulators", name).missing]
+SIMULATORS = [REGISTRY.get("simulators", name).load()() for name in (*ENGINES, "kinematic")]
+"""Those that are installed; the kinematic one, which takes many poses at once, comes last."""
 FRAME_CHECKS = {render_gives_a_frame_or_says_why_not, frames_show_the_target}
 CHECKS = [check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS]
 
@@ -183,7 +186,7 @@ def test_simulators_keep_the_contract_with_the_other_arms(robot: Robot, simulato
     _require_contract(simulator, robot)
 
 
-@pytest.mark.parametrize("simulator", ["mujoco", "pybullet", "kinematic"])
+@pytest.mark.parametrize("simulator", [*ENGINES, "kinematic"])
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_episodes_of_a_published_arm(name: str, simulator: str):
     """The reach task takes the path of a URDF: it starts in the air, moves the arm, and gives numbers."""

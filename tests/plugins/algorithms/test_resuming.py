@@ -34,6 +34,7 @@ CASES = [
 ]
 
 
+@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize(("algorithm", "simulator", "num_envs"), CASES)
 def test_training_goes_on_as_if_nothing_had_happened(tmp_path: Path, algorithm: str, simulator: str, num_envs: int):
     """From the middle of episodes: the same steps, weights and scalars as one that made no checkpoints."""

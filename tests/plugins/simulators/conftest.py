@@ -107,7 +107,7 @@ def open_simulator() -> Callable[..., Simulation]:
 
 
 @pytest.fixture
-def open_arms(simulator: str) -> Callable[..., Simulation]:
+def open_arms(simulator: str, installed: None) -> Callable[..., Simulation]:
     """The same for the `simulator` that the test is about."""
     return partial(_open, simulator)
 

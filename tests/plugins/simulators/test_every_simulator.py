@@ -19,17 +19,25 @@ REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100")
 PERIOD = 0.1
 FASTEST = 0.95 * 0.8 * ROBOT.max_speed
-FOLLOWING = {"kinematic": 1e-9, "pybullet": 0.05}
+FOLLOWING = {"kinematic": 1e-9, "physx": 0.05, "pybullet": 0.05}
 """How far a joint may be off its target on the way [degrees]; else 0.5."""
 RESTING = {"pybullet": 0.01}
 """How far a joint that rests [degrees]; else 0.001."""
-ENGINES = {"dm_control": "dm_control", "mujoco": "mujoco", "pybullet": "pybullet"}
+ENGINES = {
+    "dm_control": "dm_control", "drake": "pydrake", "mujoco": "mujoco", "physx": "sapien", "pybullet": "pybullet",
+}  # fmt: skip
 """What a simulator needs to be installed."""
-EXTRAS = {"dm_control": "dm-control", "mujoco": "mujoco", "pybullet": "pybullet"}
+EXTRAS = {
+    "dm_control": "dm-control", "drake": "drake", "mujoco": "mujoco", "physx": "physx", "pybullet": "pybullet",
+}  # fmt: skip
+ROUNDING = {"physx": 1e-6}
+"""Of a joint position [rad] or place [m], of engines that compute in single precision; else 1e-12."""
 BAD_SETTINGS = {
     "dm_control": ["substeps=0", "substeps=1.5", "bandwidth=0", "bandwidth=nan", "threads=2"],
+    "drake": ["substeps=0", "substeps=1.5", "bandwidth=0", "bandwidth=nan", "threads=2"],
     "kinematic": ["substeps=20"],
     "mujoco": ["substeps=0", "substeps=1.5", "bandwidth=0", "bandwidth=nan", "threads=0", "gpu=1"],
+    "physx": ["substeps=0", "substeps=1.5", "iterations=0", "iterations=256", "gpu=1"],
     "pybullet": ["substeps=0", "substeps=1.5", "iterations=0", "gpu=1"],
 }
 
@@ -84,20 +92,23 @@ def test_placed_arm_stays_where_it_is_placed(simulator: str, open_arms: Call, ho
 
 
 @every_simulator
-def test_joints_are_in_the_order_of_the_robot(open_arms: Call):
+def test_joints_are_in_the_order_of_the_robot(simulator: str, open_arms: Call):
     """Where each joint is told another angle, each has its own."""
     pose = np.radians([[-50.0, -30.0, 20.0, 70.0, 110.0, 200.0]])
-    np.testing.assert_allclose(open_arms(1).place(pose).qpos, pose, atol=1e-12)
+    np.testing.assert_allclose(open_arms(1).place(pose).qpos, pose, atol=ROUNDING.get(simulator, 1e-12))
 
 
 @every_simulator
-def test_order_of_the_elements_in_the_urdf_does_not_matter(open_arms: Call, random_poses: Call, with_urdf: Call):
+def test_order_of_the_elements_in_the_urdf_does_not_matter(
+    simulator: str, open_arms: Call, random_poses: Call, with_urdf: Call
+):
     """A URDF that lists its joints and links backwards is the same arm."""
     tree = ElementTree.fromstring(ROBOT.urdf)
     tree[:] = tree[::-1]
     first, second = (open_arms(1, robot).place(random_poses(1)) for robot in (ROBOT, with_urdf(tree)))
-    np.testing.assert_allclose(first.qpos, second.qpos, atol=1e-12)
-    np.testing.assert_allclose(first.end_effector, second.end_effector, atol=1e-12)
+    rounding = ROUNDING.get(simulator, 1e-12)
+    np.testing.assert_allclose(first.qpos, second.qpos, atol=rounding)
+    np.testing.assert_allclose(first.end_effector, second.end_effector, atol=rounding)
 
 
 @pytest.fixture
@@ -186,6 +197,7 @@ def test_reset_of_one_arm_does_not_touch_the_others(
 
 
 @pytest.mark.parametrize(("simulator", "given"), [(name, given) for name, bad in BAD_SETTINGS.items() for given in bad])
+@pytest.mark.usefixtures("installed")
 def test_bad_setting_is_a_usage_error(simulator: str, given: str):
     """A setting that cannot be is refused, in one line that names it."""
     with pytest.raises(UsageError, match=given.partition("=")[0]):
@@ -208,7 +220,8 @@ def test_listing_imports_no_engine(run_without_display: Call):
     done = run_without_display(
         "import sys\nfrom harness.registry.registry import load_registry\n"
         "assert load_registry().get('simulators', 'dm_control').missing == ()\n"
-        "sys.stdout.write(str({'dm_control', 'mujoco', 'pybullet', 'glfw', 'OpenGL'} & set(sys.modules)))"
+        "engines = {'dm_control', 'mujoco', 'pybullet', 'pydrake', 'sapien', 'glfw', 'OpenGL'}\n"
+        "sys.stdout.write(str(engines & set(sys.modules)))"
     )
     assert done.stdout == "set()"
 

@@ -1,0 +1,103 @@
+"""Arms that each have a world of their own: all of a simulation but the physics, for simulators that step one arm."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Mask
+from harness.record.scene import Scene
+from harness.robot import Robot
+from harness.scene.picture import draw_still
+from harness.scene.scene import scene_of
+from harness.simulator import State
+
+
+class Arm(Protocol):
+    """One arm on the ground, alone in its world."""
+
+    def put(self, qpos: Float) -> None:
+        """At rest at `qpos`, (dof,), as if the world were new, contacts included."""
+
+    def turn(self, speeds: Float, duration: float) -> None:
+        """Drive each joint at its constant speed, (dof,), [rad/s] or [m/s], for `duration` [s]."""
+
+    def read(self, state: State, env: int) -> None:
+        """Write what holds now into row `env` of `state`."""
+
+
+class ArmsApart:
+    """See `harness.simulator.Simulation`.
+
+    Each period a joint gets the constant speed that leads from where it is to its target: what it misses in one
+    period, it makes up for in the next. Frames are drawn by the harness, not by the engine.
+    """
+
+    def __init__(self, robot: Robot, num_envs: int, build_arm: Callable[[], Arm]) -> None:
+        """Build the arms and put them at home.
+
+        Args:
+            robot: The arm.
+            num_envs: How many.
+            build_arm: Makes one, in a new world.
+        """
+        self.arms = [build_arm() for _ in range(num_envs)]
+        self._robot = robot
+        self._awake = np.ones(num_envs, bool)
+        self._scene: Scene | None = None
+        joints = (num_envs, robot.dof)
+        self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
+        self.place(np.tile(robot.home, (num_envs, 1)))
+
+    def reset(self, qpos: Float, mask: Mask) -> State:
+        """See `harness.simulator.Simulation`."""
+        self._awake |= mask
+        for k in np.flatnonzero(mask).tolist():
+            self.arms[k].put(qpos[k])
+            self.arms[k].read(self._state, k)
+        return self._state
+
+    def place(self, qpos: Float) -> State:
+        """See `harness.simulator.Simulation`."""
+        return self.reset(qpos, np.ones(len(self.arms), bool))
+
+    def drive(self, qpos: Float, duration: float) -> State:
+        """See `harness.simulator.Simulation`."""
+        speeds = (qpos - self._state.qpos) / duration
+        for k in np.flatnonzero(self._awake).tolist():
+            self.arms[k].turn(speeds[k], duration)
+            self.arms[k].read(self._state, k)
+        return self._state
+
+    def rest(self, mask: Mask) -> None:
+        """See `harness.simulator.Simulation`."""
+        self._awake = ~mask
+
+    def read(self) -> State:
+        """See `harness.simulator.Simulation`."""
+        return self._state
+
+    def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        """See `harness.simulator.Simulation`; drawn without the engine."""
+        if self._scene is None:
+            self._scene = scene_of(self._robot)
+        return np.array(draw_still(self._scene, self._state.qpos[env], target, width, height))
+
+    def close(self) -> None:
+        """See `harness.simulator.Simulation`."""
+        self.arms = []
+
+
+def bare_loop(simulation: ArmsApart, targets: Float, period: float) -> Callable[[], None]:
+    """See `harness.simulator.Simulator`: the arms are driven and read by the engine's own calls."""
+    simulation.place(targets[-1])
+    state, speeds = simulation.read(), (targets - np.roll(targets, 1, axis=0)) / period
+
+    def run() -> None:
+        for row in speeds:
+            for k, arm in enumerate(simulation.arms):
+                arm.turn(row[k], period)
+                arm.read(state, k)
+
+    return run

@@ -1,0 +1,79 @@
+"""What the environment costs on top of Drake."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.record.trace import TraceWriter
+from harness.registry.registry import load_registry
+
+pytestmark = pytest.mark.bench
+SUBSTEPS, PERIOD = 20, 0.1
+Told = list[tuple[str, np.ndarray]]
+
+
+def bare_loop(arm: Any, told: Told) -> Callable[[], None]:
+    """The API alone: torques, the steps of a period in one call, and what is read at the end.
+
+    Args:
+        arm: In a context of its own.
+        told: What the arm is told, in this order: a pose to start at, [rad], or the speeds of a period, [rad/s].
+    """
+    model, simulator, context = arm.model, arm.simulator, arm.context
+    plant, root = model.plant, simulator.get_mutable_context()
+    servos = plant.get_actuation_input_port(model.arm)
+    query, shapes = model.shapes.get_query_output_port(), model.shapes.GetMyContextFromRoot(root)
+
+    def run() -> None:
+        steps = 0
+        for what, values in told:
+            if what == "put":
+                steps = 0
+                root.SetTime(0.0)
+                plant.SetPositions(context, values)  # the FD100's joints are in Drake's order
+                plant.SetVelocities(context, np.zeros_like(values))
+                simulator.Initialize()
+                continue
+            servos.FixValue(context, model.damping * values)
+            steps += SUBSTEPS
+            simulator.AdvanceTo((steps - 0.5) * PERIOD / SUBSTEPS)
+            plant.GetPositions(context)
+            plant.GetVelocities(context)
+            plant.EvalBodyPoseInWorld(context, model.tip).translation()
+            query.Eval(shapes).HasCollisions()
+
+    return run
+
+
+def recorded(arm: Any, run: Callable[[], None]) -> Told:
+    """What `run` tells an arm."""
+    told: Told = []
+    put, turn = arm.put, arm.turn
+    arm.put = lambda qpos: (told.append(("put", qpos.copy())), put(qpos))
+    arm.turn = lambda speeds, duration: (told.append(("turn", speeds.copy())), turn(speeds, duration))
+    run()
+    arm.put, arm.turn = put, turn
+    return told
+
+
+def test_one_env_keeps_up_with_the_bare_loop(tmp_path, require_speed, step_through, amount):
+    """Observation, reward and trace on, one env does at least 0.8 of the steps of the bare API on the same motion."""
+    pytest.importorskip("pydrake", reason="pydrake is not installed: pip install 'fd100-harness[drake]'")
+    env = harness.make_env("drake")
+    env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
+    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(300, 10), 1, 6)).astype(np.float32)
+    simulator = load_registry().get("simulators", "drake").load()(substeps=SUBSTEPS)
+    (reference,) = simulator.open(env.robot, 1, PERIOD).arms
+
+    def through_the_env() -> None:
+        env.reset(seed=0)
+        step_through(env, actions)
+
+    (arm,) = env.simulation.arms
+    told = recorded(arm, through_the_env)
+    require_speed(bare_loop(reference, told), through_the_env, at_least=0.8)
+    first, second = (one.model.plant.GetPositions(one.context) for one in (reference, arm))
+    np.testing.assert_array_equal(first, second)

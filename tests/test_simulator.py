@@ -1,0 +1,44 @@
+"""Which engine a simulator computes with."""
+
+from typing import ClassVar
+
+import pytest
+
+from harness.registry.registry import load_registry
+from harness.simulator import family_of
+
+REGISTRY = load_registry()
+FAMILIES = {
+    "dm_control": "MuJoCo", "drake": "Drake", "kinematic": None, "mujoco": "MuJoCo", "physx": "PhysX",
+    "pybullet": "Bullet",
+}  # fmt: skip
+
+
+class Unnamed:
+    """Says nothing of its engine."""
+
+
+class Named(Unnamed):
+    """Says it."""
+
+    family: ClassVar[str] = "Bullet"
+
+
+def test_family_is_the_same_for_a_class_and_what_is_built_of_it():
+    """It is the class that has it."""
+    assert family_of(Named) == family_of(Named()) == "Bullet"
+
+
+def test_simulator_that_names_none_is_a_family_of_its_own():
+    """By the name of its class."""
+    assert family_of(Unnamed()) == "Unnamed"
+
+
+@pytest.mark.parametrize("simulator", FAMILIES)
+@pytest.mark.usefixtures("installed")
+def test_built_in_simulators_name_their_engine(simulator: str):
+    """In the class, and in the line that is listed without importing it."""
+    spec = REGISTRY.get("simulators", simulator)
+    family = family_of(spec.load())
+    assert family == FAMILIES[simulator]
+    assert (f"engine {family}" if family else "no engine") in spec.summary
