@@ -57,6 +57,13 @@ SLOW |= {
     for check in (the_policy_acts_as_it_trained, checkpoints_change_nothing, a_training_goes_on_where_it_stood)
 }
 """The same, or several trainings; `test_checkpoint_mutants` runs the last two with smaller networks."""
+SLOW |= {
+    (name, check)
+    for name in ("td3", "ddqn")
+    for check in ALGORITHM_CHECKS
+    if check.name in {"algo-every-env", "algo-same-seed", "algo-other-seed", "algo-budget"}
+}
+"""Their trainings are those of `sac` and `dqn`, which show it in every run, with another update."""
 SLOW |= {("ray", check) for check in EXECUTOR_CHECKS}
 """Each starts a cluster; the other executors' show the checks in every run."""
 LOCAL = {"wandb": "wandb:mode=offline", "mlflow": "mlflow:uri=sqlite:///mlflow.db"}
