@@ -29,18 +29,19 @@ class SbxSac:
     num_envs: Count = 1
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
-    sources: ClassVar[tuple[str, ...]] = ("sbx_sac",)  # the manifest has a hash of all modules
+    # The manifest has a hash of all modules that can change a result.
+    sources: ClassVar[tuple[str, ...]] = ("sbx_sac", "harness_plugins.sb3")
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> SquashedGaussian:
         """See `harness.algorithm.Algorithm`."""
         # Imported here: JAX takes seconds, and settings are checked before anything runs.
         from sbx import SAC
 
-        from sbx_sac.vec_env import Adapter, Tell
+        from harness_plugins.sb3 import ProgressCallback, VecEnvAdapter
 
         model = SAC(
             "MlpPolicy",
-            Adapter(env),
+            VecEnvAdapter(env),
             learning_rate=self.learning_rate,
             gamma=self.gamma,
             batch_size=self.batch_size,
@@ -50,7 +51,7 @@ class SbxSac:
             policy_kwargs={"net_arch": list(self.net_arch)},
             seed=seed % 2**32,
         )
-        model.learn(steps, callback=Tell(env, steps, progress, self._policy))
+        model.learn(steps, callback=ProgressCallback(env, progress, steps, self._policy))
         return self._policy(model)
 
     def _policy(self, model: Any) -> SquashedGaussian:

@@ -11,7 +11,8 @@ pytest.importorskip("sbx", reason="sbx is not installed: pip install sbx-rl")
 
 from sbx import SAC
 from sbx_sac.algorithm import SbxSac
-from sbx_sac.vec_env import Adapter
+
+from harness_plugins.sb3 import VecEnvAdapter
 
 
 def test_contract() -> None:
@@ -23,7 +24,7 @@ def test_policy_is_the_librarys() -> None:
     """Without noise, what numpy computes from the weights is what sbx predicts."""
     env = make_env("kinematic", num_envs=2)
     seen, _ = env.reset(seed=0)
-    model = SAC("MlpPolicy", Adapter(env), policy_kwargs={"net_arch": [64, 64]}, seed=0)
+    model = SAC("MlpPolicy", VecEnvAdapter(env), policy_kwargs={"net_arch": [64, 64]}, seed=0)
     expected, _ = model.predict(seen, deterministic=True)
     np.testing.assert_allclose(SbxSac()._policy(model).act(seen), expected, atol=1e-5)
 
