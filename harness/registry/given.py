@@ -190,16 +190,15 @@ def import_file(file: PluginFile) -> ModuleType:
     """
     if file.module in sys.modules:
         return sys.modules[file.module]
-    path = _place_of(file)
-    spec = importlib.util.spec_from_file_location(file.module, path)
+    spec = importlib.util.spec_from_file_location(file.module, _copy_of(file))
     assert spec is not None
     module = sys.modules[file.module] = importlib.util.module_from_spec(spec)
     try:
         # Compiled here: Python would leave its own copy beside the file, and might believe an old one.
-        exec(compile(file.source.encode(), str(path), "exec", dont_inherit=True), vars(module))
+        exec(compile(file.source.encode(), file.path, "exec", dont_inherit=True), vars(module))
     except (Exception, SystemExit) as error:
         del sys.modules[file.module]
-        problem = f"{one_line(error)}{_line_of(error, path)}"
+        problem = f"{one_line(error)}{_line_of(error, file.path)}"
         raise UsageError(f"Plugin file '{file.path}' cannot be loaded: {problem}") from None
     fault = fault_of(module) if hooks_of(module) else ""
     if fault:
@@ -208,11 +207,11 @@ def import_file(file: PluginFile) -> ModuleType:
     return module
 
 
-def _line_of(error: BaseException, path: Path) -> str:
+def _line_of(error: BaseException, path: str) -> str:
     """The last line of the file that was reached."""
     trace, line = error.__traceback__, 0
     while trace is not None:
-        line = trace.tb_lineno if trace.tb_frame.f_code.co_filename == str(path) else line
+        line = trace.tb_lineno if trace.tb_frame.f_code.co_filename == path else line
         trace = trace.tb_next
     return f" (line {line})" if line else ""
 
@@ -263,14 +262,8 @@ def require_given(needs: Sequence[str | Mapping[str, Any]], given: Sequence[Give
             raise UsageError(f"The experiment needs the plugin {Path(what).name}{which}: give --plugin {what}")
 
 
-def _place_of(file: PluginFile) -> Path:
-    """Where the text stands as a file: where it was, or in a folder of this process if that is another file now."""
-    path = Path(file.path)
-    try:
-        if read_text(path, MOST_BYTES) == file.source:
-            return path
-    except (OSError, ValueError):
-        pass  # on another machine
+def _copy_of(file: PluginFile) -> Path:
+    """The text as a file of this process, which nobody edits or removes while its digest is asked for."""
     copy = Path(_own_folder().name) / f"{file.digest[:8]}-{file.name}"
     copy.write_text(file.source, encoding="utf-8", newline="")
     return copy

@@ -4,7 +4,6 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.stats import ks_2samp
 
 from harness.arrays import Float, Float32, Mask
 from harness.env import ReachVectorEnv
@@ -133,6 +132,8 @@ def targets_do_not_depend_on_the_count(task: Task, robot: Robot) -> None:
         single = np.concatenate([task.draw_targets(robot, other, 1).position for _ in range(count)])
         if np.array_equal(single, many):
             return  # one after the other from the stream
+    from scipy.stats import ks_2samp  # takes as long to import as all else here
+
     for axis, name in enumerate("xyz"):
         alike = ks_2samp(single[:, axis], many[:, axis]).pvalue >= UNLIKELY
         spreads = " and ".join(

@@ -107,7 +107,7 @@ def another_thread_may_call_it(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-silent")
 def nothing_is_printed(tracker: Tracker, folder: Path) -> None:
-    """Standard output belongs to the results."""
+    """It prints nothing: standard output belongs to the results."""
     told = io.StringIO()
     with contextlib.redirect_stdout(told):
         _follow(tracker, folder)

@@ -28,11 +28,20 @@ class Egg:
     def __post_init__(self):
         builds.append("egg")
 
+    def initial_carry(self, begin_distance):
+        return ()
+
+    def __call__(self, carry, sample):
+        return carry, sample.distance
+
 @dataclass(frozen=True)
 class A(WrappedReward):
     registered_name = "a"
     def __post_init__(self):
         builds.append(self.registered_name)
+
+    def __call__(self, carry, sample):
+        return self._reward(carry, sample)
 
 @dataclass(frozen=True)
 class B(A):

@@ -178,7 +178,7 @@ def test_any_reward_may_be_the_baseline(toys: Registry):
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"sim": ["idael"]}, "No simulator 'idael'. There is: dm_control, ideal, "),
+        ({"sim": ["idael"]}, "No simulator 'idael'. There is: dm_control, drake, ideal, "),
         ({"algo": ["wonder"]}, "No algorithm 'wonder'."),
         ({"reward": ["apr"]}, "No reward 'apr'."),
         ({"baseline": "bsaeline"}, "No reward 'bsaeline'."),

@@ -49,10 +49,12 @@ def _work(cell: Cell, folder: Path) -> "subprocess.CompletedProcess[str]":
 
 
 def test_worker_tells_nothing_but_steps(make_cell: Callable[..., Cell], tmp_path: Path):
-    """A line per number of steps on standard output and one at the end, though the plugin prints; no errors."""
+    """Standard output has a line per number of steps, what the episodes came to, and an end; the plugin prints."""
     chatting = make_cell(steps=3, algorithm=Choice("wander", (("then", "chat"),), "wander:then=chat"))
     ended = _work(chatting, tmp_path / "cell")
-    assert (ended.returncode, ended.stdout, ended.stderr) == (0, ["1", "2", "3", DONE], "")
+    *counts, learned, last = ended.stdout
+    assert (ended.returncode, counts, last, ended.stderr) == (0, ["0", "1", "2", "3"], DONE, "")
+    assert learned.startswith('3 {"Training/')
     assert "by print" in (tmp_path / "cell" / LOG).read_text()
 
 

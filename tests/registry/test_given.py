@@ -247,3 +247,12 @@ def test_same_text_is_one_module(lay: Lay):
     file = read_given([lay()])[0]
     assert isinstance(file, PluginFile)
     assert dataclasses.replace(file, path="/elsewhere/my_reward.py").module == file.module
+
+
+def test_what_counts_is_the_text_that_was_read(lay: Lay):
+    """The file may be edited or removed while cells run by it."""
+    path = lay()
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    loaded = load_registry(given=read_given([path])).get("rewards", "my_reward").load()
+    path.unlink()
+    assert source_hash(loaded) == digest

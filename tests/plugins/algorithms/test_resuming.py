@@ -44,9 +44,9 @@ def test_training_goes_on_as_if_nothing_had_happened(tmp_path: Path, algorithm: 
         if learner.action_spaces == {"discrete"}:
             task["action"] = "discrete"
         built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
-        simulators, rewards = (build_defaults(REGISTRY, kind) for kind in ("simulators", "rewards"))
+        engine = REGISTRY.get("simulators", simulator).load()()
         robot = harness.load_robot("fd100", REGISTRY)
-        world = World(simulators[simulator], robot, built, rewards["baseline"])
+        world = World(engine, robot, built, build_defaults(REGISTRY, "rewards")["baseline"])
         return world.open(learner.num_envs, resumable=True)
 
     def train(name: str, every: int = EVERY, start: Any = None) -> Any:

@@ -10,7 +10,7 @@ from harness.errors import UsageError
 from harness.policy import load_policy
 from harness.registry.parameters import build
 from harness.testing.algorithms import the_budget_is_spent_exactly, the_return_rises
-from harness.testing.trainings import observations, train
+from harness.testing.trainings import observations, train_anew
 from harness_plugins.algorithms.sac import Sac
 
 STEPS = 160
@@ -19,7 +19,7 @@ STEPS = 160
 @pytest.mark.parametrize("settings", [{}, {"activation": "tanh"}, {"net_arch": (16,)}, {"net_arch": (8, 16, 24)}])
 def test_policy_acts_as_the_actor(models: list[Any], tmp_path: Path, settings: dict[str, Any]):
     """Saved and loaded, the policy's actions are those of stable-baselines3's actor without noise, to 1e-6."""
-    train(Sac(**settings), STEPS).policy.save(tmp_path / "policy")
+    train_anew(Sac(**settings), STEPS).policy.save(tmp_path / "policy")
     seen = observations()
     expected, _ = models[0].predict(seen, deterministic=True)
     np.testing.assert_allclose(load_policy(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
@@ -28,7 +28,7 @@ def test_policy_acts_as_the_actor(models: list[Any], tmp_path: Path, settings: d
 
 def test_policy_draws_as_the_actor(models: list[Any]):
     """With noise, mean and spread of the policy's actions are those of stable-baselines3's actor."""
-    policy = train(Sac(), STEPS).policy
+    policy = train_anew(Sac(), STEPS).policy
     seen = np.repeat(observations()[:1], 20_000, axis=0)
     ours = policy.act(seen, np.random.default_rng(0))
     theirs, _ = models[0].predict(seen, deterministic=False)
@@ -38,7 +38,7 @@ def test_policy_draws_as_the_actor(models: list[Any]):
 
 def test_settings_reach_the_library(models: list[Any]):
     """Every hyperparameter arrives at stable-baselines3."""
-    train(
+    train_anew(
         Sac(
             learning_rate=0.002, gamma=0.9, net_arch=(32, 16), batch_size=17, buffer_size=100, learning_starts=11,
             train_freq=2, gradient_steps=3, tau=0.01, ent_coef="0.2", activation="tanh",
@@ -55,7 +55,7 @@ def test_settings_reach_the_library(models: list[Any]):
 
 def test_several_envs_are_trained_on_at_once(models: list[Any]):
     """With num_envs=4 the budget is spent over four envs, and updates are made."""
-    done = train(Sac(num_envs=4), STEPS)
+    done = train_anew(Sac(num_envs=4), STEPS)
     assert done.env.num_envs == 4
     assert done.env.steps == STEPS
     assert models[0]._n_updates == (STEPS - 100) // 4
@@ -75,22 +75,22 @@ def test_budget_is_spent_exactly(settings: dict[str, Any]):
 
 def test_nothing_is_pickled(tmp_path: Path):
     """The policy's folder holds weights as safetensors and a card as JSON, and nothing else."""
-    train(Sac(), 20).policy.save(tmp_path / "policy")
+    train_anew(Sac(), 20).policy.save(tmp_path / "policy")
     assert sorted(path.name for path in (tmp_path / "policy").iterdir()) == ["card.json", "weights.safetensors"]
 
 
 def test_policy_runs_on_after_the_training():
     """The weights are copies: training on does not change a policy that was yielded."""
-    policy = train(Sac(), 20).policy
+    policy = train_anew(Sac(), 20).policy
     before = {name: weight.copy() for name, weight in policy.weights.items()}
-    train(Sac(), STEPS)
+    train_anew(Sac(), STEPS)
     for name, weight in policy.weights.items():
         np.testing.assert_array_equal(weight, before[name])
 
 
 def test_large_seed_is_taken():
     """A seed of 64 bits is no error."""
-    assert train(Sac(), 4, seed=2**63).env.steps == 4
+    assert train_anew(Sac(), 4, seed=2**63).env.steps == 4
 
 
 @pytest.mark.parametrize(

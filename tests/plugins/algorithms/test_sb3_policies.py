@@ -10,7 +10,7 @@ from harness.algorithm import ActionSpace, Algorithm
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, load_policy
 from harness.progress import Progress
 from harness.testing.algorithms import the_budget_is_spent_exactly
-from harness.testing.trainings import Training, WatchedEnv, observations, train
+from harness.testing.trainings import Training, WatchedEnv, observations, train_anew
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo
@@ -29,7 +29,7 @@ EVERY: list[tuple[Algorithm, ActionSpace]] = [
 
 def trained(algorithm: Algorithm, space: ActionSpace = "continuous") -> Training:
     """A training that is long enough for updates."""
-    return train(algorithm, STEPS, space=space)
+    return train_anew(algorithm, STEPS, space=space)
 
 
 @pytest.mark.parametrize(("algorithm", "space"), EVERY, ids=repr)
@@ -101,7 +101,7 @@ def test_budget_is_spent_exactly(algorithm: Algorithm):
 @pytest.mark.parametrize("algorithm", [Td3(), Ppo(), Dqn(), Ddqn()], ids=repr)
 def test_large_seed_is_taken(algorithm: Algorithm):
     """A seed of 64 bits is no error."""
-    assert train(algorithm, 4, seed=2**63).env.steps == 4
+    assert train_anew(algorithm, 4, seed=2**63).env.steps == 4
 
 
 @pytest.mark.parametrize(("algorithm", "space"), [(Sac(), "continuous"), (Ppo(**QUICK_PPO), "discrete")], ids=repr)

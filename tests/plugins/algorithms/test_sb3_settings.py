@@ -8,7 +8,7 @@ from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.parameters import build
 from harness.registry.registry import load_registry
-from harness.testing.trainings import train
+from harness.testing.trainings import train_anew
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo
@@ -22,7 +22,7 @@ SHARED = {
 
 def model_of(models: list[Any], algorithm: Any) -> Any:
     """The model that a short training with seed 5 makes."""
-    train(algorithm, 40, seed=5)
+    train_anew(algorithm, 40, seed=5)
     (model,) = models
     assert (model.seed, model.device.type, model.n_envs) == (5, "cpu", algorithm.num_envs)
     return model

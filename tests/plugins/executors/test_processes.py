@@ -48,16 +48,19 @@ def _is_running(pid: int) -> bool:
 
 
 def test_every_cell_starts_progresses_and_ends(make_cell: Callable[..., Cell], tmp_path: Path):
-    """`on_event` hears of the start, of each number of steps that the algorithm tells, and of the end, in order."""
+    """`on_event` hears of the start, each number of steps, with numbers at the last, and the end, in order."""
     cell, events = make_cell(steps=3), []
     Processes().run([Job(cell, tmp_path / "cell")], 1, events.append)
     assert [(event.kind, event.steps) for event in events] == [
         ("started", 0),
+        ("progress", 0),
         ("progress", 1),
         ("progress", 2),
         ("progress", 3),
+        ("progress", 3),
         ("ended", 0),
     ]
+    assert [event.scalars != {} for event in events] == [False] * 5 + [True, False]
     assert read_manifest(tmp_path / "cell").status == "done"
 
 
