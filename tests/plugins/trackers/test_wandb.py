@@ -37,6 +37,7 @@ def _written(folder: Path) -> list:
 
 def test_an_offline_run_holds_cell_and_numbers(tracked: TrackedCell):
     """Its name, group, parameters and curve, and how it ended."""
+    wandb.teardown()  # what a test before this one left in the process, its folder among it
     track = WandB(mode="offline", project="arms").begin(tracked)
     track.log(100, {"Training/Success Rate": 0.5})
     track.end("failed", "the arm fell off")
