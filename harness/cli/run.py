@@ -35,7 +35,6 @@ def run(
     sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
     algo: Annotated[
         Names,
-        PluginFiles,
         typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
     ] = None,
     reward: RewardNames = None,

@@ -14,7 +14,7 @@ from harness.eta.headline import SUCCESS
 from harness.files.bounded import parse_json, read_bytes, reading
 from harness.record.forms import OPEN, Count, Line, Name, Status, require_form
 from harness.record.plan_file import EXPERIMENT, PLAN
-from harness.report.grid_table import show_grid
+from harness.report.overview_table import WideOrNarrow
 from harness.report.rows import Grid, format_number
 from harness.report.summary.summary import RECORD, SUMMARY
 from harness.results.combination import deciding_manner
@@ -25,7 +25,8 @@ HEADINGS = ("", "the robot", "success", "seeds", "eta_N", "eta_P", "ruler")
 PLACES = ("simulator", "algorithm", "robot", "task")
 READING = (
     "success: baseline > proposed. eta = proposed / baseline; below 1 counts as better for eta_N, above 1 for eta_P. "
-    "ruler: the part of eta_P that comes from counting the same runs otherwise. *: see the remarks below."
+    "ruler: the part of eta_P that comes from counting the same runs otherwise. In brackets, where the window has "
+    "room: the 95% interval. *: see the remarks below."
 )
 Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -35,6 +36,8 @@ class RatioForm(TypedDict):
     """See `harness.eta.index.Ratio`."""
 
     value: Number | None
+    low: Number | None
+    high: Number | None
     note: Line
 
 
@@ -133,8 +136,8 @@ def committed_table(folder: Path) -> RenderableType:
         apart = [kind for kind in (*PLACES, "steps", "baseline") if len({_told(it, kind) for it in comparisons}) > 1]
         names = [" · ".join([*(_told(it, kind) for kind in apart), _proposed(it)]) for it in comparisons]
         shared = [_told(comparisons[0], kind) for kind in (*PLACES, "baseline", "steps") if kind not in apart]
-        rows = [_row(name, it) for name, it in zip(names, comparisons, strict=True)]
-        parts += [Text(" · ".join(shared), style="bold"), *show_grid(Grid(HEADINGS, rows, []))]
+        grids = ([_grid(names, comparisons, with_intervals)] for with_intervals in (True, False))
+        parts += [Text(" · ".join(shared), style="bold"), WideOrNarrow(*grids)]
         parts += [Text(), Text(READING, style="dim"), *map(Text, _remarks(names, comparisons))]
     if len(comparisons) == 1:
         told = comparisons[0]["headline"]
@@ -177,15 +180,27 @@ def _proposed(comparison: ComparisonForm) -> str:
     return f"{comparison['proposed']}{' (other seeds)' if comparison['is_control'] else ''}"
 
 
-def _row(name: str, comparison: ComparisonForm) -> tuple[str, ...]:
+def _grid(names: Sequence[str], comparisons: Sequence[ComparisonForm], with_intervals: bool) -> Grid:
+    rows = [_row(name, it, with_intervals) for name, it in zip(names, comparisons, strict=True)]
+    return Grid(HEADINGS, rows, [])
+
+
+def _row(name: str, comparison: ComparisonForm, with_intervals: bool) -> tuple[str, ...]:
     ratios = _ratios(comparison)
     return (
         name,
         comparison["headline"]["answer"].upper(),
         _success(comparison),
         str(len(comparison["seeds"])),
-        *(f"{format_number(it['value'])}{'*' if it['note'] else ''}" for it in ratios.values()),
+        *(_ratio(it, with_intervals) for it in ratios.values()),
     )
+
+
+def _ratio(ratio: RatioForm, with_intervals: bool) -> str:
+    told = f"{format_number(ratio['value'])}{'*' if ratio['note'] else ''}"
+    if not with_intervals or ratio["low"] is None or ratio["high"] is None:
+        return told
+    return f"{told} [{format_number(ratio['low'])}, {format_number(ratio['high'])}]"
 
 
 def _ratios(comparison: ComparisonForm) -> dict[str, RatioForm]:

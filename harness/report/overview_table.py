@@ -45,21 +45,21 @@ def overview_table(results: Results, details: str) -> RenderableType:
 def comparison_lines(combinations: Sequence[Combination]) -> RenderableType:
     """A line for each of at least one comparison, below what is the same in all, and how to read them."""
     shared = Text(shared_text(combinations), style="bold")
-    return Together(shared, _Overview(combinations), Text(), Text(READING, style="dim"))
+    grids = (overview_grids(combinations, with_intervals=wanted) for wanted in (True, False))
+    return Together(shared, WideOrNarrow(*grids), Text(), Text(READING, style="dim"))
 
 
-class _Overview:
+class WideOrNarrow:
     """A line per comparison, with intervals if all then still stand in one line."""
 
-    def __init__(self, combinations: Sequence[Combination]) -> None:
-        self._combinations = combinations
+    def __init__(self, wide: Sequence[Grid], narrow: Sequence[Grid]) -> None:
+        """The same lines with intervals, and without."""
+        self._wide, self._narrow = wide, narrow
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         """Called by rich, which knows how wide the terminal is."""
-        grids = overview_grids(self._combinations, with_intervals=True)
-        if any(len(divide_columns(grid, options.max_width)) > 1 for grid in grids):
-            grids = overview_grids(self._combinations, with_intervals=False)
-        for grid in grids:
+        has_room = all(len(divide_columns(grid, options.max_width)) == 1 for grid in self._wide)
+        for grid in self._wide if has_room else self._narrow:
             yield from show_grid(grid, STYLES)
 
 

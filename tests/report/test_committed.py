@@ -8,6 +8,7 @@ from rich.console import Console
 from harness.errors import SchemaError, UsageError
 from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
 from harness.report.document import report_text
+from harness.report.rows import interval_text
 from harness.results.overview import success_text
 
 
@@ -24,9 +25,9 @@ def commit(tmp_path):
     return write
 
 
-def lines_of(folder):
-    """What stands in the terminal, 120 columns wide."""
-    console = Console(width=120, record=True, file=None, force_terminal=False)
+def lines_of(folder, width=120):
+    """What stands in the terminal, so many columns wide."""
+    console = Console(width=width, record=True, file=None, force_terminal=False)
     with console.capture() as capture:
         console.print(committed_table(folder))
     return [line.rstrip() for line in capture.get().splitlines()]
@@ -54,6 +55,19 @@ def test_every_comparison_has_a_line(build, commit):
         assert row.startswith(f"{it.group.labels['simulator']} · {it.proposed} ")
         assert f" {it.headline.answer.value.upper()} " in row
         assert f" {success_text(it.success)} " in row
+
+
+def test_intervals_stand_beside_the_ratios_where_there_is_room(build, commit):
+    """Those of the experiment; a narrow window has the ratios alone."""
+    results = build()
+    (combination,) = results.combinations
+    wide, narrow = (
+        next(line for line in lines_of(folder, width) if line.startswith("arp "))
+        for folder in [commit(results)]
+        for width in (120, 60)
+    )
+    assert interval_text(combination.eta_p) in wide
+    assert "[" not in narrow
 
 
 def test_a_single_comparison_is_told_in_sentences(build, commit):
