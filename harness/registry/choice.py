@@ -28,7 +28,8 @@ class Choice:
 
     Attributes:
         name: The registered name; qualified by its distribution where it was typed so, ``cem-algo/cem``.
-        params: Every parameter with its value, in the order of the target's fields; JSON-able.
+        params: Every parameter with its value, in the order of the target's fields; JSON-able. Those that the target
+            names in its class variable ``later`` are left out at their defaults.
         label: What to call it: the name, and the parameters that differ from their defaults.
     """
 
@@ -160,7 +161,8 @@ def _choose_and_build(registry: Registry, kind: str, given: str | Mapping[str, A
     built = _build(spec, params, noun, registry)
     values, changed = resolved(target, built, noun)
     text = ",".join(f"{key}={_text(value)}" for key, value in changed.items())
-    frozen = tuple((key, _frozen(value)) for key, value in values.items())
+    later = set(getattr(target, "later", ())) - changed.keys()
+    frozen = tuple((key, _frozen(value)) for key, value in values.items() if key not in later)
     label = f"{name}:{text}" if text else name
     if not _is_line(label):
         raise UsageError(f"'{label}' has line breaks: {SYNTAX}")

@@ -138,6 +138,15 @@ def test_choice_holds_every_parameter(registry: Registry):
     assert choose(registry, "rewards", "arp:k2=2").params == (("k1", 1.0), ("k2", 2.0))
 
 
+@pytest.mark.parametrize(("text", "params"), [("arp", (("k1", 1.0),)), ("arp:k2=2", (("k1", 1.0), ("k2", 2.0)))])
+def test_later_parameter_counts_where_it_is_not_at_its_default(
+    registry: Registry, monkeypatch: pytest.MonkeyPatch, text: str, params: tuple[tuple[str, Any], ...]
+):
+    """A parameter that an earlier version did not have leaves the cells of that version what they were."""
+    monkeypatch.setattr(registry.get("rewards", "arp").load(), "later", ("k2",), raising=False)
+    assert choose(registry, "rewards", text).params == params
+
+
 @pytest.mark.parametrize(
     ("text", "label"),
     [
