@@ -83,6 +83,14 @@ class Simulator(Protocol):
         """
 
 
+def drives_with_servo(simulator: object) -> bool:
+    """Whether a simulator moves an arm by the drives of its robot.toml, `harness.robot.servo.Servo`.
+
+    It does where it has a field ``drive`` that is "servo".
+    """
+    return getattr(simulator, "drive", None) == "servo"
+
+
 def family_of(simulator: object) -> str | None:
     """The engine that a simulator, or its class, computes with; None where it is none.
 
