@@ -103,8 +103,13 @@ def require_drives(simulator: object, robot: Robot) -> None:
     Raises:
         UsageError: As `servo_of`.
     """
-    if getattr(simulator, "drive", None) == "servo":
+    if drives_with_servo(simulator):
         servo_of(robot)
+
+
+def drives_with_servo(simulator: object) -> bool:
+    """Whether a simulator is set to move an arm by the drives of its robot.toml, `harness.robot.servo.Servo`."""
+    return getattr(simulator, "drive", None) == "servo"
 
 
 def servo_of(robot: Robot) -> Servo:
