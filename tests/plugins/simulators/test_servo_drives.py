@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 import harness
-from harness.authoring import GroundContact, ServoTrack
+from harness.authoring import ServoTrack
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.robot import Robot
+from harness.robot.robot import read_robot
 from harness.simulator import State
 from harness.testing import SIMULATOR_CHECKS, violations
 from harness_plugins.mujoco_model import build_model
@@ -146,37 +147,46 @@ def test_robot_without_drives_is_refused(simulator: Any):
 
 
 
-def _folded_pose() -> np.ndarray:
-    """A pose high above the ground in which links that no joint connects are deep in one another."""
-    model = build_model(ROBOT, STEP, 100.0, self_collision=True)
-    data, poses = mujoco.MjData(model), np.random.default_rng(0).uniform(ROBOT.lower, ROBOT.upper, (5000, 6))
-    for pose in poses[GroundContact(ROBOT).clearance(poses) > 0.08]:
-        data.qpos = pose
-        mujoco.mj_forward(model, data)
-        if any(contact.dist < -0.02 for contact in data.contact):
-            return pose
-    raise AssertionError("no such pose")
+@pytest.fixture(scope="module")
+def folding(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """Three bars that turn about upright axes, 2 m above the ground: folded, the last one meets the first."""
+    folder = tmp_path_factory.mktemp("folding")
+    bar = """<link name="bar{0}"><inertial><origin xyz="0.2 0 0"/><mass value="2"/>
+        <inertia ixx="0.001" iyy="0.03" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial>
+        <collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.05 0.05"/></geometry></collision></link>
+        <joint name="joint{0}" type="revolute"><parent link="{1}"/><child link="bar{0}"/><origin xyz="{2}"/>
+        <axis xyz="0 0 1"/><limit lower="-2.6" upper="2.6" velocity="3" effort="1"/></joint>"""
+    bars = [bar.format(1, "base", "0 0 2"), bar.format(2, "bar1", "0.4 0 0"), bar.format(3, "bar2", "0.4 0 0")]
+    (folder / "arm.urdf").write_text(f'<robot name="arm"><link name="base"/>{"".join(bars)}</robot>')
+    (folder / "robot.toml").write_text(
+        "home_deg = [0, 20, 20]\n[servo]\nmax_torque_nm = [30, 30, 30]\narmature_kg_m2 = [0.5, 0.5, 0.5]\n"
+        "stiffness_nm_per_rad = [1000, 500, 500]\ndamping_nms_per_rad = [60, 30, 30]\n"
+    )
+    return read_robot(folder / "arm.urdf")
 
 
+FOLDED = np.radians([0.0, 125.0, 125.0])
+"""The third bar in the first one."""
+
+
+@pytest.mark.parametrize("kind", [Mujoco, DmControl])
 @pytest.mark.parametrize("drive", ["ideal", "servo"])
-def test_links_that_collide_hold_one_another_up(drive: str):
+def test_links_that_collide_hold_one_another_up(kind: Any, drive: str, folding: Robot):
     """On the way into themselves links stop at one another, and pass through one another where they do not."""
-    pose, ends = _folded_pose(), {}
+    ends = {}
     for collides in (False, True):
-        simulation = Mujoco(drive=drive, self_collision=collides).open(ROBOT, 1, PERIOD)
-        for share in np.linspace(0.0, 1.0, 40)[1:]:
-            state = simulation.drive((ROBOT.home + share * (pose - ROBOT.home))[None], PERIOD)
-        for _ in range(5):
-            state = simulation.drive(pose[None], PERIOD)
-        ends[collides] = float(np.abs(state.qpos[0] - pose).max())
-    assert ends[False] < np.radians(0.5)
-    assert ends[True] > 2.0 * np.radians(0.5)
+        simulation = kind(drive=drive, self_collision=collides).open(folding, 1, PERIOD)
+        for share in np.minimum(np.linspace(0.0, 1.2, 24)[1:], 1.0):
+            state = simulation.drive((folding.home + share * (FOLDED - folding.home))[None], PERIOD)
+        ends[collides] = float(np.degrees(np.abs(state.qpos[0] - FOLDED).max()))
+    assert ends[False] < 0.1
+    assert ends[True] > 1.0
 
 
-def test_a_link_on_another_is_not_on_the_ground():
+def test_a_link_on_another_is_not_on_the_ground(folding: Robot):
     """Links that are in one another above the ground touch no ground."""
-    simulation = Mujoco(self_collision=True).open(ROBOT, 1, PERIOD)
-    assert not simulation.place(_folded_pose()[None]).ground_contact[0]
+    simulation = Mujoco(self_collision=True).open(folding, 1, PERIOD)
+    assert not simulation.place(FOLDED[None]).ground_contact[0]
 
 
 def test_neighbours_and_what_touches_at_home_do_not_collide():
