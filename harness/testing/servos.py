@@ -134,7 +134,9 @@ def friction_holds_the_joints(simulator: Simulator, robot: Robot, servo: Servo) 
     """With `drive=servo` a dry friction above the limit holds every joint, and viscous friction makes it lag."""
     way = np.abs(_far(robot)).max()
     held = _moved(simulator, _with(robot, dry_friction=3.0 * servo.max_torque))
-    require(held.max() <= ROUNDING * way, f"with drive=servo dry friction above the limit lets a joint go {held.max():.3g}")
+    require(
+        held.max() <= ROUNDING * way, f"with drive=servo dry friction above the limit lets a joint go {held.max():.3g}"
+    )
     free, slow = (
         _moved(simulator, _with(robot, viscous_friction=friction, dry_friction=0.0 * servo.dry_friction))
         for friction in (0.0 * servo.viscous_friction, servo.max_torque / robot.max_speed)
@@ -148,7 +150,9 @@ def armature_makes_the_joints_slow(simulator: Simulator, robot: Robot, servo: Se
     """With `drive=servo` joints with a large armature gain less speed than those of the robot."""
     own = _moved(simulator, robot)
     heavy = _moved(simulator, _with(robot, armature=HEAVY * (servo.armature + _inertia(robot))))
-    require((heavy < 0.5 * own).all(), f"with drive=servo joints of large armature go {heavy}, those of the robot {own}")
+    require(
+        (heavy < 0.5 * own).all(), f"with drive=servo joints of large armature go {heavy}, those of the robot {own}"
+    )
 
 
 @check("sim-servo-forgets")
