@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Callable, Sequence
 from functools import wraps
+from itertools import pairwise
 from typing import Any, cast
 
 import numpy as np
@@ -85,7 +86,7 @@ def drives_keep_their_limits(simulator: Simulator, robot: Robot, servo: Servo) -
         states = [start_at_home(simulation, strong)]
         states += [copied(simulation.drive(target, PERIOD)) for _ in range(2)]
     bodies = read_bodies(robot)
-    for before, after in zip(states, states[1:], strict=False):
+    for before, after in pairwise(states):
         gain = sum(0.5 * (servo.armature * (s.qvel**2)).sum(axis=1) * sign for s, sign in ((after, 1), (before, -1)))
         if bodies is not None:
             told = [energy(robot.chain, bodies, state.qpos, state.qvel) for state in (before, after)]
@@ -94,8 +95,8 @@ def drives_keep_their_limits(simulator: Simulator, robot: Robot, servo: Servo) -
         env = int(np.argmax(gain - allowed))
         require(
             (gain <= (1.0 + ROUNDING) * allowed).all(),  # what is no number is not
-            f"with drive=servo the arm of env {env} gains {gain[env]:.4g} J in {PERIOD:g} s; the largest torques of its "
-            f"drives give it at most {allowed[env]:.4g} J on that way",
+            f"with drive=servo the arm of env {env} gains {gain[env]:.4g} J in {PERIOD:g} s; "
+            f"the largest torques of its drives give it at most {allowed[env]:.4g} J on that way",
         )
 
 

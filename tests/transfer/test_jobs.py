@@ -310,11 +310,14 @@ def test_trained_policy_goes_between_engines(tmp_path: Path):
         assert not partial_folder(folder).exists()
 
 
-def test_policies_go_to_drives_that_their_robot_describes(train: Train, tmp_path: Path):
-    """`--to mujoco:drive=servo` is a simulator of its own; a robot without drives is refused in one line."""
-    results = train(seeds=1)
-    (job, *_) = plan_transfers(results, "mujoco:drive=servo", load_registry()).jobs
+def test_policies_go_to_drives_that_their_robot_describes(train: Train):
+    """`--to mujoco:drive=servo` is a simulator of its own."""
+    (job, *_) = plan_transfers(train(seeds=1), "mujoco:drive=servo", load_registry()).jobs
     assert job.simulator.label == "mujoco:drive=servo"
+
+
+def test_policies_of_a_robot_without_drives_do_not(train: Train, tmp_path: Path):
+    """One line says what is missing, before anything is evaluated."""
     (tmp_path / "arm.urdf").write_text(load_robot("fd100").urdf)
     bare = train(seeds=1, robot=str(tmp_path / "arm.urdf"))
     with pytest.raises(UsageError, match=r"cannot be evaluated: Robot 'arm' has no drives to simulate"):
