@@ -14,9 +14,9 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
 # What install and dev set up, of pyproject.toml's extras.
 RUN_EXTRAS := mujoco sb3 report
-DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev docs
 
-.PHONY: install dev lock run reference test slow plugins examples browser bench check format clean
+.PHONY: install dev lock run reference test slow plugins examples browser bench check docs format clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
@@ -63,6 +63,10 @@ check: dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# The site, into build/site: a warning is an error.
+docs: dev
+	$(BIN)/python -m sphinx --builder html --fail-on-warning --keep-going --quiet docs build/site
 
 format: dev
 	$(BIN)/ruff check --fix .
