@@ -1,4 +1,6 @@
-"""Every error that this project raises on purpose::
+"""Every error that this project raises on purpose.
+
+::
 
     HarnessError
     ├── UsageError            what the user gave cannot be used: one line, exit status 2, nothing written
