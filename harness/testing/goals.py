@@ -84,6 +84,8 @@ def targets_move_from_where_they_are_set(task: Task, robot: Robot) -> None:
     if goal is None:
         return
     now = situations(task, robot, goal)
+    low = now.target[now.target[:, 2] < 0.0]
+    require(not len(low), f"a target moves under the ground z = 0, as to {low[:1]} m: nothing can get there")
     for step in (np.zeros(COUNT), now.step):
         moved = goal.displacement(now.numbers, step)
         require(moved.shape == (COUNT, 3) and np.isfinite(moved).all(), f"a displacement is {moved.shape}: {moved}")
