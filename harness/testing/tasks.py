@@ -120,7 +120,7 @@ def targets_can_be_reached(task: Task, robot: Robot) -> None:
         f"{len(low)} of {TARGETS} targets are under the ground z = 0, as {_point(low)} m: nothing can get there",
     )
     missed = places[~_are_reached(task, robot, places, starts)]
-    told = _out_of_reach(missed, robot)
+    told = _out_of_reach(missed, task, robot)
     require(len(missed) <= MOST_MISSED * TARGETS, f"{told}; draw others, or keep those that reach_position reaches")
 
 
@@ -236,7 +236,7 @@ def all_targets_can_be_reached(task: Task, robot: Robot) -> None:
     """Not one target of 128 is out of reach: on those that are, the best policy fails too."""
     places, starts = _places(task, robot)
     missed = places[~_are_reached(task, robot, places, starts)]
-    require(not len(missed), f"{_out_of_reach(missed, robot)}: no policy succeeds on those")
+    require(not len(missed), f"{_out_of_reach(missed, task, robot)}: no policy succeeds on those")
 
 
 TASK_WARNINGS: tuple[Check, ...] = (all_targets_can_be_reached,)
@@ -251,7 +251,13 @@ def _places(task: Task, robot: Robot) -> tuple[Float, Float]:
     return places, starts
 
 
-def _out_of_reach(missed: Float, robot: Robot) -> str:
+def _out_of_reach(missed: Float, task: Task, robot: Robot) -> str:
+    goal = goal_of(task, robot)
+    if goal is not None:
+        return (
+            f"at {len(missed)} of {TARGETS} targets, as {_point(missed)} m, no pose of {robot.name} was found whose "
+            f"{goal.error} is within epsilon = {task.epsilon:g} {goal.unit}"
+        )
     return (
         f"{len(missed)} of {TARGETS} targets are out of reach, as {_point(missed)} m: the end effector of {robot.name} "
         f"gets {robot.reach:.3g} m from its first joint at most"
