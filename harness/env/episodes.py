@@ -66,9 +66,7 @@ class Episodes:
         )
         self.numbers, self._set_at = self._part("numbers"), self._part("set_at")
         self._since, self._within = (self._column(name) if goal else np.zeros(0) for name in ("since", "within"))
-        self.situation = Situation(
-            self.qpos, self.end_effector, self.target, self.numbers, self._since, self._within
-        )
+        self.situation = Situation(self.qpos, self.end_effector, self.target, self.numbers, self._since, self._within)
 
     def columns(self, *names: str) -> NDArray[np.intp]:
         """Where in `matrix` the arrays of these names stand, one after the other."""

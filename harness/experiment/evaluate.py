@@ -46,7 +46,9 @@ def evaluate(
         on_step: Called after every step of the batch.
     """
     env = world.open(episodes, autoreset_mode=AutoresetMode.DISABLED)
-    facts = replace(facts_of(world.task, world.robot), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes]))
+    facts = replace(
+        facts_of(world.task, world.robot), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes])
+    )
     try:
         with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1, facts=facts) as writer:
             env.recorder = meter = WorkMeter(writer, world)

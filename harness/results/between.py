@@ -118,8 +118,7 @@ def between(before: Results, after: Results) -> Between:
     trained = [(_policies(before, one[key]), _policies(after, other[key])) for key in shared]
     swaps = swaps_of(sorted({seed for first, second in trained for seed in first.keys() & second.keys()}))
     changes = [
-        _changes(before, one[key], first, second, swaps)
-        for key, (first, second) in zip(shared, trained, strict=True)
+        _changes(before, one[key], first, second, swaps) for key, (first, second) in zip(shared, trained, strict=True)
     ]
     pairs = zip(shared, _correct(changes), strict=True)
     return Between(

@@ -74,7 +74,10 @@ def errors_are_zero_at_the_goal(task: Task, robot: Robot) -> None:
     errors = goal.errors(at)[found]
     require((errors <= EXACT).all(), f"at the goal the error is {errors.max(initial=0.0):.3g} {goal.unit}, not 0")
     away = goal.errors(now)
-    require((away > EXACT).all(), f"arms that were put anywhere have the error {away.min():.3g} {goal.unit}: they are not there")
+    require(
+        (away > EXACT).all(),
+        f"arms that were put anywhere have the error {away.min():.3g} {goal.unit}: they are not there",
+    )
 
 
 @check("task-goal-motion")
@@ -91,7 +94,10 @@ def targets_move_from_where_they_are_set(task: Task, robot: Robot) -> None:
         require(moved.shape == (COUNT, 3) and np.isfinite(moved).all(), f"a displacement is {moved.shape}: {moved}")
         require(np.array_equal(moved, goal.displacement(now.numbers, step)), "a target moves otherwise each time")
         may = goal.moves and step.any()
-        require(may or not moved.any(), f"a target has moved by {moved[moved.any(axis=1)][:1]} m: at step 0, or with moves=False")
+        require(
+            may or not moved.any(),
+            f"a target has moved by {moved[moved.any(axis=1)][:1]} m: at step 0, or with moves=False",
+        )
 
 
 @check("task-goal-observed")

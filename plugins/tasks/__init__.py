@@ -16,7 +16,9 @@ def register_tasks(register: harness.Register) -> None:
     register("fd100-low", f"{here}.low:Low", summary="targets just above the ground: punishes careless paths")
     register("fd100-moving", f"{here}.moving:Moving", summary="follow a moving target: punishes hurry without control")
     register("fd100-pose", f"{here}.pose:Pose", summary="reach a target in its orientation: more than position counts")
-    register("fd100-small-target", f"{here}.small_target:SmallTarget", summary="within 1 cm: the last centimetres count")
+    register(
+        "fd100-small-target", f"{here}.small_target:SmallTarget", summary="within 1 cm: the last centimetres count"
+    )
     register(
         "unity-reach",
         "harness_plugins.tasks.unity:UnityReach",

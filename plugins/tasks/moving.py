@@ -8,7 +8,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.reach import Positive, ReachTask
+from harness.reach import ReachTask
 from harness.robot import Robot
 from harness.task import Goal, Situation
 
@@ -21,9 +21,6 @@ class Moving(ReachTask):
     again. Both are drawn as its targets are.
     """
 
-    epsilon: Annotated[Positive, Field(description="how near to the target, where it is now, the arm has to be [m]")] = (
-        0.03
-    )
     target_speed: Annotated[float, Field(ge=0, description="of the target [m/s]")] = 0.25
     steps_within: Annotated[
         int, Field(gt=0, description="for so many steps in a row the end effector has to be within epsilon")
