@@ -182,7 +182,8 @@ def _require_one_goal(given: Given, registry: Registry) -> None:
         allowed = [name for name, task in build_defaults(registry, "tasks").items() if _has_one_goal(task)]
         raise UsageError(
             f"Task '{choice.label}' sets several goals in an episode, repeats an action for several steps, or asks for "
-            f"more than a point that stays: its steps cannot be paid again for another goal. Allowed: {', '.join(allowed)}"
+            "more than a point that stays: its steps cannot be paid again for another goal. "
+            f"Allowed: {', '.join(allowed)}"
         )
 
 

@@ -4,7 +4,6 @@ import json
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
-
 OF_A_GOAL = ("error", "unit", "target_moves")
 """Left out of the file where there is nothing to tell: it is, byte for byte, as it was before there were goals."""
 

@@ -1,7 +1,7 @@
 """A target that moves."""
 
 from dataclasses import dataclass as plain_dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -54,17 +54,18 @@ class MovingGoal(Goal):
     period: float
     steps_within: int
 
-    error: ClassVar[str] = "distance"
-    numbers: ClassVar[int] = 3
-    moves: ClassVar[bool] = True
-    aim: ClassVar[str] = "position"
-    observed: ClassVar[str] = (
+    error = "distance"
+    numbers = 3
+    moves = True
+    aim = "position"
+    observed = (
         "the target's velocity (3, m/s), and the steps in a row within epsilon, as a share of those that are needed"
     )
 
     def draw(self, rng: np.random.Generator, position: Float) -> Float:
         """From each place to the other end of its target's way, (count, 3), [m]."""
-        return self.task.draw_targets(self.robot, rng, len(position)).position - position
+        ends = self.task.draw_targets(self.robot, rng, len(position)).position
+        return np.asarray(ends - position)
 
     def displacement(self, numbers: Float, step: Float) -> Float:
         """See `harness.task.Goal`."""
