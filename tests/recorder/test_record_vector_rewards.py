@@ -67,7 +67,9 @@ def make_batch(counting: Callable[..., Any]) -> Callable[..., Any]:
     """Two counting envs, of other lengths."""
 
     def make(mode: AutoresetMode) -> Any:
-        return SyncVectorEnv([lambda length=length: counting(length, fresh=True) for length in LENGTHS], autoreset_mode=mode)
+        return SyncVectorEnv(
+            [lambda length=length: counting(length, fresh=True) for length in LENGTHS], autoreset_mode=mode
+        )
 
     return make
 
