@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 from harness.eta.behaviour_change import Change
-from harness.eta.decompose import Decomposition, Split
+from harness.eta.decompose import Decomposition, Split, Splits
 from harness.eta.index import Ratio
 from harness.eta.power import Range, seeds_to_tell
 from harness.eta.return_split import ReturnSplit
@@ -86,7 +86,7 @@ def headline_of(
         claims: How many are made together with these, for the number of seeds that would decide.
     """
     deciding = [change for name in DECIDING for change in changes if change.name == name and change.seeds]
-    return judge(names, deciding, number_sentence(names, decomposition), claims)
+    return judge(names, deciding, number_sentence(names, decomposition.splits), claims)
 
 
 def judge(
@@ -124,10 +124,10 @@ def margin_of(change: Change) -> float:
     return TIME_MARGIN * abs(change.baseline or 0.0)
 
 
-def number_sentence(names: Names, decomposition: Decomposition) -> str:
+def number_sentence(names: Names, splits: Splits) -> str:
     """How much each index changed, what the ruler alone makes of it, and what the runs themselves do."""
-    told = [_ratio_sentence(name, name.replace("eta", "I"), names, it) for name, it in decomposition.splits.items()]
-    return " ".join([*told, *_flags(decomposition)])
+    told = [_ratio_sentence(name, name.replace("eta", "I"), names, split) for name, split in splits.items()]
+    return " ".join([*told, *(f"{name}: {flag}." for name, split in splits.items() for flag in split.flags)])
 
 
 def return_sentence(names: Names, split: ReturnSplit) -> str:
@@ -238,10 +238,6 @@ def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
         f"{told}: x {_text(split.ruler)} because {names.proposed} counts the same runs otherwise (ruler), "
         f"x {_text(split.behaviour)} because the runs differ (behaviour)."
     )
-
-
-def _flags(decomposition: Decomposition) -> list[str]:
-    return [f"{name}: {flag}." for name, split in decomposition.splits.items() for flag in split.flags]
 
 
 def _text(ratio: Ratio) -> str:

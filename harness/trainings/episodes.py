@@ -1,0 +1,82 @@
+"""A recorded training by its finished episodes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.record.recording.facts import BEHAVIOUR, REWARD, Failure
+from harness.record.recording.recorded_training import RecordedTraining
+
+
+class Part(NamedTuple):
+    """What the episodes of a stretch of a training come to: means over these episodes."""
+
+    episodes: int
+    returns: Mapping[str, float | None]
+    """By reward; None where there is none."""
+    behaviour: Mapping[str, float | None]
+    """By measure."""
+    reasons: Mapping[str, str]
+    """Why there is none, by the names of both."""
+
+
+@dataclass(frozen=True, eq=False)
+class Episodes:
+    """The finished episodes of a recording, in the order in which they ended. All arrays are (episodes,).
+
+    Attributes:
+        last: Row of the last step of each, counted from 0.
+        returns: By reward, the sum over the episode; NaN where the reward was given up.
+        behaviour: By measure, the value in its last step; NaN where the measure was given up.
+        failures: What was given up.
+    """
+
+    last: NDArray[np.int64]
+    returns: Mapping[str, Float]
+    behaviour: Mapping[str, Float]
+    failures: tuple[Failure, ...]
+
+    def part(self, begin: int, end: int) -> Part:
+        """The episodes that ended in the rows from `begin` to `end`, the latter not included."""
+        inside = slice(*np.searchsorted(self.last, [begin, end]).tolist())
+        count = len(self.last[inside])
+        sides = ({name: _mean(values[inside]) for name, values in side.items()} for side in (self.returns, self.behaviour))
+        returns, behaviour = sides
+        missing = [*((REWARD, it) for it in returns if returns[it] is None)]
+        missing += [(BEHAVIOUR, it) for it in behaviour if behaviour[it] is None]
+        reasons = {name: self._reason(f"{kind}{name}") if count else "no episode ended" for kind, name in missing}
+        return Part(count, returns, behaviour, reasons)
+
+    def is_flag(self, measure: str) -> bool:
+        """Whether a measure is 0 or 1 in every episode: its mean is a share of episodes."""
+        return bool(np.isin(self.behaviour[measure], (0.0, 1.0)).all())
+
+    def _reason(self, column: str) -> str:
+        for failure in self.failures:
+            if failure.column == column:
+                return f"given up in step {failure.step:,} of episode {failure.episode:,}: {failure.reason}"
+        return "not a number in some episodes"
+
+
+def episodes_of(recording: RecordedTraining) -> Episodes:
+    """The episodes of a recording; one that had not ended is left out."""
+    ended = np.flatnonzero(recording.terminated | recording.truncated)
+    most = int(recording.episode.max(initial=0)) + 1
+    _, numbers = np.unique(recording.env.astype(np.int64) * most + recording.episode, return_inverse=True)
+    return Episodes(
+        ended,
+        {name: np.bincount(numbers, values)[numbers[ended]] for name, values in recording.rewards.items()},
+        {name: values[ended] for name, values in recording.behaviour.items()},
+        recording.facts.failures,
+    )
+
+
+def _mean(values: Float) -> float | None:
+    """None without any, and where one is not known."""
+    if not len(values) or np.isnan(values).any():
+        return None
+    return float(values.mean())
