@@ -10,6 +10,7 @@ from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.decompose import Decomposition, Splits, decompose
 from harness.eta.headline import Headline, Names, judge, number_sentence, return_sentence
+from harness.eta.index import Index
 from harness.eta.return_split import Returns, ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.swaps import Swaps, smallest_p
@@ -75,6 +76,16 @@ class Comparison:
             "eta_P": (self.indices.baseline.positive_sum, self.indices.proposed.positive_sum),
         }
         return {name: split for name, split in self.indices.splits.items() if any(sums[name])}
+
+    @property
+    def baseline_index(self) -> Index | None:
+        """None where the summed reward is not known."""
+        return self.indices and self.indices.baseline
+
+    @property
+    def proposed_index(self) -> Index | None:
+        """The same of the proposed reward."""
+        return self.indices and self.indices.proposed
 
     def changes_in(self, manner: str) -> tuple[Change, ...]:
         """The measures of one manner."""
