@@ -36,10 +36,10 @@ from harness.results.overview import NOTHING
 from harness.trainings.comparison import Comparison
 from harness.trainings.study import Study
 
-HEADINGS = ("", "the agent", "measure", "return", "eta", "ruler", "behaviour")
+HEADINGS = ("", "the agent", "return", "eta", "ruler", "behaviour")
 OVERVIEW = (
-    "measure, return: baseline > proposed, each training's return paid by its own reward. eta = ruler x behaviour: the "
-    "ratio of both returns, and what of it comes from counting the same episodes otherwise."
+    "return: baseline > proposed, each training paid by its own reward. eta = ruler x behaviour is the ratio of both; the "
+    "ruler is what comes from counting the same episodes otherwise."
 )
 
 
@@ -52,13 +52,14 @@ def study_overview(study: Study, details: str) -> RenderableType:
     """
     comparisons = study.comparisons
     parts: list[RenderableType] = [Text(study_text(study), style="bold"), *_notes(study)]
-    parts += show_grid(Grid(HEADINGS, [_line(it) for it in comparisons], []), STYLES)
+    parts += show_grid(paid_grid(study, _first_manner(study)))
+    headings = (*HEADINGS, *(name.replace("_", " ") for name in study.runs.measures[:1]))
+    parts += show_grid(Grid(headings, [_line(it) for it in comparisons], []), STYLES)
     parts += [Text(), Text(OVERVIEW, style="dim")]
     if len(comparisons) == 1:
         parts += [part for line in _sentences(comparisons[0]) for part in (Text(), Text(line))]
     else:
         parts += [Text(), *(Text(line) for line in dict.fromkeys(it.basis for it in comparisons if it.basis))]
-    parts += show_grid(paid_grid(study, _first_manner(study)))
     return Group(*parts, Text(), Text(f"Everything that this rests on: {details}"))
 
 
@@ -112,15 +113,15 @@ def _first_manner(study: Study) -> str:
 def _line(comparison: Comparison) -> tuple[str, ...]:
     """What stands under `HEADINGS`."""
     main, change = comparison.main, comparison.decisive
-    measure = NOTHING
+    measures = [] if comparison.deciding is None else [NOTHING]
     if change is not None:
         text = text_of(change)
-        measure = f"{text(change.baseline)} > {text(change.proposed)}"
+        measures = [f"{text(change.baseline)} > {text(change.proposed)}"]
     returns, ratios = NOTHING, (NOTHING,) * 3
     if main is not None:
         returns = f"{format_number(main.returns[BB].mean)} > {format_number(main.returns[KK].mean)}"
         ratios = tuple(map(ratio_text, (main.ratio.eta, main.ratio.ruler, main.ratio.behaviour)))
-    return (pair_text(comparison), answer_text(comparison.headline), measure, returns, *ratios)
+    return (pair_text(comparison), answer_text(comparison.headline), returns, *ratios, *measures)
 
 
 def _sentences(comparison: Comparison) -> list[str]:
