@@ -97,7 +97,7 @@ def _render(results: Results, audits: Audits) -> str:
         ranking=_ranking(results),
         cell_count=count_cells(results),
         unfinished=unfinished_cells(results),
-        returns=_returns(matrices),
+        returns=_returns(matrices, is_open=len(combinations) <= OPEN),
         replay=replay_of(shows),
         transfer=_transfer(load_transfers(results)),
         manifests=results.manifests,
@@ -130,12 +130,12 @@ def _ranking(results: Results) -> dict[str, str] | None:
     return {"title": RANKING_TITLE, "sentence": ranking_sentence(ranking_of(results)), "explanation": RANKING}
 
 
-def _returns(matrices: list[ReturnMatrix]) -> dict[str, Any] | None:
+def _returns(matrices: list[ReturnMatrix], is_open: bool) -> dict[str, Any] | None:
     """What the template shows of returns under every reward; None before a cell is done."""
     if not matrices:
         return None
     blocks = [(matrix.group.title, return_grid(matrix)) for matrix in matrices]
-    return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks}
+    return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks, "is_open": is_open}
 
 
 def _transfer(transfers: Transfers) -> dict[str, Any] | None:

@@ -29,7 +29,6 @@ from harness.report.rows import (
     format_number,
     index_grid,
     interval_text,
-    mean_interval_text,
     path_grid,
     ratio_grid,
     ratio_text,
@@ -61,10 +60,9 @@ from harness.trainings.comparison import Comparison
 from harness.trainings.learning import learning_of
 from harness.trainings.study import Study
 
-HEADINGS = ("measure, baseline", "measure, proposed", "difference", "return, baseline", "return, proposed", "eta")
+HEADINGS = ("return, baseline", "return, proposed", "eta")
 LEARNING = "Lines: mean over seeds of the episodes that ended in each twentieth of the training. Bands: 95% intervals."
 CROSSOVER = "The cross-over is the first step after the first negative one at which the mean is not negative again."
-MAP = "The first measure, proposed - baseline: a row against a column."
 
 
 def write_study_page(study: Study, path: Path) -> None:
@@ -78,20 +76,22 @@ def write_study_page(study: Study, path: Path) -> None:
 
 def _render(study: Study) -> str:
     matrix = _matrix(study)
+    deciding = study.runs.measures[0].replace("_", " ") if study.runs.measures else "behaviour"
+    unit = " [pp]" if study.runs.measures and study.runs.is_flag(study.runs.measures[0]) else ""
     return render_page(
         TEMPLATE,
         "The HTML report",
         question=study_title(study),
         matrix=matrix,
         shared=matrix.shared,
-        headings=HEADINGS,
+        headings=(*HEADINGS, f"{deciding}, baseline", f"{deciding}, proposed", f"difference{unit}"),
         success=[{} for _ in study.comparisons],
         comparisons=[_section(study, comparison) for comparison in study.comparisons],
         is_open=len(study.comparisons) <= OPEN,
         told={
             "subject": "agent",
             "cells": "Recordings",
-            "map": MAP,
+            "map": f"Its {deciding}, proposed - baseline{unit}: a reward against the one above.",
             "learning": LEARNING,
             "crossover": CROSSOVER,
             "split": SPLIT,
@@ -109,6 +109,7 @@ def _render(study: Study) -> str:
             "title": "Every training, paid by every reward",
             "explanation": TABLE,
             "blocks": [(f"{RETURNS}, {manner}", paid_grid(study, manner)._replace(title="")) for manner in study.tables],
+            "is_open": True,
         },
         replay=None,
         transfer=None,
@@ -252,7 +253,7 @@ def _entry(number: int, comparison: Comparison) -> Entry:
         badge_of(headline.answer),
         SYMBOLS[headline.answer],
         difference,
-        (*_measured(change, difference), *_returned(comparison)),
+        (*_returned(comparison), *_measured(change, difference)),
     )
 
 
@@ -269,7 +270,7 @@ def _returned(comparison: Comparison) -> tuple[Sortable, ...]:
     if main is None:
         return (Sortable(NOTHING, "", ""),) * 3
     own = (main.returns[BB], main.returns[KK])
-    sides = [Sortable(format_number(it.mean), "" if it.low is None else mean_interval_text(it), _key(it.mean)) for it in own]
+    sides = [Sortable(format_number(it.mean), "", _key(it.mean)) for it in own]
     eta: Ratio = main.ratio.eta
     return (*sides, Sortable(ratio_text(eta), interval_text(eta, missing=""), _key(eta.value)))
 

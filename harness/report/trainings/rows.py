@@ -1,7 +1,5 @@
 """A study of recorded trainings as text: sentences and small grids that the terminal and the page share."""
 
-from collections.abc import Mapping
-
 from harness.eta.behaviour_change import Change
 from harness.eta.decompose import Split
 from harness.eta.headline import count_seeds
@@ -12,7 +10,7 @@ from harness.report.behaviour_rows import Text, behaviour_row, percentage
 from harness.report.rows import Grid, format_number, mean_interval_text
 from harness.results.overview import NOTHING
 from harness.trainings.comparison import Comparison
-from harness.trainings.runs import EVALUATION, LAST, TRAINING
+from harness.trainings.runs import TRAINING
 from harness.trainings.study import Study, Table
 
 RETURNS = "Mean return of an episode"
@@ -31,8 +29,6 @@ TESTS = (
     "stands only where p is at most 0.05. Intervals are over seeds, 95% each by itself."
 )
 HEADINGS = ("", "baseline", "proposed", "difference", "better", "p", "result")
-LAST_STEPS = {EVALUATION: "the final policies, evaluated", LAST: "the last fifth of the steps", TRAINING: "all of the training"}
-"""Which episodes each manner takes."""
 
 
 def study_title(study: Study) -> str:
@@ -137,12 +133,11 @@ def recordings_grid(study: Study) -> Grid:
     runs = study.runs
     rows: list[tuple[str, ...]] = []
     for run in runs.members.values():
-        parts: Mapping[str, tuple[str, ...]] = {
-            manner: (f"{part.episodes:,}", format_number(part.returns.get(run.reward)))
-            for manner, part in run.parts(runs.steps).items()
-        }
-        values = [text for manner in study.tables for text in parts.get(manner, (NOTHING, NOTHING))]
+        parts = run.parts(runs.steps)
+        known = {manner: format_number(part.returns.get(run.reward)) for manner, part in parts.items()}
+        values = [known.get(manner, NOTHING) for manner in study.tables]
         path = run.path.relative_to(study.folder).as_posix()
-        rows.append((path, run.reward, str(run.seed), f"{run.steps:,}", *values))
-    headings = [text for manner in study.tables for text in (f"episodes {manner}", "return")]
-    return Grid(("recording", "trained by", "seed", "steps", *headings), rows, [])
+        counts = (str(run.seed), f"{run.steps:,}", f"{parts[TRAINING].episodes:,}")
+        rows.append((path, run.reward, *counts, *values))
+    headings = [f"return {manner}" for manner in study.tables]
+    return Grid(("recording", "trained by", "seed", "steps", "episodes", *headings), rows, [])
