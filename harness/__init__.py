@@ -10,14 +10,28 @@ from harness.hookspecs import Register, hookimpl
 if TYPE_CHECKING:
     from harness.env.make import make_env
     from harness.experiment.experiment import run
+    from harness.recorder.record_rewards import RecordRewards
+    from harness.recorder.record_vector_rewards import RecordVectorRewards
     from harness.results import load_results
     from harness.robot.load import load_robot
 
 __version__ = "0.1.0"
-__all__ = ["Register", "__version__", "hookimpl", "load_results", "load_robot", "make_env", "run"]
+__all__ = [
+    "RecordRewards",
+    "RecordVectorRewards",
+    "Register",
+    "__version__",
+    "hookimpl",
+    "load_results",
+    "load_robot",
+    "make_env",
+    "run",
+]
 
 # Looked up when first used: `import harness` has to stay light, for `harness --help` and for every plugin.
 _HOMES = {
+    "RecordRewards": "harness.recorder.record_rewards",
+    "RecordVectorRewards": "harness.recorder.record_vector_rewards",
     "load_results": "harness.results.results",
     "load_robot": "harness.robot.load",
     "make_env": "harness.env.make",

@@ -1,7 +1,7 @@
 """One training in any Gymnasium environment, every step of it scored by several rewards: the folder and its reader.
 
-`harness.RecordRewards` leaves the folder. Whatever steps envs of the training is a recorder, with a number; mostly there
-is one, number 0. Each has its own files, so that several processes can record one training:
+`harness.RecordRewards` leaves the folder. Whatever steps envs of the training is a recorder, with a number; mostly
+there is one, number 0. Each has its own files, so that several processes can record one training:
 
 =======================  ======================================================================================
 recording-0.json         what is known of the training beside its steps: `facts.TrainingFacts`

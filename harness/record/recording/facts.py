@@ -17,6 +17,8 @@ FORMAT = 1
 MOST_NAMES = 1_000
 """Of rewards, and of measures of behaviour."""
 MOST_ENVS = 1_000_000
+MOST_SOURCE = 100_000
+"""Characters of a reward's code that are kept."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
 
@@ -26,8 +28,8 @@ class Source:
     """The code of a reward or of a measure.
 
     Attributes:
-        sha256: Of `text` in UTF-8; empty where Python cannot tell the code.
-        text: Python code, or what was given in its place: ``info key 'distance'``, ``what the env pays``.
+        sha256: Of the code in UTF-8; empty where Python cannot tell it.
+        text: The code, its first 100,000 characters: Python code, or what was given in its place: ``info key 'distance'``, ``what the env pays``.
     """
 
     sha256: str
@@ -146,7 +148,7 @@ class SourceForm(TypedDict):
     """See `Source`."""
 
     sha256: Digest | Literal[""]
-    text: Annotated[str, Field(max_length=1_000_000)]
+    text: Annotated[str, Field(max_length=MOST_SOURCE)]
 
 
 @with_config(EXACT)

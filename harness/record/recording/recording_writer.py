@@ -28,6 +28,7 @@ from harness.record.recording.recorded_training import (
     read_part,
 )
 
+Rows = Float | Sequence[Sequence[float]]
 WRITE_EVERY = 5.0
 """A training that is killed loses the steps of so many seconds at most, [s]."""
 
@@ -71,7 +72,7 @@ class RecordingWriter:
             self._lock.release()
             raise
 
-    def append(self, rows: Float | Sequence[Sequence[float]]) -> None:
+    def append(self, rows: Rows) -> None:
         """Take rows, (n, columns), which may be used again.
 
         Raises:
