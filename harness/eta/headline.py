@@ -20,7 +20,7 @@ from harness.eta.swaps import ALPHA, fewest_seeds
 SUCCESS, TIME = "success_rate", "time_to_target"
 DECIDING = (SUCCESS, TIME)
 """Measures that decide about the robot, the first that tells the two trainings apart; both count failures."""
-SHORT = {SUCCESS: "success", TIME: "time"}
+SHORT = {SUCCESS: "success", TIME: "the time"}
 """What their margins are called."""
 SUCCESS_MARGIN = 0.05
 """A difference of success below this, as a share of the episodes, is taken for none."""
@@ -205,9 +205,10 @@ def _is_share(change: Change) -> bool:
 
 
 def _margin_text(change: Change) -> str:
+    name = SHORT.get(change.name, change.name.replace("_", " "))
     if _is_share(change):
-        return f"{100 * SUCCESS_MARGIN:g} points of {SHORT.get(change.name, change.name)}"
-    return f"{TIME_MARGIN:.0%} of the {SHORT.get(change.name, change.name)}"
+        return f"{100 * SUCCESS_MARGIN:g} points of {name}"
+    return f"{TIME_MARGIN:.0%} of {name}"
 
 
 def _seeds_needed(changes: Sequence[Change], claims: int) -> Range | None:

@@ -3,7 +3,7 @@
 import math
 import os
 import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
@@ -46,6 +46,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         trained_with: str,
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
+        lower_is_better: Collection[str] = (),
+        seed: int | None = None,
+        evaluation: bool = False,
         number: int = 0,
         resume: bool = False,
         on_error: OnError = "warn",
@@ -58,7 +61,12 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             trained_with: Name of the reward that the env pays, one of `rewards`; or ``"own"``, which is then recorded
                 beside them under this name.
             rewards: By name, at least one.
-            behaviour: Measures of what the robot does, by name.
+            behaviour: Measures of what the robot does, by name; reports judge it by the first.
+            lower_is_better: Names of measures of which less is better, such as a distance.
+            seed: Of the training: reports compare trainings of one seed. By default the first that the env is reset
+                with.
+            evaluation: A finished policy acts, and nothing is trained: `trained_with` and `seed` are then those of the
+                training that the policy comes from; see `harness.recorder.evaluate_policy`.
             number: Of this env among several that record one training into one path, each with a number of its own.
             resume: Go on with the recording in `path`, if there is one, after what it has. Otherwise a path that
                 holds one is refused. Rewards, measures and env have to be the same as before.
@@ -76,6 +84,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             trained_with=trained_with,
             rewards=rewards,
             behaviour=behaviour or {},
+            lower_is_better=lower_is_better,
+            seed=seed,
+            evaluation=evaluation,
             num_envs=1,
             number=number,
             resume=resume,
@@ -117,9 +128,13 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     def close(self) -> None:
         """Write what is left, and close the env."""
         try:
-            self._recorder.close()
+            self.finish()
         finally:
             super().close()
+
+    def finish(self) -> None:
+        """Write what is left, and leave the env open; what comes later is not recorded."""
+        self._recorder.close()
 
     def _record(
         self,

@@ -42,6 +42,9 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         trained_with: str,
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
+        lower_is_better: Collection[str] = (),
+        seed: int | None = None,
+        evaluation: bool = False,
         batched: Collection[str] = (),
         number: int = 0,
         resume: bool = False,
@@ -54,7 +57,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             path: A folder for this training.
             trained_with: Name of the reward that the env pays.
             rewards: By name, at least one.
-            behaviour: Measures of what the robot does, by name.
+            behaviour: Measures of what the robot does, by name; reports judge it by the first.
+            lower_is_better: Names of measures of which less is better, such as a distance.
+            seed: Of the training; by default the first that the envs are reset with.
+            evaluation: A finished policy acts, and nothing is trained.
             batched: Names of rewards and measures that take the whole batch.
             number: Of this batch among several that record one training into one path.
             resume: Go on with the recording in `path`, if there is one.
@@ -78,6 +84,9 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             trained_with=trained_with,
             rewards=rewards,
             behaviour=behaviour or {},
+            lower_is_better=lower_is_better,
+            seed=seed,
+            evaluation=evaluation,
             num_envs=env.num_envs,
             number=number,
             resume=resume,

@@ -35,6 +35,9 @@ class Recorder:
         trained_with: str,
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given],
+        lower_is_better: Collection[str],
+        seed: int | None,
+        evaluation: bool,
         num_envs: int,
         number: int,
         resume: bool,
@@ -51,15 +54,21 @@ class Recorder:
             raise UsageError(f"on_error={on_error!r}: it is 'warn' or 'raise'")
         if not isinstance(number, int) or number < 0:
             raise UsageError(f"number={number!r}: recorders of one training are numbered 0, 1, 2 ...")
+        for name in lower_is_better:
+            if name not in behaviour:
+                raise UsageError(f"lower_is_better names {name!r}, which is none of the measures {sorted(behaviour)}")
         rewards = _with_own(rewards, trained_with)
         self.columns = columns_of(rewards, behaviour, num_envs, frozenset(batched))
         index = [column.name for column in self.columns].index(f"{REWARD}{trained_with}")
-        self.trained = None if self.columns[index].is_own else index
+        self.trained = None if evaluation or self.columns[index].is_own else index
         self._path, self._on_error, self._stopped = Path(path), on_error, False
         facts = TrainingFacts(
             rewards=tuple(rewards),
             trained_with=trained_with,
             behaviour=tuple(behaviour),
+            lower_is_better=tuple(name for name in behaviour if name in lower_is_better),
+            evaluation=evaluation,
+            seed=seed,
             num_envs=num_envs,
             env=env_facts(env),
             versions=versions_of(env),

@@ -14,6 +14,7 @@ from harness.eta.index import Index
 from harness.eta.return_split import Returns, ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.swaps import Swaps, smallest_p
+from harness.record.recording.facts import REWARD
 from harness.trainings.episodes import Part
 from harness.trainings.runs import EVALUATION, MANNERS, Run, Runs
 
@@ -282,7 +283,7 @@ class _Comparer:
     def _is_paid_everywhere(self, pair: Pair) -> bool:
         payer = self._rewards[pair[0]]
         return all(
-            payer in run.facts.rewards and f"reward_{payer}" not in {it.column for it in run.facts.failures}
+            payer in run.facts.rewards and f"{REWARD}{payer}" not in run.episodes.reasons
             for run in self._sides[pair[1]]
         )
 

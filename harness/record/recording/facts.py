@@ -19,6 +19,8 @@ MOST_NAMES = 1_000
 MOST_ENVS = 1_000_000
 MOST_SOURCE = 100_000
 """Characters of a reward's code that are kept."""
+OWN_SOURCE = "what the env pays"
+"""The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
 
