@@ -214,7 +214,7 @@ def _evaluations(
         for run in lost
     ]
     missing = len(known - found.keys())
-    if found and missing:
+    if 0 < missing < len(known):
         notes.append(f"{missing} of {_count(len(known), 'training')} have no evaluation beside them")
     return {key: run for key, run in found.items() if key in known}, notes
 
