@@ -141,12 +141,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         step = BatchStep(
             self.env, self._before, actions, observations, np.asarray(paid, float), ended, live, infos, at_once
         )
-        self._begin(~live)
         self._write(step, terminated, truncated)
         self._steps[live] += 1
         self._time += 1
-        if at_once:
-            self._begin(ended)
+        self._begin(ended if at_once else ~live)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
         self._before = kept(observations) if self._looks else None
 

@@ -16,8 +16,8 @@ class Counting(gymnasium.Env[Any, Any]):
     action_space = Box(-1, 1, (1,), np.float32)
     metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium declares it so)
 
-    def __init__(self, length: int = 3) -> None:
-        self.length, self.count = length, 0
+    def __init__(self, length: int = 3, fresh: bool = False) -> None:
+        self.length, self.count, self._fresh = length, 0, fresh
         self._place = np.zeros(1, np.float32)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -36,8 +36,8 @@ class Counting(gymnasium.Env[Any, Any]):
         return self._observed(), float(self.count), ended, False, info
 
     def _observed(self) -> Any:
-        self._place[0] = self.count  # the same array each time, as some envs do
-        return self._place
+        self._place[0] = self.count  # the same array each time, as some envs do; Gymnasium's batches forbid it
+        return self._place.copy() if self._fresh else self._place
 
 
 @pytest.fixture

@@ -97,7 +97,7 @@ class RecordingWriter:
         Raises:
             OSError: It cannot be written.
         """
-        if not self._lock.is_locked or os.getpid() != self._process:
+        if os.getpid() != self._process or not self._lock.is_locked:
             return
         self.facts = replace(self.facts, closed=True)
         try:
