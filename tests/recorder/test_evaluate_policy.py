@@ -88,3 +88,38 @@ def test_measures_of_which_less_is_better_are_recorded(counting, tmp_path):
     env = gymnasium.Wrapper(counting())
     harness.RecordRewards(env, tmp_path, behaviour=behaviour, lower_is_better={"speed", "left"}, **GIVEN).close()
     assert read_recording(tmp_path).facts.lower_is_better == ("left", "speed")
+
+
+def test_the_learner_can_be_paid_by_a_recorded_reward(counting, tmp_path):
+    """In place of what the env pays, which is recorded beside it."""
+    given = {**GIVEN, "rewards": {"count": lambda before, action, after, info: -float(after[0]), "own": "own"}}
+    env = harness.RecordRewards(counting(), tmp_path, pay=True, **given)
+    env.reset()
+    assert [env.step(still(None))[1] for _ in range(3)] == [-1.0, -2.0, -3.0]
+    env.close()
+    found = read_recording(tmp_path)
+    assert found.rewards["own"].tolist() == [1.0, 2.0, 3.0]
+    assert (found.facts.paid_otherwise, found.facts.failures) == ("", ())
+
+
+def test_a_batch_of_learners_can_be_paid_so(tmp_path):
+    """An env that was only reset pays 0."""
+    rewards = {"count": lambda before, action, after, info: -2.0}
+    envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync", max_episode_steps=2)
+    envs = harness.RecordVectorRewards(envs, tmp_path, trained_with="count", rewards=rewards, pay=True)
+    envs.reset(seed=0)
+    paid = [envs.step(envs.action_space.sample())[1].tolist() for _ in range(3)]
+    envs.close()
+    assert paid == [[-2.0, -2.0], [-2.0, -2.0], [0.0, 0.0]]
+
+
+def test_a_reward_that_pays_the_learner_may_not_fail(counting, tmp_path):
+    """There is nothing that could be paid in its place."""
+    given = {**GIVEN, "rewards": {"count": lambda *step: 1 / 0}}
+    env = harness.RecordRewards(counting(), tmp_path, pay=True, **given)
+    env.reset()
+    with pytest.raises(UsageError, match="division by zero. It pays the learner, so the training cannot go on"):
+        env.step(still(None))
+    env.close()
+    with pytest.raises(UsageError, match="failed before, and pays the learner: name another path"):
+        harness.RecordRewards(counting(), tmp_path, pay=True, resume=True, **given)
