@@ -23,7 +23,8 @@ class Algorithm(Protocol):
     * ``peer_trainings()``: trainings by other people's libraries, by name, each a function like ``bare_training`` that
       raises `UsageError` where its library is not installed.
 
-    It may also have ``learns``, False for one that only acts (see `learns`), ``why_not(task, robot)``, for one that
+    It may also have ``learns``, False for one that only acts (see `learns`), ``needs_arm``, True for one that computes
+    with the arm of the task and so cannot train in an environment of anybody (see `needs_arm`), ``why_not(task, robot)``, for one that
     cannot do every task whose actions it takes (see `why_not`), and ``sources``, like any plugin that works in modules
     of its own (see `harness.registry.sources.source_files`).
     """
@@ -52,6 +53,11 @@ class Algorithm(Protocol):
 def learns(algorithm: Algorithm) -> bool:
     """Whether training changes the policy; an algorithm that says nothing of it learns."""
     return bool(getattr(algorithm, "learns", True))
+
+
+def needs_arm(algorithm: Algorithm) -> bool:
+    """Whether it computes with ``env.task`` and ``env.robot``, which a `harness.environment.Environment` has not."""
+    return bool(getattr(algorithm, "needs_arm", False))
 
 
 def why_not(algorithm: Algorithm, task: "Task", robot: "Robot") -> str:

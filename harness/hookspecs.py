@@ -57,6 +57,10 @@ class Hooks:
         """Targets: a frozen dataclass that is a `harness.task.Task`."""
 
     @hookspec
+    def register_environments(self, register: Register) -> None:
+        """Targets: a frozen dataclass that is a `harness.environment.Environment`."""
+
+    @hookspec
     def register_executors(self, register: Register) -> None:
         """Targets: a dataclass that is a `harness.executor.Executor`."""
 
@@ -76,6 +80,7 @@ NOUNS = {
     "metrics": "metric",
     "robots": "robot",
     "tasks": "task",
+    "environments": "environment",
     "executors": "executor",
     "trackers": "tracker",
     "commands": "command",

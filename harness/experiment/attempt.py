@@ -85,6 +85,20 @@ def begin_attempt(
     return Attempt(folder, origin, every, checkpoint, note)
 
 
+def restart(folder: Path) -> str:
+    """Empty a partial folder, but for its log, for work that cannot go on in the middle.
+
+    Returns:
+        What there is to say of it: empty if nothing was left there.
+    """
+    if not _left_behind(folder):
+        return ""
+    _empty(folder)
+    note = "started over: trainings in an environment leave no checkpoint"
+    write_log(folder / LOG, f"an earlier process was killed; this one {note}")
+    return note
+
+
 def _usable_checkpoint(folder: Path, origin: Mapping[str, Any], restore: Restore) -> tuple[Checkpoint | None, str]:
     """The checkpoint that was left, the env put where it says; or why there is none to go on from."""
     if not (folder / CHECKPOINT).is_file():

@@ -336,5 +336,5 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
 def default_folder(plan: Plan) -> Path:
     """A folder named for what the plan does: the same plan finds its results again."""
     first = plan.cells[0] if plan.cells else plan.skipped[0][0]
-    names = f"{first.simulator.name}-{first.algorithm.name}".replace("/", "-")  # of a qualified name
+    names = f"{first.place.name}-{first.algorithm.name}".replace("/", "-")  # of a qualified name
     return DEFAULT_FOLDER / f"{names}-{plan.id}"

@@ -13,8 +13,9 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.algorithm import Algorithm, why_not
 from harness.errors import UsageError, sentence
+from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, why_not_in
 from harness.experiment.task_form import task_for
-from harness.record.cell import Cell
+from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
 from harness.record.plan_file import control_seeds
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.given import Given as HandGiven
@@ -50,8 +51,8 @@ Interval: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 LISTS = ("sim", "algo", "reward")
 
 
-def _arp() -> list[Given]:
-    return ["arp"]
+DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
+"""Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
 
 
 @checked_dataclass(frozen=True)
@@ -61,13 +62,18 @@ class Experiment:
     Names stand as text (``"arp:k2=2"``) or, in a file, as a table (``{name = "arp", k2 = 2}``).
     """
 
-    sim: Annotated[Names, Field(description="simulators")]
     algo: Annotated[Names, Field(description="algorithms")]
+    sim: Annotated[
+        list[Given], Field(max_length=MOST_NAMES, description="simulators; none where the task is an environment")
+    ] = Field(default_factory=list)
     reward: Annotated[
-        list[Given], Field(max_length=MOST_NAMES, description="proposed rewards; none: the baseline is trained alone")
-    ] = Field(default_factory=_arp)
-    baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
-    task: Annotated[Given, Field(description="the task")] = "fd100-reach"
+        Annotated[list[Given], Field(max_length=MOST_NAMES)] | None,
+        Field(description="proposed rewards; an empty list: the baseline is trained alone"),
+    ] = None
+    baseline: Annotated[
+        Given | None, Field(description="the reward that the others are compared with")
+    ] = None
+    task: Annotated[Given, Field(description="the task, or an environment")] = DEFAULT_TASK
     robot: Annotated[
         str | None, Field(description="the robot: a name, a URDF, or a folder with robot.toml; by default the task's")
     ] = None
@@ -131,16 +137,20 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
     Raises:
         UsageError: A key is unknown or missing, or a value is of the wrong type or out of range.
     """
-    for key in ("sim", "algo"):
+    for key in ("sim", "algo") if data.get("task", DEFAULT_TASK) == DEFAULT_TASK else ("algo",):
         if not data.get(key):
-            raise UsageError(f"{sentence(noun)} names no {key}: give --{key} NAME, or the key '{key}' in a file")
+            raise UsageError(_unnamed(key, noun))
     listed = {key: _split_names(value) if key in LISTS else value for key, value in data.items()}
     experiment: Experiment = build(Experiment, listed, noun)
     return experiment
 
 
+def _unnamed(key: str, noun: str) -> str:
+    return f"{sentence(noun)} names no {key}: give --{key} NAME, or the key '{key}' in a file"
+
+
 def expand(experiment: Experiment, registry: Registry) -> Plan:
-    """All cells of an experiment: simulator x algorithm x reward x seed.
+    """All cells of an experiment: simulator x algorithm x reward x seed; in an environment algorithm x reward x seed.
 
     An algorithm that takes discrete actions only gets a task with continuous ones in its discrete form.
 
@@ -149,10 +159,15 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
             for ``drive=servo``, or there are more cells than `MOST_CELLS`.
         PluginError: A plugin is broken, or raises; says whose it is.
     """
+    if kind_of_task(experiment.task, registry) == "environments":
+        return _expand_in_environment(experiment, registry)
+    if not experiment.sim:
+        raise UsageError(_unnamed("sim", "experiment"))
     simulators = _choose_each(registry, "simulators", experiment.sim)
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
-    baseline = choose(registry, "rewards", experiment.baseline)
-    rewards = _choose_each(registry, "rewards", experiment.reward)
+    baseline = choose(registry, "rewards", experiment.baseline or DEFAULT_BASELINE)
+    proposed = list(DEFAULT_REWARDS) if experiment.reward is None else experiment.reward
+    rewards = _choose_each(registry, "rewards", proposed)
     task = choose(registry, "tasks", experiment.task)
     built = task.build(registry, "tasks")
     robot = _locate(experiment.robot or built.robot, registry)
@@ -185,6 +200,38 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
         _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot, registry.given),
         control=control,
+    )
+
+
+def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
+    """The cells of an experiment whose task is an environment; simulator and robot are the environment's own."""
+    refuse_places(experiment.sim, experiment.robot, experiment.evaluate_every)
+    task = choose(registry, "environments", experiment.task)
+    algorithms = _choose_each(registry, "algorithms", experiment.algo)
+    looked = look_at(task, registry)
+    baseline, rewards = looked.rewards_asked(experiment.baseline, experiment.reward)
+    seeds = experiment.seed_list
+    _require_few(len(seeds), 1, len(algorithms), len(rewards))
+    reasons = {algorithm: why_not_in(looked, algorithm, registry, experiment.steps) for algorithm in algorithms}
+    cells = [
+        Cell(
+            NO_SIMULATOR, NO_ROBOT, task, algorithm, Choice(reward, (), reward), seed, experiment.steps,
+            experiment.evaluation_episodes, deterministic=experiment.deterministic,
+        )
+        for seed, algorithm, reward in itertools.product(seeds, algorithms, rewards)
+    ]  # fmt: skip
+    given = _given(experiment, registry.given)
+    return Plan(
+        baseline,
+        tuple(cell for cell in cells if not reasons[cell.algorithm]),
+        tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
+        {
+            **{key: value for key, value in given.items() if key not in ("sim", "robot")},
+            "algo": [table_of(choice) for choice in algorithms],
+            "reward": [reward for reward in rewards if reward != baseline],
+            "baseline": baseline,
+            "task": table_of(task),
+        },
     )
 
 
@@ -250,18 +297,22 @@ def _resolve(
     given: Sequence[HandGiven],
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
-    values = {field.name: getattr(experiment, field.name) for field in fields(experiment) if field.name != "plugins"}
     return {
-        **values,
-        **({"plugins": [it.need for it in given]} if given else {}),
+        **_given(experiment, given),
         "sim": [table_of(choice) for choice in simulators],
         "algo": [table_of(choice) for choice in algorithms],
         "reward": [table_of(choice) for choice in rewards],
         "baseline": table_of(baseline),
         "task": table_of(task),
         "robot": robot,
-        "seeds": experiment.seed_list,
     }
+
+
+def _given(experiment: Experiment, given: Sequence[HandGiven]) -> dict[str, Any]:
+    """The keys of an experiment file as they were given, but for the list of seeds, and of plugins."""
+    values = {field.name: getattr(experiment, field.name) for field in fields(experiment) if field.name != "plugins"}
+    plugins = {"plugins": [it.need for it in given]} if given else {}
+    return {**values, **plugins, "seeds": experiment.seed_list}
 
 
 def table_of(choice: Choice) -> dict[str, Any]:

@@ -26,24 +26,25 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 
 
 def describe_environment(
-    cell: Cell, robot: Robot, registry: Registry, kinds: Collection[str] = KINDS
+    cell: Cell, robot: Robot | None, registry: Registry, kinds: Collection[str] = KINDS
 ) -> dict[str, Any]:
     """What decides a result beside the cell: versions, machine, engine, commit, command, hashes of sources.
 
     Args:
         cell: What made the result.
-        robot: The cell's, loaded.
+        robot: The cell's, loaded; None where its task is an environment.
         registry: The plugins.
         kinds: Those of the cell's choices that made it.
     """
     specs = specs_of(cell, registry, kinds)
+    digests = {} if robot is None else {"robots": robot_digest(cell, robot)}
     return {
         "versions": {"python": platform.python_version(), **versions_behind(specs.values())},
         "machine": describe_machine(),
         **_engine(specs),
         "commit": source_commit(),
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
-        "sources": {**_source_hashes(specs), "robots": robot_digest(cell, robot)},
+        "sources": {**_source_hashes(specs), **digests},
     }
 
 

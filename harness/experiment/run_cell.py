@@ -16,6 +16,7 @@ from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.cell_evaluations import CellEvaluations
 from harness.experiment.cell_progress import CellProgress
 from harness.experiment.draft import Draft, draft_of
+from harness.experiment.environments.training import EnvironmentTraining
 from harness.experiment.evaluate import facts_of
 from harness.experiment.learning_so_far import LearningSoFar
 from harness.experiment.order import Report
@@ -43,7 +44,7 @@ def run_cell(
 
     The folder is written beside its final name and renamed when complete. What a plugin raises ends up in the
     manifest, as the reason of a failed cell, and in the log. If this process is killed, the next call goes on from the
-    last checkpoint, if it left one.
+    last checkpoint, if it left one. A cell whose task is an environment leaves none, and starts over.
 
     Args:
         cell: What to do.
@@ -55,7 +56,8 @@ def run_cell(
     with draft_of(folder, Manifest(cell, status="done")) as draft:
         forget_peak()
         try:
-            _Run(cell, load_registry(given=options.plugins), report, options, watch).leave(draft)
+            kind = EnvironmentTraining if cell.is_in_environment else _Run
+            kind(cell, load_registry(given=options.plugins), report, options, watch).leave(draft)
         finally:
             draft.note(peak_memory=peak_memory())
             (draft.partial / CHECKPOINT).unlink(missing_ok=True)

@@ -9,6 +9,10 @@ from typing import Any
 
 from harness.registry.choice import Choice
 
+NO_SIMULATOR = Choice("(environment)", (), "environment")
+"""In place of a simulator, of a cell in an environment that brings its own: no plugin can have this name."""
+NO_ROBOT = "(environment)"
+"""In place of a robot, in such a cell."""
 LATER = {"evaluate_every": 0, "deterministic": True}
 """Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
 
@@ -18,9 +22,9 @@ class Cell:
     """One training run, to be done or done.
 
     Attributes:
-        simulator: Whose engine moves the arm.
-        robot: Registered name or folder of the arm.
-        task: What the arm has to do.
+        simulator: Whose engine moves the arm; `NO_SIMULATOR` where the task is an environment.
+        robot: Registered name or folder of the arm; `NO_ROBOT` where the task is an environment.
+        task: What the arm has to do, or an environment that trains; see `is_in_environment`.
         algorithm: What learns.
         reward: What it is paid for.
         seed: Of the starts, the targets and the algorithm. Equal seeds meet equal starts and targets, whatever the
@@ -49,13 +53,25 @@ class Cell:
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     @property
+    def is_in_environment(self) -> bool:
+        """Whether the task is a `harness.environment.Environment`, and the reward one of those that it names."""
+        return self.simulator == NO_SIMULATOR
+
+    @property
+    def place(self) -> Choice:
+        """Where it trains, for people: the simulator, or the environment."""
+        return self.task if self.is_in_environment else self.simulator
+
+    @property
     def title(self) -> str:
         """For people: the combination and the seed."""
-        return f"{self.simulator.label} · {self.algorithm.label} · {self.reward.label} · seed {self.seed}"
+        return f"{self.place.label} · {self.algorithm.label} · {self.reward.label} · seed {self.seed}"
 
     @property
     def plugins(self) -> dict[str, str]:
         """Names of the plugins that it chooses, by kind, as manifests name their sources; a robot may be a path."""
+        if self.is_in_environment:
+            return {"environments": self.task.name, "algorithms": self.algorithm.name}
         return {
             "simulators": self.simulator.name,
             "tasks": self.task.name,

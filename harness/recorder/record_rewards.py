@@ -98,6 +98,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
         self._looks = any(column.measures for column in self._recorder.columns)
         self._before: Any = None
+        self._numbers: list[float] = []
         self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
         weakref.finalize(self, self._recorder.close)
 
@@ -105,6 +106,12 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     def spec(self) -> EnvSpec | None:  # type: ignore[override] # a property there too, behind a declaration
         """The env's own: an env that is made of it is not recorded."""
         return self.env.spec
+
+    @property
+    def recorded(self) -> dict[str, float]:
+        """What was recorded of the last step, by column: ``reward_v1``, ``behaviour_success``; NaN where nothing was."""
+        names = (column.name for column, _ in self._columns)
+        return dict(zip(names, self._numbers, strict=True)) if self._numbers else {}
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -125,9 +132,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     def step(self, action: Action) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take a step, and record it."""
         observation, paid, terminated, truncated, info = self.env.step(action)
-        numbers = self._record(action, observation, paid, terminated, truncated, info)
+        self._numbers = self._record(action, observation, paid, terminated, truncated, info)
         if self._recorder.pays is not None:
-            paid = numbers[self._recorder.pays]
+            paid = self._numbers[self._recorder.pays]
         return observation, paid, terminated, truncated, info
 
     def close(self) -> None:

@@ -31,6 +31,7 @@ MEMBERS: Mapping[str, Mapping[str, int | None]] = MappingProxyType(
             "target_in_words": 1,
             "target_reward_in_words": 0,
         },
+        "environments": {"make": 0, "rewards": 1, "behaviour": 1},
         "executors": {"run": 3},
         "trackers": {"why_not": 0, "begin": 1},
     }

@@ -28,6 +28,7 @@ class Ik:
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
     learns: ClassVar[bool] = False
+    needs_arm: ClassVar[bool] = True
 
     def why_not(self, task: Task, robot: Robot) -> str:
         """See `harness.algorithm.why_not`."""

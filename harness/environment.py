@@ -1,0 +1,70 @@
+"""The interface that an environment fills: any Gymnasium environment, with names for its rewards and its behaviour."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol, TypeAlias
+
+import gymnasium
+
+from harness.errors import UsageError
+
+AnyEnv: TypeAlias = gymnasium.Env[Any, Any]
+Measure: TypeAlias = Callable[[Any, Any, Any, Any], Any] | str
+"""A function of (observation, action, next_observation, info) that returns a finite number for the step, a key of
+``info``, or ``"own"`` for what the env itself pays; see `harness.RecordRewards` for all that it may be."""
+SUCCESS = "success"
+"""The measure of behaviour that decides, where an environment has one of this name."""
+
+
+class Environment(Protocol):
+    """A frozen dataclass whose fields are the parameters.
+
+    It may also have ``lower_is_better``, names of the measures of which less is better (see `lower_is_better`),
+    ``baseline``, the name of the reward that the others are compared with (see `baseline_of`), and ``sources``, like
+    any plugin that works in modules of its own (see `harness.registry.sources.source_files`).
+    """
+
+    def make(self) -> AnyEnv:
+        """A new env. It ends its episodes, and draws whatever it draws from the generator that ``reset`` seeds."""
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """The rewards of one env, by name, at least one; every training is paid by one and recorded with all.
+
+        A function may look into `env`, which stands right after the step. It must change nothing there.
+
+        Args:
+            env: What `make` made. What it observes is what `make`'s env observes: nothing is flattened.
+        """
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """Measures of what the robot does, which no reward should enter, by name; see `rewards`.
+
+        The value in an episode's last step is the episode's. ``success`` decides, if there is one; else the first.
+        """
+
+
+def lower_is_better(environment: Environment) -> frozenset[str]:
+    """Names of the measures of which less is better; an environment that says nothing of it has none."""
+    return frozenset(getattr(environment, "lower_is_better", ()))
+
+
+def baseline_of(environment: Environment, rewards: Mapping[str, Measure]) -> str:
+    """The reward that the others are compared with: the environment's ``baseline``, or the first of its rewards."""
+    return str(getattr(environment, "baseline", "") or next(iter(rewards)))
+
+
+def measured_behaviour(environment: Environment, env: AnyEnv) -> dict[str, Measure]:
+    """The measures of behaviour, the one that decides first."""
+    measures = dict(environment.behaviour(env))
+    return {**{name: measures[name] for name in measures if name == SUCCESS}, **measures}
+
+
+def rewards_of(environment: Environment, env: AnyEnv) -> dict[str, Measure]:
+    """The rewards.
+
+    Raises:
+        UsageError: There is none.
+    """
+    rewards = dict(environment.rewards(env))
+    if not rewards:
+        raise UsageError("the environment names no reward: it has to name one at least")
+    return rewards

@@ -1,0 +1,108 @@
+"""Envs of anybody as the one vector env that an algorithm trains on."""
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Discrete
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from harness.arrays import Float, Float32
+from harness.environment import SUCCESS
+from harness.experiment.environments.spaces import flat_actions, flat_observation, flat_observations
+from harness.progress import LAST_EPISODES
+from harness.record.recording.facts import BEHAVIOUR
+from harness.recorder.record_rewards import RecordRewards
+
+Actions = np.ndarray[Any, Any]
+Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
+
+class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
+    """Recorded envs, stepped one after the other; an episode that ends is followed by the next in the same step.
+
+    Attributes:
+        environment_steps: Taken so far, counted over all envs.
+        returns: What the last `LAST_EPISODES` episodes were paid, in the order in which they ended.
+        successes: Whether they ended in success; empty where nothing measures that.
+    """
+
+    metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 # Gymnasium's own
+
+    def __init__(self, envs: Sequence[RecordRewards[Any, Any]]) -> None:
+        """Take envs of one kind.
+
+        Raises:
+            UsageError: An algorithm cannot train on such envs.
+        """
+        self._envs, self.num_envs = envs, len(envs)
+        self._space, actions = envs[0].observation_space, envs[0].action_space
+        self.single_observation_space = flat_observations(self._space)
+        self.single_action_space = flat_actions(actions)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._is_discrete, self._action_type = isinstance(actions, Discrete), actions.dtype
+        self.environment_steps = 0
+        self._paid = np.zeros(self.num_envs)
+        self.returns: deque[float] = deque(maxlen=LAST_EPISODES)
+        self.successes: deque[bool] = deque(maxlen=LAST_EPISODES)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Float32, dict[str, Any]]:
+        """Start an episode in every env; a seed is that of the first env, and the next ones have the next."""
+        seeds = [None if seed is None else seed + k for k in range(self.num_envs)] if _is_one(seed) else list(seed)
+        self._paid[:] = 0.0
+        rows = [env.reset(seed=one, options=options)[0] for env, one in zip(self._envs, seeds, strict=True)]
+        return np.stack([flat_observation(self._space, row) for row in rows]), {}
+
+    def step(self, actions: Actions) -> tuple[Float32, Float, Flags, Flags, dict[str, Any]]:
+        """A step in every env.
+
+        Returns:
+            Observations (num_envs, observation_size), payments, terminations, truncations, and in `infos`
+            ``is_success`` (num_envs,), and where an episode ended ``final_obs``, as the observations.
+        """
+        observations = np.empty((self.num_envs, *self.single_observation_space.shape), np.float32)
+        paid, success = np.empty(self.num_envs), np.zeros(self.num_envs, bool)
+        terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
+        final = np.zeros_like(observations)
+        for k, (env, action) in enumerate(zip(self._envs, actions, strict=True)):
+            told, reward, terminated[k], truncated[k], _ = env.step(self._given(action))
+            observations[k], paid[k] = flat_observation(self._space, told), float(reward)
+            self._paid[k] += paid[k]
+            if terminated[k] or truncated[k]:
+                success[k] = self._end(k, env)
+                final[k] = observations[k]
+                observations[k] = flat_observation(self._space, env.reset()[0])
+        self.environment_steps += self.num_envs
+        ended = terminated | truncated
+        infos: dict[str, Any] = {"is_success": success}
+        if ended.any():
+            infos |= {"final_obs": final, "_final_obs": ended}
+        return observations, paid, terminated, truncated, infos
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the envs, and their recordings."""
+        for env in self._envs:
+            env.close()
+
+    def _given(self, action: Any) -> Any:
+        """As the env takes it."""
+        return int(action) if self._is_discrete else np.asarray(action, self._action_type)
+
+    def _end(self, k: int, env: RecordRewards[Any, Any]) -> bool:
+        """Note an episode that ended; returns whether in success."""
+        self.returns.append(float(self._paid[k]))
+        self._paid[k] = 0.0
+        told = env.recorded.get(f"{BEHAVIOUR}{SUCCESS}", math.nan)
+        if not math.isnan(told):
+            self.successes.append(told > 0)
+        return told > 0
+
+
+def _is_one(seed: Any) -> bool:
+    return seed is None or isinstance(seed, (int, np.integer))

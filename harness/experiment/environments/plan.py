@@ -1,0 +1,140 @@
+"""What an environment has, looked at before anything runs: its rewards, and which algorithms can train in it."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Any
+
+from harness.algorithm import ActionSpace, Algorithm, needs_arm
+from harness.environment import AnyEnv, Environment, baseline_of, lower_is_better, measured_behaviour, rewards_of
+from harness.errors import UsageError
+from harness.experiment.environments.spaces import flat_observations, kind_of_actions
+from harness.registry.choice import Choice, parse
+from harness.registry.names import unknown_name
+from harness.registry.registry import Registry
+from harness.registry.spec import PLANNED, blamed_on
+
+Given = str | Mapping[str, Any]
+PLACES = ("tasks", "environments")
+"""The kinds of what ``--task`` may name."""
+
+
+@dataclass(frozen=True)
+class Looked:
+    """What one env of an environment showed.
+
+    Attributes:
+        label: Of the environment.
+        rewards: Names, in the order that they were given in.
+        baseline: The one that the others are compared with, where the user names none.
+        actions: Their kind; None where no algorithm takes them.
+        unusable: Why no algorithm can train in it; empty if some can.
+    """
+
+    label: str
+    rewards: tuple[str, ...]
+    baseline: str
+    actions: ActionSpace | None
+    unusable: str = ""
+
+    def rewards_asked(self, baseline: Given | None, proposed: Sequence[Given] | None) -> tuple[str, tuple[str, ...]]:
+        """The baseline, and all rewards that train, the baseline first; by default each of the environment's.
+
+        Raises:
+            UsageError: One is none of the environment's rewards.
+        """
+        names = [str(_name_of(it)) for it in (self.rewards if proposed is None else proposed)]
+        first = str(_name_of(baseline)) if baseline else names[0] if proposed and len(names) > 1 else self.baseline
+        for name in (first, *names):
+            if name not in self.rewards:
+                raise UsageError(unknown_name(f"reward of '{self.label}'", name, self.rewards))
+        return first, tuple(dict.fromkeys([first, *names]))
+
+
+def kind_of_task(given: Given, registry: Registry) -> str:
+    """Whether a name is that of a task or of an environment: ``"tasks"`` or ``"environments"``.
+
+    Raises:
+        UsageError: It is both, or neither.
+    """
+    name = str(_name_of(given))
+    kinds = [kind for kind in registry.kinds_of(name) if kind in PLACES]
+    if len(kinds) > 1:
+        claims = " and ".join(f"{spec.kind[:-1]} of package {spec.package}" for spec in _specs(registry, name))
+        raise UsageError(f"'{name}' is both a task and an environment: {claims}. Leave one out with HARNESS_PLUGINS")
+    if kinds:
+        return kinds[0]
+    known = {kind: registry.names(kind) for kind in PLACES}
+    try:
+        registry.get("tasks", name)  # says also which plugins did not load
+    except UsageError as error:
+        there = f" Environments: {', '.join(known['environments']) or 'none'}."
+        raise UsageError(f"{error}{there}") from None
+    return "tasks"
+
+
+def refuse_places(sim: Sequence[Given], robot: str | None, evaluate_every: int) -> None:
+    """See that nothing is asked for that an environment brings itself.
+
+    Raises:
+        UsageError: Something is.
+    """
+    if sim or robot:
+        flag = "--sim" if sim else "--robot"
+        raise UsageError(f"{flag} does not go with an environment, which brings its own simulator and robot: leave it out")
+    if evaluate_every:
+        raise UsageError(
+            "--evaluate-every does not go with an environment: every step of its trainings is recorded, and the report "
+            "draws how they learned. Leave it out"
+        )
+
+
+def look_at(task: Choice, registry: Registry) -> Looked:
+    """Make an env, and look.
+
+    Raises:
+        UsageError: The environment, or a library for it, cannot be used.
+        PluginError: It raises; says whose it is.
+    """
+    environment: Environment = task.build(registry, "environments")
+    with blamed_on(registry.get("environments", task.name), PLANNED), closing(environment.make()) as env:
+        names = tuple(rewards_of(environment, env))
+        measures = measured_behaviour(environment, env)
+        for measure in lower_is_better(environment) - measures.keys():
+            raise UsageError(f"{task.label}: lower_is_better names '{measure}', which is none of {sorted(measures)}")
+        baseline = baseline_of(environment, dict.fromkeys(names, ""))
+        if baseline not in names:
+            raise UsageError(f"{task.label}: its baseline '{baseline}' is none of its rewards {', '.join(names)}")
+        return Looked(task.label, names, baseline, *_actions_of(env))
+
+
+def why_not_in(looked: Looked, algorithm: Choice, registry: Registry, steps: int) -> str:
+    """Why an algorithm cannot train in an environment for so many steps; empty if it can."""
+    if looked.unusable:
+        return looked.unusable
+    with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
+        built: Algorithm = algorithm.build(registry, "algorithms")
+        if needs_arm(built):
+            return f"{algorithm.label} computes with the arm of a task, and {looked.label} is an environment"
+        if looked.actions not in built.action_spaces:
+            taken = " and ".join(sorted(built.action_spaces))
+            return f"{algorithm.label} takes {taken} actions, those of {looked.label} are {looked.actions}"
+        if steps % built.num_envs:
+            return f"steps={steps} is not a multiple of the {built.num_envs} envs that {algorithm.label} trains on"
+    return ""
+
+
+def _actions_of(env: AnyEnv) -> tuple[ActionSpace | None, str]:
+    try:
+        flat_observations(env.observation_space)
+        return kind_of_actions(env.action_space), ""
+    except UsageError as error:
+        return None, str(error)
+
+
+def _name_of(given: Given) -> Any:
+    return parse(given)[0] if isinstance(given, str) else given.get("name")
+
+
+def _specs(registry: Registry, name: str) -> list[Any]:
+    return [registry.get(kind, name) for kind in PLACES]

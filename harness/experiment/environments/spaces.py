@@ -1,0 +1,57 @@
+"""What policies observe and do in an environment of anybody: flat numbers in, a box or a choice out."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Discrete, flatdim, flatten
+
+from harness.algorithm import ActionSpace
+from harness.arrays import Float32
+from harness.errors import UsageError
+
+MOST_NUMBERS = 1_000_000
+"""Of an observation."""
+
+
+def flat_observations(space: gymnasium.Space[Any]) -> Box:
+    """The space of `flat_observation`, (observation_size,) of float32.
+
+    Raises:
+        UsageError: Observations of `space` have no fixed number of numbers, or too many.
+    """
+    try:
+        size = flatdim(space)
+    except (NotImplementedError, ValueError) as error:
+        raise UsageError(f"its observations are {space}, which cannot be put into one row of numbers") from error
+    if not 0 < size <= MOST_NUMBERS:
+        raise UsageError(f"an observation has {size:,} numbers: 1 to {MOST_NUMBERS:,} are allowed")
+    return Box(-np.inf, np.inf, (size,), np.float32)
+
+
+def flat_observation(space: gymnasium.Space[Any], observation: Any) -> Float32:
+    """An observation as one row of numbers, (observation_size,); one of dicts in the order of the space's keys."""
+    flat: Float32 = np.asarray(flatten(space, observation), np.float32).ravel()
+    return flat
+
+
+def kind_of_actions(space: gymnasium.Space[Any]) -> ActionSpace:
+    """Whether actions are continuous or discrete.
+
+    Raises:
+        UsageError: No algorithm takes such actions; says what can be done.
+    """
+    if isinstance(space, Discrete):
+        if space.start != 0:
+            raise UsageError(f"its actions are {space}: choices have to be counted from 0")
+        return "discrete"
+    if isinstance(space, Box) and np.issubdtype(space.dtype, np.floating) and len(space.shape) == 1:
+        if not space.is_bounded():
+            raise UsageError(f"its actions are {space}, without bounds: gymnasium.wrappers.RescaleAction gives them some")
+        return "continuous"
+    raise UsageError(f"its actions are {space}: algorithms take a Discrete space, or a Box of one row of numbers")
+
+
+def flat_actions(space: gymnasium.Space[Any]) -> gymnasium.Space[Any]:
+    """The space that algorithms see: the env's own, of continuous actions in float32."""
+    return Box(space.low, space.high, space.shape, np.float32) if isinstance(space, Box) else space
