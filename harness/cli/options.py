@@ -10,7 +10,7 @@ ROBOT = "Robot: a name, a URDF, or a folder with robot.toml."
 
 Names = list[str] | None
 SIMULATORS, ALGORITHMS, REWARDS = names_of("simulators"), names_of("algorithms"), names_of("rewards")
-TASKS, ROBOTS, TRACKERS = names_of("tasks"), names_of("robots"), names_of("trackers")
+TASKS, ROBOTS, TRACKERS = names_of("tasks", "environments"), names_of("robots"), names_of("trackers")
 """What a shell offers behind these flags."""
 
 RewardNames = Annotated[
@@ -22,7 +22,7 @@ RewardNames = Annotated[
 TaskName = Annotated[
     str | None,
     typer.Option(
-        help="As fd100-reach:epsilon=0.02.",
+        help="As fd100-reach:epsilon=0.02; or an environment, as fetch-reach.",
         show_default="fd100-reach",
         metavar="NAME",
         autocompletion=TASKS,

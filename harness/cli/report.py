@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from harness.cli.environments import show_environments
 from harness.cli.lines import complain, say
 from harness.cli.not_measured import complain_of_metrics
 from harness.cli.options import CurveKind, MetricNames, Names, PluginFiles
@@ -97,6 +98,10 @@ def _leave(
     results: "Results", folders: Sequence[Path], as_json: bool, html: Path | None, details: bool, summary: Path | None
 ) -> None:
     """Write and print what is asked for; by default the table."""
+    command = f"harness report {' '.join(map(str, folders))} --details"
+    if results.is_in_environment:
+        show_environments(results, command, as_json=as_json, html=html, details=details, summary=summary)
+        return
     complain_of_metrics(results)
     if html is not None:
         from harness.cli.audits import audits_of
@@ -117,7 +122,6 @@ def _leave(
 
         typer.echo(report_text(results))
     elif html is None and summary is None:
-        command = f"harness report {' '.join(map(str, folders))} --details"
         _show(results, details, command)
 
 

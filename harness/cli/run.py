@@ -212,16 +212,20 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
 
 def _show(results: "Results", as_json: bool) -> None:
     """The comparison on standard output; what was written too, unless JSON is to stand there alone."""
+    from harness.cli.environments import show_environments
     from harness.cli.made import make_table_and_page
     from harness.cli.not_measured import complain_of_metrics
     from harness.cli.terminal import show
     from harness.report.document import report_text
     from harness.report.overview_table import overview_table
 
-    if as_json:
+    command = f"harness report {results.folder} --details"
+    if results.is_in_environment:
+        show_environments(results, command, as_json=as_json, html=None, details=False, summary=None)
+    elif as_json:
         typer.echo(report_text(results))
     else:
-        show(overview_table(results, f"harness report {results.folder} --details"))
+        show(overview_table(results, command))
     complain_of_metrics(results)
     make_table_and_page(results, err=as_json)
 

@@ -33,7 +33,7 @@ class EndedCells:
         Raises:
             OSError: The table cannot be written.
         """
-        if ended.status == "done":
+        if ended.status == "done" and not ended.cell.is_in_environment:
             self.keep(ended)
         self._table.add(ended)
         self._table.refresh()

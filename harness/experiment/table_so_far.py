@@ -2,8 +2,9 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
+from harness.metric import Metric
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.results.done_cells import DoneCells
@@ -49,8 +50,14 @@ class TableSoFar:
         if not self._missing:
             return
         if self._can_be_read():
-            write_table(self._store.folder, self._rows(), self._cells.metrics)
+            write_table(self._store.folder, self._rows(), self._metrics)
         self._due = self._clock() + EVERY
+
+    @property
+    def _metrics(self) -> Mapping[str, Metric]:
+        """Metrics know the arm alone."""
+        in_environment = any(manifest.cell.is_in_environment for manifest, _ in self._measured.values())
+        return {} if in_environment else self._cells.metrics
 
     def _can_be_read(self) -> bool:
         """Take in what has ended; whatever a plugin raises here, the report will meet and tell: the run goes on."""
@@ -65,8 +72,8 @@ class TableSoFar:
         return True
 
     def _measure(self, manifest: Manifest) -> Measured | None:
-        """All but random actions: the cell that does them may not have ended."""
-        if manifest.status != "done":
+        """All but random actions: the cell that does them may not have ended. Metrics know the arm alone."""
+        if manifest.status != "done" or manifest.cell.is_in_environment:
             return None
         found = self._cells.of(manifest)
         measured = found.measured({})
@@ -77,6 +84,6 @@ class TableSoFar:
         ended = {manifest.cell: manifest for manifest, _ in self._measured.values()}
         floors = Floors(self._store, ended.values(), lambda cell: self._cells.of(ended[cell]))
         return [
-            row_of(manifest, measured and measured._replace(random=floors.of(manifest.cell)), self._cells.metrics)
+            row_of(manifest, measured and measured._replace(random=floors.of(manifest.cell)), self._metrics)
             for manifest, measured in self._measured.values()
         ]

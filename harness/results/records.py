@@ -66,12 +66,19 @@ class Records:
 
     @property
     def metrics(self) -> dict[str, Metric]:
-        """Every registered metric, or those that were chosen, by name."""
-        return self._cells.metrics
+        """Every registered metric, or those that were chosen, by name; none where the task is an environment."""
+        return {} if self.is_in_environment else self._cells.metrics
+
+    @property
+    def is_in_environment(self) -> bool:
+        """Whether a task is an environment of anybody: its cells left recordings, and no traces."""
+        return any(manifest.cell.is_in_environment for manifest in self.manifests)
 
     @property
     def not_measured(self) -> dict[str, str]:
-        """Of each metric that failed in a done cell the reason; in the first of them."""
+        """Of each metric that failed in a done cell the reason; in the first of them. Metrics know the arm alone."""
+        if self.is_in_environment:
+            return {}
         reasons: dict[str, str] = {}
         for manifest in self.done:
             reasons = {**self.measured(manifest.cell).reasons, **reasons}

@@ -25,8 +25,11 @@ class Results(Records):
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
-        """Every proposed reward against the baseline; a baseline that is its own proposed reward is the control."""
-        return combine(self)
+        """Every proposed reward against the baseline; a baseline that is its own proposed reward is the control.
+
+        There are none where the task is an environment: `harness.report.environments` compares its recorded trainings.
+        """
+        return () if self.is_in_environment else combine(self)
 
     def to_json(self) -> dict[str, Any]:
         """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""
@@ -61,6 +64,8 @@ class Results(Records):
         return overview_html(self.combinations) + f"<p>{html.escape(repr(self))}</p>"
 
     def _rows(self) -> Iterator[Row]:
+        if self.is_in_environment:
+            return (row_of(it, None, self.metrics) for it in self.manifests)
         measured = [self.measured(it.cell) if it.status == "done" else None for it in self.manifests]
         return map(row_of, self.manifests, measured, repeat(self.metrics))
 

@@ -100,13 +100,18 @@ def has_recordings(folder: Path) -> bool:
     return next(_found(folder), None) is not None
 
 
-def read_runs(folder: Path) -> Runs:
+def read_runs(folder: Path, only: Sequence[Path] | None = None, baseline: str = "") -> Runs:
     """All recorded trainings in a folder, at any depth.
+
+    Args:
+        folder: Where they lie.
+        only: Of these folders in it, and not at any depth; None for all.
+        baseline: The reward that the others are compared with; by default the one that was given first.
 
     Raises:
         UsageError: There are none, or none that can be compared.
     """
-    everything, damaged = _read_all(folder)
+    everything, damaged = _read_all(sorted(_found(folder)) if only is None else only)
     if not everything:
         told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
@@ -115,7 +120,8 @@ def read_runs(folder: Path) -> Runs:
     evaluations, evaluation_notes = _evaluations(folder, [it for it in everything if it.facts.evaluation], seeds)
     members = {key: replace(run, evaluation=evaluations.get(key)) for key, run in _by_key(seeds).items() if run.steps}
     empty = [f"'{run.path}' is left out: it has no steps" for run in seeds if not run.steps]
-    rewards = _in_order(run.facts.rewards for run in members.values())
+    named = _in_order(run.facts.rewards for run in members.values())
+    rewards = tuple(sorted(named, key=lambda name: name != baseline))  # all others stay in their order
     trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
     if len(trained) < 2:
         told = f"all trainings in it were trained with {trained[0]}" if trained else "no training in it has a step"
@@ -142,9 +148,9 @@ def _found(folder: Path) -> Iterator[Path]:
     return (path.parent for path in folder.rglob(facts_name(0)))
 
 
-def _read_all(folder: Path) -> tuple[list[Run], list[str]]:
+def _read_all(paths: Sequence[Path]) -> tuple[list[Run], list[str]]:
     runs, damaged = [], []
-    for path in sorted(_found(folder)):
+    for path in paths:
         try:
             recording = read_recording(path)
         except SchemaError as error:

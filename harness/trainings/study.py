@@ -1,6 +1,6 @@
 """All recorded trainings of a folder, compared."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -66,17 +66,21 @@ class Study:
         }
 
 
-def load_study(folder: str | Path, kind: Kind = "accumulated") -> Study:
+def load_study(
+    folder: str | Path, kind: Kind = "accumulated", only: Sequence[Path] | None = None, baseline: str = ""
+) -> Study:
     """The recorded trainings in a folder, at any depth, compared.
 
     Args:
         folder: Where they lie.
         kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
+        only: See `harness.trainings.runs.read_runs`.
+        baseline: The same.
 
     Raises:
         UsageError: There are none, or none that can be compared.
     """
-    runs = read_runs(Path(folder))
+    runs = read_runs(Path(folder), only, baseline)
     swaps = swaps_of(sorted({seed for _, seed in runs.members}))
     found = [compare(runs, *pair, swaps, kind) for pair in combinations(runs.trained, 2)]
     return Study(Path(folder), runs, _corrected(found), _tables(runs), kind)

@@ -1,0 +1,54 @@
+"""The recorded trainings of an experiment's cells, one study for each algorithm and environment."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from harness.errors import UsageError
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
+from harness.record.store import REPORT
+from harness.results import Results
+from harness.results.combination import Group
+from harness.text import file_stems
+from harness.trainings.study import Study, load_study
+
+
+class PlaceStudy(NamedTuple):
+    """What the done cells of one algorithm in one environment say."""
+
+    group: Group
+    cells: tuple[Cell, ...]
+    study: Study | None
+    """None where there is nothing to compare."""
+    reason: str
+    """Why there is none; empty if there is one."""
+
+    @property
+    def title(self) -> str:
+        """The algorithm, and what it trained in."""
+        return f"{self.group.task.label} · {self.group.algorithm.label}"
+
+
+def studies_of(results: Results) -> tuple[PlaceStudy, ...]:
+    """Of an experiment whose task is an environment; a group of which no cell is done is left out."""
+    return tuple(_study(results, group, cells) for group, cells in results.groups.items())
+
+
+def page_names(studies: Sequence[PlaceStudy], name: str = REPORT) -> list[str]:
+    """A page for each study that compares something: `name`, or with several ``report-sac-fast.html``."""
+    titles = [told.title for told in studies if told.study is not None]
+    stem, _, ending = name.rpartition(".")
+    return [name] if len(titles) == 1 else [f"{stem}-{part}.{ending}" for part in file_stems(titles)]
+
+
+def _study(results: Results, group: Group, cells: Sequence[Cell]) -> PlaceStudy:
+    folders = [results.store.cell_folder(cell) for cell in cells]
+    only = [folder / part for folder in folders for part in (TRAINING_RECORDING, EVALUATION_RECORDING)]
+    trained = list(dict.fromkeys(cell.reward.label for cell in cells))
+    if len(trained) < 2:
+        reason = f"nothing to compare: all done cells were trained with {trained[0]}"
+        return PlaceStudy(group, tuple(cells), None, reason)
+    try:
+        return PlaceStudy(group, tuple(cells), load_study(results.folder, results.kind, only, results.baseline), "")
+    except UsageError as error:
+        return PlaceStudy(group, tuple(cells), None, str(error))
