@@ -27,6 +27,7 @@ from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
+from harness.record.united_plan import refuse_mixed
 from harness.registry.choice import choose
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given
@@ -330,6 +331,8 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
     if options.only:
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))
+    if Store.is_experiment(store.folder):
+        refuse_mixed(f"--out '{store.folder}'", store.read_plan().cells, (*plan.cells, *(cell for cell, _ in plan.skipped)))
     return ExperimentRun(plan, store, registry, executor, options, trackers)
 
 

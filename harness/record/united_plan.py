@@ -1,6 +1,6 @@
 """One plan of several experiments' folders."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
         plans: Each with the folder that it stands in.
 
     Raises:
-        UsageError: They have several baselines.
+        UsageError: They have several baselines, or some are in an environment and others are not.
     """
     (first, whole), *others = plans
     whole = _with_experiment(first, whole)
@@ -33,8 +33,22 @@ def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
                 f"'{first}' compares with {whole.baseline}, '{folder}' with {plan.baseline}: "
                 "only experiments with one baseline can be merged"
             )
+        refuse_mixed(f"'{first}' and '{folder}'", whole.cells, plan.cells)
         whole = _unite(whole, _with_experiment(folder, plan))
     return whole
+
+
+def refuse_mixed(where: str, cells: Iterable[Cell], others: Iterable[Cell]) -> None:
+    """See that all cells, or none, have an environment for a task: their reports have nothing in common.
+
+    Raises:
+        UsageError: It is not so.
+    """
+    if len({cell.is_in_environment for cell in (*cells, *others)}) > 1:
+        raise UsageError(
+            f"{where}: an experiment in an environment and one with a robot of the harness do not go into one folder. "
+            "Name another"
+        )
 
 
 def _with_experiment(folder: Path, plan: StoredPlan) -> StoredPlan:

@@ -14,3 +14,24 @@ def register_environments(register: harness.Register) -> None:
         f"{here}.any_gymnasium:AnyGymnasium",
         summary="any id of Gymnasium, paid by its own reward and by numbers that it tells: gymnasium:id=Pendulum-v1",
     )
+    register(
+        "inverted-double-pendulum",
+        f"{here}.inverted_double_pendulum:InvertedDoublePendulum",
+        summary="two poles on a cart, paid as versions 4 and 5 of Gymnasium's environment pay",
+        requires=["mujoco", "imageio"],
+        extra="robotics",
+    )
+    register(
+        "fetch-reach",
+        f"{here}.fetch_reach:FetchReach",
+        summary="a Fetch arm reaches a point, paid sparse or dense",
+        requires=["gymnasium_robotics", "mujoco"],
+        extra="robotics",
+    )
+    register(
+        "meta-world",
+        f"{here}.meta_world:MetaWorld",
+        summary="a task of Meta-World, paid by the first or the second version of its reward",
+        requires=["metaworld", "mujoco"],
+        extra="metaworld",
+    )

@@ -43,12 +43,17 @@ class Looked:
         Raises:
             UsageError: One is none of the environment's rewards.
         """
-        names = [str(_name_of(it)) for it in (self.rewards if proposed is None else proposed)]
-        first = str(_name_of(baseline)) if baseline else names[0] if proposed and len(names) > 1 else self.baseline
-        for name in (first, *names):
-            if name not in self.rewards:
-                raise UsageError(unknown_name(f"reward of '{self.label}'", name, self.rewards))
+        names = [self._reward(it) for it in (self.rewards if proposed is None else proposed)]
+        first = self._reward(baseline) if baseline else self.baseline
         return first, tuple(dict.fromkeys([first, *names]))
+
+    def _reward(self, given: Given) -> str:
+        name, params = parse(given) if isinstance(given, str) else (str(given.get("name")), {**given, "name": ""})
+        if any(params.values()):
+            raise UsageError(f"Reward '{name}' of '{self.label}' takes no parameters: give them to the environment")
+        if name not in self.rewards:
+            raise UsageError(unknown_name(f"reward of '{self.label}'", name, self.rewards))
+        return name
 
 
 def kind_of_task(given: Given, registry: Registry) -> str:

@@ -1,0 +1,68 @@
+"""The Fetch arm of Gymnasium-Robotics, which moves its gripper to a point."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from harness.environment import AnyEnv, Measure
+from harness.errors import UsageError
+
+REMEDY = "pip install 'fd100-harness[robotics]'"
+
+
+@dataclass(frozen=True)
+class FetchReach:
+    """FetchReach-v4: the gripper of a Fetch arm moves to a random point; an episode has 50 steps of 0.04 s.
+
+    Both rewards are the environment's own: `sparse` pays 0 within 5 cm of the point and -1 elsewhere, `dense` pays minus
+    the distance. What is observed is a dict: observation, achieved goal and desired goal.
+    """
+
+    lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
+    baseline: ClassVar[str] = "sparse"
+
+    def make(self) -> AnyEnv:
+        """See `harness.environment.Environment`."""
+        import gymnasium_robotics
+
+        gymnasium.register_envs(gymnasium_robotics)
+        try:
+            return gymnasium.make("FetchReach-v4")
+        except (TypeError, AttributeError, KeyError) as error:
+            import mujoco
+
+            told = f"Gymnasium-Robotics cannot make FetchReach-v4 with mujoco {mujoco.__version__}: {error!r}"
+            raise UsageError(f"{told}. Its versions up to 1.4 need mujoco below 3.12: {REMEDY}") from error
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """See `harness.environment.Environment`."""
+
+        def sparse(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+            return _paid(env, "sparse", next_observation, info)
+
+        def dense(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+            return _paid(env, "dense", next_observation, info)
+
+        return {"sparse": sparse, "dense": dense}
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """See `harness.environment.Environment`."""
+        return {"success": "is_success", "distance": distance}
+
+
+def distance(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """From the gripper to the point, [m]."""
+    return float(np.linalg.norm(next_observation["achieved_goal"] - next_observation["desired_goal"]))
+
+
+def _paid(env: AnyEnv, kind: str, observation: Any, info: Any) -> float:
+    """By the environment's own function, told to pay so."""
+    arm: Any = env.unwrapped
+    kept, arm.reward_type = arm.reward_type, kind
+    try:
+        return float(arm.compute_reward(observation["achieved_goal"], observation["desired_goal"], info))
+    finally:
+        arm.reward_type = kept

@@ -1,0 +1,81 @@
+"""Gymnasium's inverted double pendulum, paid as its fourth and as its fifth version pay."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import gymnasium
+from pydantic.dataclasses import dataclass
+
+from harness.environment import AnyEnv, Measure
+
+ALIVE = 10.0
+"""For each step; from version 5 on not for the step in which the pendulum falls."""
+FALLEN, UPRIGHT = 1.0, 2.0
+"""Height of the tip, [m]: at most this much when it has fallen; where the penalty is least."""
+
+
+@dataclass(frozen=True)
+class InvertedDoublePendulum:
+    """A cart balances two poles, one on the other (MuJoCo); an episode ends when they fall, or after 1,000 steps.
+
+    Versions 4 and 5 of Gymnasium's environment move alike and pay differently: v4 pays the 10 for being upright in the
+    step of the fall too, v5 does not. Both rewards pay for the same steps of version 5.
+    """
+
+    lower_is_better: ClassVar[frozenset[str]] = frozenset({"tip_distance"})
+    baseline: ClassVar[str] = "v4"
+
+    def make(self) -> AnyEnv:
+        """See `harness.environment.Environment`."""
+        return gymnasium.make("InvertedDoublePendulum-v5")
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """See `harness.environment.Environment`."""
+        physics = env.unwrapped
+
+        def v4(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+            return ALIVE - _penalties(physics)
+
+        def v5(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+            return ALIVE * (_height(physics) > FALLEN) - _penalties(physics)
+
+        return {"v4": v4, "v5": v5}
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """See `harness.environment.Environment`."""
+        physics = env.unwrapped
+
+        def tip_distance(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+            """From the tip to where it is upright over the middle, [m]."""
+            x, _, y = physics.data.site_xpos[0]  # type: ignore[attr-defined] # it is MuJoCo's
+            return float((x**2 + (y - UPRIGHT) ** 2) ** 0.5)
+
+        return {"steps_balanced": StepsBalanced(), "tip_distance": tip_distance}
+
+
+class StepsBalanced:
+    """How many steps of the episode are done; the episode ends when the pendulum falls."""
+
+    def __init__(self) -> None:
+        self.steps = 0
+
+    def reset(self) -> None:
+        """An episode starts."""
+        self.steps = 0
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> int:
+        """Count one more."""
+        self.steps += 1
+        return self.steps
+
+
+def _height(physics: Any) -> float:
+    """Of the tip, [m]."""
+    return float(physics.data.site_xpos[0][2])
+
+
+def _penalties(physics: Any) -> float:
+    """For the distance of the tip and the speeds of the joints, the same in both versions."""
+    x, _, y = physics.data.site_xpos[0]
+    v1, v2 = physics.data.qvel[1:3]
+    return float(0.01 * x**2 + (y - UPRIGHT) ** 2 + 1e-3 * v1**2 + 5e-3 * v2**2)

@@ -1,0 +1,78 @@
+"""The fifty tasks of Meta-World, each with the two versions of its reward."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
+
+import gymnasium
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.environment import AnyEnv, Measure
+from harness.errors import UsageError
+from harness.registry.names import unknown_name
+
+OBSERVABLE = "-goal-observable"
+
+
+@dataclass(frozen=True)
+class MetaWorld:
+    """A Sawyer arm on a table, in one task of Meta-World's; an episode has 500 steps.
+
+    Start and goal are drawn anew in every episode, and the goal is observed. Both rewards are Meta-World's own,
+    computed by the same env: `v1`, and `v2`, with which its newer results were obtained. Success and distance are those
+    that Meta-World tells while it pays v2, whatever the learner is paid.
+    """
+
+    task: Annotated[str, Field(description="a task of Meta-World, as reach-v3 or push-v3")] = "reach-v3"
+
+    lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
+    baseline: ClassVar[str] = "v1"
+
+    def make(self) -> AnyEnv:
+        """See `harness.environment.Environment`."""
+        from metaworld.env_dict import ALL_V3_ENVIRONMENTS_GOAL_OBSERVABLE as TASKS
+
+        if f"{self.task}{OBSERVABLE}" not in TASKS:
+            raise UsageError(unknown_name("task of Meta-World", self.task, [it.removesuffix(OBSERVABLE) for it in TASKS]))
+        env = TASKS[f"{self.task}{OBSERVABLE}"](seed=0)
+        env._freeze_rand_vec, env.seeded_rand_vec = False, True  # starts and goals are drawn, by the env's generator
+        return Seeded(env)
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """See `harness.environment.Environment`."""
+
+        def v1(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+            return _paid(env, "v1", action, next_observation)
+
+        def v2(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+            return _paid(env, "v2", action, next_observation)
+
+        return {"v1": v1, "v2": v2}
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """See `harness.environment.Environment`."""
+        return {"success": "success", "distance": "obj_to_target"}
+
+
+class Seeded(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Meta-World's envs are seeded by a method of their own, and declare the goal as if it were always hidden."""
+
+    def __init__(self, env: AnyEnv) -> None:
+        super().__init__(env)
+        self.observation_space = env.unwrapped.sawyer_observation_space  # type: ignore[attr-defined]
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start an episode."""
+        if seed is not None:
+            self.env.unwrapped.seed(seed)  # type: ignore[attr-defined]
+        return self.env.reset(options=options)
+
+
+def _paid(env: AnyEnv, version: str, action: Any, observation: Any) -> float:
+    """By the env's own function, told to pay so."""
+    arm: Any = env.unwrapped
+    kept, arm.reward_function_version = arm.reward_function_version, version
+    try:
+        return float(arm.compute_reward(action, observation)[0])
+    finally:
+        arm.reward_function_version = kept
