@@ -28,7 +28,10 @@ def compare(
 
     for folder in (before, after):
         refuse_committed(folder, "harness compare")
-    found = between(load_results(before), load_results(after))
+    both = load_results(before), load_results(after)
+    for results in both:
+        results.require_arm("harness compare")
+    found = between(*both)
     if as_json:
         typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
     else:

@@ -34,7 +34,7 @@ def _by_combination(cells: Sequence["Cell"]) -> Iterator[str]:
     """A line for each simulator, algorithm and reward, with its seeds."""
     seeds: dict[str, list[int]] = {}
     for cell in cells:
-        title = " · ".join((cell.simulator.label, cell.algorithm.label, cell.reward.label))
+        title = " · ".join((cell.place.label, cell.algorithm.label, cell.reward.label))
         seeds.setdefault(title, []).append(cell.seed)
     for title, these in seeds.items():
         shown = ", ".join(map(str, these[:SHOWN_SEEDS])) + (" ..." if len(these) > SHOWN_SEEDS else "")

@@ -197,7 +197,7 @@ def _left(task: Task) -> str:
 
 
 def _parts(cell: Cell) -> tuple[str, ...]:
-    return cell.simulator.label, cell.algorithm.label, cell.reward.label, str(cell.seed)
+    return cell.place.label, cell.algorithm.label, cell.reward.label, str(cell.seed)
 
 
 def _differing_parts(cells: Sequence[Cell]) -> list[int]:

@@ -64,6 +64,7 @@ def _score_experiment(
     from harness.score.open_recording import open_recording
 
     results = load_results(folder)
+    results.require_arm("harness score")
     refuse_links(folder)
     if not results.done_cells:
         raise UsageError(f"'{folder}' has no finished cell to score")

@@ -33,6 +33,7 @@ def video(
 
     require_kind(out)
     results = load_results(folder)
+    results.require_arm("harness video")
     named = split_list(cells or [])
     if len(named) > MOST_CELLS:
         raise UsageError(f"--cells names {len(named)} cells, {MOST_CELLS} are allowed")

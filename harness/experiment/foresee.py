@@ -12,7 +12,7 @@ from harness.record.manifest import Manifest
 from harness.record.store import Store
 
 Kind: TypeAlias = tuple[str, str]
-"""Labels of simulator and algorithm: what decides how long a step takes, and how much it leaves."""
+"""Labels of simulator, or environment, and algorithm: what decides how long a step takes, and how much it leaves."""
 
 
 class Cost(NamedTuple):
@@ -108,7 +108,7 @@ def foresee(ready: ExperimentRun) -> Foreseen:
 
 
 def _why_unknown(cell: Cell) -> str:
-    names = f"{cell.simulator.name},{cell.algorithm.name}"
+    names = f"{cell.place.name},{cell.algorithm.name}"
     return f"no cell of {' · '.join(_kind(cell))} is done in the folder; --only {names} --limit 1 does one"
 
 
@@ -130,7 +130,7 @@ def _size(manifest: Manifest, store: Store) -> int:
 
 
 def _kind(cell: Cell) -> Kind:
-    return cell.simulator.label, cell.algorithm.label
+    return cell.place.label, cell.algorithm.label
 
 
 def _cell_to_json(cell: Cell) -> dict[str, str]:

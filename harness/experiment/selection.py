@@ -29,7 +29,7 @@ def select(cells: Sequence[Cell], text: str) -> tuple[Cell, ...]:
 
 def _names(cell: Cell) -> Mapping[str, Sequence[str]]:
     """What a word may be to name the cell, by kind."""
-    choices = {"simulator": cell.simulator, "algorithm": cell.algorithm, "reward": cell.reward}
+    choices = {"simulator": cell.place, "algorithm": cell.algorithm, "reward": cell.reward}
     named = {kind: (choice.label, choice.name) for kind, choice in choices.items()}
     return {**named, "seed": (f"seed={cell.seed}",), "cell": (cell.id,)}
 

@@ -52,13 +52,13 @@ def tracked_cell(cell: Cell, begun: float, folder: Path) -> TrackedCell:
         begun: When it was, seconds since 1970: it tells a cell that is done again from its first time.
         folder: Of the experiment.
     """
-    parts = {"simulator": cell.simulator, "algorithm": cell.algorithm, "reward": cell.reward, "task": cell.task}
+    parts = {"simulator": cell.place, "algorithm": cell.algorithm, "reward": cell.reward, "task": cell.task}
     config: dict[str, Any] = {name: part.label for name, part in parts.items()}
     config |= {
         f"{name}.{key}": value for name, part in parts.items() for key, value in part.to_json()["params"].items()
     }
     config |= {key: value for key, value in cell.to_json().items() if key not in parts}
-    group = " · ".join((cell.simulator.label, cell.algorithm.label, cell.reward.label, cell.task.label))
+    group = " · ".join((cell.place.label, cell.algorithm.label, cell.reward.label, cell.task.label))
     return TrackedCell(f"{cell.id}-{int(1000 * begun):x}", cell.title, group, {**config, "cell": cell.id}, folder)
 
 

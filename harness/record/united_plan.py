@@ -90,13 +90,13 @@ def _in_order(plan: StoredPlan) -> tuple[Cell, ...]:
     ranks: Mapping[Any, int] = {
         choice: rank
         for rank, choice in enumerate(
-            dict.fromkeys(choice for cell in plan.cells for choice in (cell.simulator, cell.algorithm, cell.reward))
+            dict.fromkeys(choice for cell in plan.cells for choice in (cell.place, cell.algorithm, cell.reward))
         )
     }
     others = set(plan.control.values()) - set(plan.control)
 
     def place(cell: Cell) -> tuple[bool, int, int, int, int]:
         is_control = cell.seed in others and cell.reward.label == plan.baseline
-        return (is_control, cell.seed, ranks[cell.simulator], ranks[cell.algorithm], ranks[cell.reward])
+        return (is_control, cell.seed, ranks[cell.place], ranks[cell.algorithm], ranks[cell.reward])
 
     return tuple(sorted(plan.cells, key=place))

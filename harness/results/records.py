@@ -5,6 +5,7 @@ from functools import cached_property
 from pathlib import Path
 
 from harness.arrays import Float
+from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.files.bounded import read_text, reading
 from harness.metric import Metric
@@ -73,6 +74,18 @@ class Records:
     def is_in_environment(self) -> bool:
         """Whether a task is an environment of anybody: its cells left recordings, and no traces."""
         return any(manifest.cell.is_in_environment for manifest in self.manifests)
+
+    def require_arm(self, command: str) -> None:
+        """See that the cells are of an arm of the harness, and left traces.
+
+        Raises:
+            UsageError: They are in an environment; `command` says what needs more.
+        """
+        if self.is_in_environment:
+            raise UsageError(
+                f"{command} needs traces of an arm, and the cells of '{self.folder}' are recorded trainings in an "
+                f"environment: harness report '{self.folder}' compares them"
+            )
 
     @property
     def not_measured(self) -> dict[str, str]:

@@ -117,6 +117,7 @@ def plan_transfers(results: Results, to: str | Sequence[Given] | None, registry:
         UsageError: No cell is done, a simulator is not known or not installed, or a cell's task, reward or robot is
             gone.
     """
+    results.require_arm("harness transfer")
     cells = results.done_cells
     if not cells:
         raise UsageError(f"'{results.folder}' has no finished cell: nothing is trained that could be evaluated")

@@ -52,7 +52,7 @@ class Looked:
         if any(params.values()):
             raise UsageError(f"Reward '{name}' of '{self.label}' takes no parameters: give them to the environment")
         if name not in self.rewards:
-            raise UsageError(unknown_name(f"reward of '{self.label}'", name, self.rewards))
+            raise UsageError(f"{self.label}: {unknown_name('reward', name, self.rewards)}")
         return name
 
 
