@@ -332,7 +332,9 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))
     if Store.is_experiment(store.folder):
-        refuse_mixed(f"--out '{store.folder}'", store.read_plan().cells, (*plan.cells, *(cell for cell, _ in plan.skipped)))
+        refuse_mixed(
+            f"--out '{store.folder}'", store.read_plan().cells, (*plan.cells, *(cell for cell, _ in plan.skipped))
+        )
     return ExperimentRun(plan, store, registry, executor, options, trackers)
 
 

@@ -70,9 +70,7 @@ class Experiment:
         Annotated[list[Given], Field(max_length=MOST_NAMES)] | None,
         Field(description="proposed rewards; an empty list: the baseline is trained alone"),
     ] = None
-    baseline: Annotated[
-        Given | None, Field(description="the reward that the others are compared with")
-    ] = None
+    baseline: Annotated[Given | None, Field(description="the reward that the others are compared with")] = None
     task: Annotated[Given, Field(description="the task, or an environment")] = DEFAULT_TASK
     robot: Annotated[
         str | None, Field(description="the robot: a name, a URDF, or a folder with robot.toml; by default the task's")

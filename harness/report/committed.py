@@ -104,6 +104,41 @@ class RecordForm(TypedDict):
     cells: list[CellForm]
 
 
+@with_config(OPEN)
+class PairForm(TypedDict):
+    """See `harness.trainings.comparison.Comparison`."""
+
+    baseline: Name
+    proposed: Name
+    headline: HeadlineForm
+
+
+@with_config(OPEN)
+class StudyForm(TypedDict):
+    """See `harness.trainings.study.Study`."""
+
+    comparisons: list[PairForm]
+
+
+@with_config(OPEN)
+class PlaceForm(TypedDict):
+    """See `harness.report.environments.studies.PlaceStudy`."""
+
+    task: Name
+    algorithm: Name
+    reason: Line
+    study: StudyForm | None
+
+
+@with_config(OPEN)
+class EnvironmentsForm(TypedDict):
+    """What ``harness report --json`` prints of an experiment whose task is an environment."""
+
+    studies: list[PlaceForm]
+    cells: list[CellForm]
+
+
+ENVIRONMENTS: TypeAdapter[EnvironmentsForm] = TypeAdapter(EnvironmentsForm)
 FORM: TypeAdapter[RecordForm] = TypeAdapter(RecordForm)
 
 
@@ -128,10 +163,13 @@ def committed_table(folder: Path) -> RenderableType:
     Raises:
         SchemaError: The file is damaged.
     """
-    record = _read(folder)
-    done = sum(cell["status"] == "done" for cell in record["cells"])
-    parts: list[RenderableType] = [Text(f"Committed records of {len(record['cells'])} cells, {done} done.")]
-    comparisons = record["combinations"]
+    record, environments = _read(folder)
+    cells = (record or environments or {"cells": []})["cells"]
+    done = sum(cell["status"] == "done" for cell in cells)
+    parts: list[RenderableType] = [Text(f"Committed records of {len(cells)} cells, {done} done.")]
+    if environments is not None:
+        parts += [part for place in environments["studies"] for part in _place(place)]
+    comparisons = record["combinations"] if record else []
     if comparisons:
         apart = [kind for kind in (*PLACES, "steps", "baseline") if len({_told(it, kind) for it in comparisons}) > 1]
         names = [" · ".join([*(_told(it, kind) for kind in apart), _proposed(it)]) for it in comparisons]
@@ -155,11 +193,26 @@ def refuse_committed(folder: Path, flag: str) -> None:
         raise UsageError(f"{flag} needs cells, and '{folder}' holds committed records alone. {_more(folder)}")
 
 
-def _read(folder: Path) -> RecordForm:
+def _read(folder: Path) -> tuple[RecordForm | None, EnvironmentsForm | None]:
+    """The one or the other: of an arm's experiment, or of one whose task is an environment."""
     with reading(folder / RECORD, "record"):
-        data: RecordForm = parse_json(read_bytes(folder / RECORD, MOST_BYTES))
+        data = parse_json(read_bytes(folder / RECORD, MOST_BYTES))
+        if isinstance(data, dict) and "studies" in data:
+            require_form(ENVIRONMENTS, data)
+            return None, data  # type: ignore[return-value] # its form was just checked
         require_form(FORM, data)
-    return data
+        return data, None
+
+
+def _place(place: PlaceForm) -> list[RenderableType]:
+    """What was found in one environment with one algorithm."""
+    parts: list[RenderableType] = [Text(), Text(f"{place['task']} · {place['algorithm']}", style="bold")]
+    if place["study"] is None:
+        return [*parts, Text(f"{place['reason']}.")]
+    for pair in place["study"]["comparisons"]:
+        told = pair["headline"]
+        parts.append(Text(f"{pair['proposed']} against {pair['baseline']}: {told['answer'].upper()}. {told['robot']}"))
+    return parts
 
 
 def _more(folder: Path) -> str:

@@ -1,4 +1,4 @@
-"""The contract kit: what simulators, tasks, rewards, algorithms, metrics, executors and trackers must satisfy.
+"""The contract kit: what simulators, tasks, environments, rewards, algorithms, metrics, executors and trackers must satisfy.
 
 In the tests of a plugin::
 
@@ -13,6 +13,7 @@ first one that fails. `IdealSimulator` is a simulator for tests that need none o
 """
 
 from harness.testing.algorithms import ALGORITHM_CHECKS, check_algorithm
+from harness.testing.environments import ENVIRONMENT_CHECKS, check_environment
 from harness.testing.executors import EXECUTOR_CHECKS, check_executor
 from harness.testing.exports import EXPORT_CHECKS, check_export
 from harness.testing.ideal import IdealSimulator
@@ -26,6 +27,7 @@ from harness.testing.violations import Check, check, violations
 
 __all__ = [
     "ALGORITHM_CHECKS",
+    "ENVIRONMENT_CHECKS",
     "EXECUTOR_CHECKS",
     "EXPORT_CHECKS",
     "METRIC_CHECKS",
@@ -38,6 +40,7 @@ __all__ = [
     "IdealSimulator",
     "check",
     "check_algorithm",
+    "check_environment",
     "check_executor",
     "check_export",
     "check_metric",

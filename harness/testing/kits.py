@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from harness.testing.algorithms import ALGORITHM_CHECKS, ALGORITHM_WARNINGS
+from harness.testing.environments import ENVIRONMENT_CHECKS
 from harness.testing.executors import EXECUTOR_CHECKS
 from harness.testing.exports import EXPORT_CHECKS
 from harness.testing.long_runs import a_long_episode_is_paid_without_growing, a_long_simulation_neither_drifts_nor_leaks
@@ -56,6 +57,7 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "metrics": Kit(METRIC_CHECKS, (a_metric_is_quick,)),
         "tasks": Kit(TASK_CHECKS, (*TASK_WARNINGS, an_episode_is_drawn_quickly)),
         "robots": Kit(ROBOT_CHECKS, ROBOT_WARNINGS),
+        "environments": Kit(ENVIRONMENT_CHECKS),
         "executors": Kit(EXECUTOR_CHECKS),
         "trackers": Kit(TRACKER_CHECKS),
     }

@@ -33,7 +33,9 @@ class MetaWorld:
         from metaworld.env_dict import ALL_V3_ENVIRONMENTS_GOAL_OBSERVABLE as TASKS
 
         if f"{self.task}{OBSERVABLE}" not in TASKS:
-            raise UsageError(unknown_name("task of Meta-World", self.task, [it.removesuffix(OBSERVABLE) for it in TASKS]))
+            raise UsageError(
+                unknown_name("task of Meta-World", self.task, [it.removesuffix(OBSERVABLE) for it in TASKS])
+            )
         env = TASKS[f"{self.task}{OBSERVABLE}"](seed=0)
         env._freeze_rand_vec, env.seeded_rand_vec = False, True  # starts and goals are drawn, by the env's generator
         return Seeded(env)

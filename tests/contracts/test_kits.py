@@ -13,13 +13,15 @@ from harness.testing.violations import Check
 DOCS = Path(__file__).parents[2] / "docs" / "contracts.md"
 PREFIXES = {
     "simulators": "sim-", "algorithms": "algo-", "rewards": "reward-", "metrics": "metric-", "tasks": "task-",
-    "robots": "robot-", "executors": "executor-", "trackers": "tracker-",
+    "robots": "robot-", "environments": "environment-", "executors": "executor-", "trackers": "tracker-",
 }  # fmt: skip
 SHARED = ("settings-frozen", "settings-json")
 ALL = {check.name: check for kit in (*KITS.values(), EXPORTS) for check in kit.checks}
 TABLES = ("MUTANTS", "COARSE_MUTANTS", "FOUND", "WRONG")
 """What the modules of mutants call the tables of them, each of which is a test."""
-MUTANT_MODULES = "algorithm checkpoint executor export long_run metric reward robot servo simulator speed task tracker"
+MUTANT_MODULES = (
+    "algorithm checkpoint environment executor export long_run metric reward robot servo simulator speed task tracker"
+)
 
 
 def rows() -> list[tuple[str, str, str]]:

@@ -86,7 +86,9 @@ def refuse_places(sim: Sequence[Given], robot: str | None, evaluate_every: int) 
     """
     if sim or robot:
         flag = "--sim" if sim else "--robot"
-        raise UsageError(f"{flag} does not go with an environment, which brings its own simulator and robot: leave it out")
+        raise UsageError(
+            f"{flag} does not go with an environment, which brings its own simulator and robot: leave it out"
+        )
     if evaluate_every:
         raise UsageError(
             "--evaluate-every does not go with an environment: every step of its trainings is recorded, and the report "

@@ -47,7 +47,9 @@ def kind_of_actions(space: gymnasium.Space[Any]) -> ActionSpace:
         return "discrete"
     if isinstance(space, Box) and np.issubdtype(space.dtype, np.floating) and len(space.shape) == 1:
         if not space.is_bounded():
-            raise UsageError(f"its actions are {space}, without bounds: gymnasium.wrappers.RescaleAction gives them some")
+            raise UsageError(
+                f"its actions are {space}, without bounds: gymnasium.wrappers.RescaleAction gives them some"
+            )
         return "continuous"
     raise UsageError(f"its actions are {space}: algorithms take a Discrete space, or a Box of one row of numbers")
 

@@ -114,7 +114,10 @@ def _markdown(results: Results, studies: Sequence[PlaceStudy]) -> str:
 
 def _comparison(comparison: Comparison) -> list[str]:
     headline = comparison.headline
-    parts = [f"### {escape(pair_text(comparison))}", f"**The agent: {answer_text(headline)}.** {escape(headline.robot)}"]
+    parts = [
+        f"### {escape(pair_text(comparison))}",
+        f"**The agent: {answer_text(headline)}.** {escape(headline.robot)}",
+    ]
     if not comparison.seeds:
         return parts
     parts += [escape(f"{count_seeds(len(comparison.seeds))} compared. {comparison.basis}"), escape(comparison.number)]

@@ -69,7 +69,9 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
     parts += ["## Cells that are not done", "\n".join(unfinished)] if unfinished else []
     parts += ["## What it took", _effort(results)]
     facts = [fact for fact in shared_facts(results.manifests) if _is_told(fact)]
-    parts += [markdown_table(("", "", "cells"), [(fact.name, fact.value, fact.cells or "all") for fact in facts])] * bool(facts)
+    parts += [
+        markdown_table(("", "", "cells"), [(fact.name, fact.value, fact.cells or "all") for fact in facts])
+    ] * bool(facts)
     return "\n\n".join(parts) + "\n"
 
 

@@ -1,0 +1,173 @@
+"""Every check of an environment has a broken one that fails it, and no other."""
+
+# ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+import pytest
+
+from harness.environment import AnyEnv, Measure
+from harness.testing import ENVIRONMENT_CHECKS, violations
+
+
+class Walk(gymnasium.Env[Any, Any]):
+    """A point walks on a line for ten steps."""
+
+    def __init__(self) -> None:
+        self.observation_space = gymnasium.spaces.Box(-100.0, 100.0, (1,), np.float32)
+        self.action_space: gymnasium.Space[Any] = gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32)
+        self.at, self.steps, self.lasts = 0.0, 0, 10
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        super().reset(seed=seed)
+        self.at, self.steps = float(self.start()), 0
+        return self._observed(), {}
+
+    def start(self) -> float:
+        return self.np_random.uniform(-1.0, 1.0)
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        self.at += float(np.sum(action))
+        self.steps += 1
+        ended = self.steps >= self.lasts
+        return self._observed(), -abs(self.at), False, ended, {"distance": abs(self.at)}
+
+    def _observed(self) -> Any:
+        return np.array([self.at], np.float32)
+
+
+@dataclass(frozen=True)
+class Sound:
+    """Nothing is wrong with it."""
+
+    lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
+
+    def make(self) -> AnyEnv:
+        return Walk()
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"own": "own", "near": lambda before, action, after, info: abs(env.unwrapped.at) < 1.0}
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"distance": "distance"}
+
+
+@dataclass
+class Thawed:
+    """Its parameters can be changed while it runs."""
+
+    make, rewards, behaviour = Sound.make, Sound.rewards, Sound.behaviour
+
+
+@dataclass(frozen=True)
+class SetUpWithASet(Sound):
+    """JSON knows no sets."""
+
+    zones: frozenset[int] = frozenset({1})
+
+
+class OutOfItsSpace(Sound):
+    """It observes more than it says."""
+
+    def make(self) -> AnyEnv:
+        env = Walk()
+        env.observation_space = gymnasium.spaces.Box(500.0, 600.0, (1,), np.float32)
+        return env
+
+
+class ActsInAMatrix(Sound):
+    """No algorithm gives a matrix for an action."""
+
+    def make(self) -> AnyEnv:
+        env = Walk()
+        env.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2, 2), np.float32)
+        return env
+
+
+class NamesNoMeasure(Sound):
+    """Less of what is better?"""
+
+    lower_is_better = frozenset({"error"})
+
+
+class NamesNoReward(Sound):
+    """Its baseline is a reward that it has not."""
+
+    baseline = "sparse"
+
+
+class PaysNothingKnown(Sound):
+    """A reward that is no number in the middle of an episode."""
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"own": "own", "late": lambda before, action, after, info: np.inf if env.unwrapped.steps == 5 else 0.0}
+
+
+class TellsNothing(Sound):
+    """Its measure is a key that info never has."""
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"distance": "far"}
+
+
+class Unseeded(Sound):
+    """One env after the other begins elsewhere, whatever the seed: a counter decides."""
+
+    made: ClassVar[list[int]] = []
+
+    def make(self) -> AnyEnv:
+        self.made.append(1)
+        env, begun = Walk(), len(self.made) / 1e3
+        env.start = lambda: begun + env.np_random.uniform(-1.0, 1.0)  # type: ignore[method-assign]
+        return env
+
+
+class Meddles(Sound):
+    """Its reward moves what it looks at."""
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        def pushes(before: Any, action: Any, after: Any, info: Any) -> float:
+            env.unwrapped.at += 0.1
+            return 0.0
+
+        return {"own": "own", "pushes": pushes}
+
+
+class NeverEnds(Sound):
+    """Nobody could evaluate in it."""
+
+    def make(self) -> AnyEnv:
+        env = Walk()
+        env.lasts = 10**9
+        env.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float32)
+        return env
+
+
+MUTANTS: dict[type[Any], set[str]] = {
+    Thawed: {"settings-frozen"},
+    SetUpWithASet: {"settings-json"},
+    OutOfItsSpace: {"environment-api"},
+    ActsInAMatrix: {"environment-spaces"},
+    NamesNoMeasure: {"environment-names"},
+    NamesNoReward: {"environment-names"},
+    PaysNothingKnown: {"environment-finite"},
+    TellsNothing: {"environment-finite"},
+    Unseeded: {"environment-seeded", "environment-looks-on"},
+    Meddles: {"environment-looks-on"},
+    NeverEnds: {"environment-ends"},
+}
+
+
+def test_the_sound_one_keeps_the_contract():
+    """The mutants differ from it in one thing each."""
+    assert [failed.check for failed in violations(ENVIRONMENT_CHECKS, Sound())] == []
+
+
+@pytest.mark.parametrize("mutant", MUTANTS)
+def test_each_mutant_fails_its_check(mutant: type[Any]):
+    """And no other."""
+    assert {failed.check for failed in violations(ENVIRONMENT_CHECKS, mutant())} == MUTANTS[mutant]

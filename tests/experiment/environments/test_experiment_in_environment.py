@@ -1,0 +1,291 @@
+"""An experiment whose task is an environment: from its plan to its records, on a toy of a few numbers."""
+
+import csv
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.cli import main
+from harness.errors import UsageError
+from harness.executor import CellOptions, Word
+from harness.experiment.experiment import RunOptions, check
+from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment.run_cell import run_cell
+from harness.policy import load_policy
+from harness.progress import RETURN, SUCCESS
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, TRAINING_RECORDING, partial_folder
+from harness.record.manifest import digests_in
+from harness.record.merge import merge
+from harness.record.recording.recorded_training import read_recording
+from harness.record.status import read_status
+from harness.record.store import Store
+from harness.record.verify import verify
+from harness.registry.given import Given, read_given
+from harness.registry.registry import Registry, load_registry
+from harness.report.environments.studies import studies_of
+from harness.results import Results, load_results
+
+TOY = Path(__file__).with_name("toy.py")
+STEPS = 32
+
+
+@pytest.fixture(scope="module")
+def given() -> tuple[Given, ...]:
+    """The toy, as a user hands it over."""
+    return read_given([TOY])
+
+
+@pytest.fixture(scope="module")
+def registry(given: tuple[Given, ...]) -> Registry:
+    """The installed plugins and the toy."""
+    return load_registry(given=given)
+
+
+def _plan(registry: Registry, **keys: Any) -> Plan:
+    asked = {"task": "toy", "algo": "random", "seeds": 2, "steps": STEPS, "evaluation_episodes": 3, **keys}
+    return expand(check_experiment(asked), registry)
+
+
+def _done(cell: Cell, folder: Path, given: tuple[Given, ...], words: list[Word] | None = None) -> Any:
+    return run_cell(cell, folder, (words if words is not None else []).append, CellOptions(plugins=given))
+
+
+@pytest.fixture(scope="module")
+def folder(registry: Registry, given: tuple[Given, ...], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """An experiment of two rewards and two seeds."""
+    path = tmp_path_factory.mktemp("toy") / "experiment"
+    plan = _plan(registry)
+    store = Store.create(path, plan)
+    for cell in plan.cells:
+        assert _done(cell, store.cell_folder(cell), given).status == "done"
+    yield path
+
+
+@pytest.fixture(scope="module")
+def results(folder: Path) -> Results:
+    """What it says."""
+    return load_results(folder, plugins=[TOY])
+
+
+def test_every_reward_of_the_environment_trains(registry: Registry):
+    """By default all of them, the first as the baseline; simulator and robot are not the harness's."""
+    plan = _plan(registry)
+    assert [(cell.reward.label, cell.seed) for cell in plan.cells] == [
+        ("near", 0),
+        ("right", 0),
+        ("near", 1),
+        ("right", 1),
+    ]
+    assert plan.baseline == "near"
+    assert all(cell.is_in_environment for cell in plan.cells)
+    assert plan.cells[0].title == "toy · random · near · seed 0"
+
+
+def test_a_resolved_experiment_plans_the_same_cells(registry: Registry):
+    """`experiment.toml` is an experiment file again."""
+    plan = _plan(registry)
+    assert expand(check_experiment(plan.resolved), registry).cells == plan.cells
+
+
+def test_a_baseline_may_be_named(registry: Registry):
+    """Any of the rewards; without a proposed one it trains alone."""
+    plan = _plan(registry, baseline="right", reward=[])
+    assert (plan.baseline, {cell.reward.label for cell in plan.cells}) == ("right", {"right"})
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ({"sim": "kinematic"}, "--sim does not go with an environment"),
+        ({"robot": "fd100"}, "--robot does not go with an environment"),
+        ({"evaluate_every": 5}, "--evaluate-every does not go"),
+        ({"reward": "nearer"}, "No reward 'nearer'. There is: near, right. Did you mean 'near'?"),
+        ({"reward": "near:share=1"}, "takes no parameters"),
+        ({"task": "toys"}, "Environments: fetch-reach, gymnasium"),
+    ],
+)
+def test_what_does_not_go_with_an_environment_is_refused(registry: Registry, keys: dict[str, Any], told: str):
+    """In a line that says what was given and what is allowed."""
+    with pytest.raises(UsageError, match=told.replace("?", r"\?")):
+        _plan(registry, **keys)
+
+
+@pytest.mark.parametrize(
+    ("task", "algo", "steps", "told"),
+    [
+        ("toy", "ik", STEPS, "computes with the arm"),
+        ("toy:discrete=true", "sac-fast", STEPS, "takes continuous actions"),
+        ("toy", "random:num_envs=3", STEPS, "not a multiple of the 3 envs"),
+    ],
+)
+def test_an_algorithm_that_does_not_fit_is_skipped(registry: Registry, task: str, algo: str, steps: int, told: str):
+    """With the reason."""
+    plan = _plan(registry, task=task, algo=algo, steps=steps)
+    assert not plan.cells
+    assert all(told in reason for _, reason in plan.skipped)
+
+
+def test_a_cell_leaves_its_folder(folder: Path, registry: Registry):
+    """Recordings of training and evaluation, the policy, and what it was made with."""
+    cell = _plan(registry).cells[1]
+    place = Store.open(folder).cell_folder(cell)
+    there = {path.name for path in place.iterdir()} - {LOG}
+    assert there == {TRAINING_RECORDING, EVALUATION_RECORDING, POLICY, MANIFEST}
+    training, evaluation = read_recording(place / TRAINING_RECORDING), read_recording(place / EVALUATION_RECORDING)
+    assert (training.facts.trained_with, training.facts.seed, len(training)) == ("right", 0, STEPS)
+    assert list(training.facts.behaviour) == ["success", "distance"]
+    assert training.facts.lower_is_better == ("distance",)
+    assert evaluation.facts.evaluation
+    assert (evaluation.terminated | evaluation.truncated).sum() == 3
+    assert load_policy(place / POLICY).kind == "uniform"
+    manifest = Store.open(folder).examine(cell)
+    assert set(manifest.environment["sources"]) == {"environments", "algorithms"}
+
+
+@pytest.mark.parametrize(
+    ("task", "algo"), [("toy", "sac-fast:learning_starts=8,batch_size=4,net_arch=4"), ("toy", "random:num_envs=2")]
+)
+def test_the_same_cell_is_the_same_recording(
+    registry: Registry, given: tuple[Given, ...], tmp_path: Path, task: str, algo: str
+):
+    """Bit for bit: every file but the log and the manifest."""
+    cell = _plan(registry, task=task, algo=algo).cells[0]
+    for name in ("one", "other"):
+        assert _done(cell, tmp_path / name, given).status == "done"
+    one, other = (
+        {name: it for name, it in digests_in(tmp_path / name).items() if name != LOG} for name in ("one", "other")
+    )
+    assert one == other
+    assert any(name.startswith(TRAINING_RECORDING) for name in one)
+
+
+def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """And told of success, as other processes see it."""
+    words: list[Word] = []
+    cell = _plan(registry).cells[1]
+    _done(cell, tmp_path / "cell", given, words)
+    training = read_recording(tmp_path / "cell" / TRAINING_RECORDING)
+    ended = np.flatnonzero(training.terminated | training.truncated)
+    paid = np.add.reduceat(training.rewards["right"], [0, *(ended[:-1] + 1)])[: len(ended)]
+    assert words[-1].steps == STEPS
+    told = next(word.scalars for word in reversed(words) if RETURN in word.scalars)
+    assert told[RETURN] == pytest.approx(paid.mean())
+    assert told[SUCCESS] == pytest.approx(training.behaviour["success"][ended].mean())
+
+
+def test_a_killed_cell_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """What it left is thrown away, the manifest says so, and the result is as if nothing had happened."""
+    cell = _plan(registry).cells[0]
+    _done(cell, tmp_path / "whole", given)
+    left = partial_folder(tmp_path / "killed")
+    (left / TRAINING_RECORDING).mkdir(parents=True)
+    (left / TRAINING_RECORDING / "recording-0.json").write_text("half")
+    manifest = _done(cell, tmp_path / "killed", given)
+    assert manifest.note.startswith("started over")
+    whole, killed = (digests_in(tmp_path / name) for name in ("whole", "killed"))
+    assert {name: it for name, it in killed.items() if name != LOG} == {
+        name: it for name, it in whole.items() if name != LOG
+    }
+
+
+def test_a_reward_that_fails_is_the_reason_of_a_failed_cell(registry: Registry, tmp_path: Path):
+    """The others go on."""
+    file = tmp_path / "broken.py"
+    text = TOY.read_text().replace(
+        "lambda before, action, after, info: env.unwrapped.at}", "lambda *told: float('nan')}"
+    )
+    file.write_text(text.replace("class Toy", "class Broken"))
+    given = read_given([file])
+    cell = _plan(load_registry(given=given), task="broken").cells[0]
+    manifest = _done(cell, tmp_path / "cell", given)
+    assert manifest.status == "failed"
+    assert "reward 'right' failed" in manifest.reason
+
+
+def test_status_and_verify_know_it(folder: Path):
+    """Like any other experiment."""
+    assert read_status(folder).count("done") == 4
+    assert not list(verify(folder))
+
+
+def test_a_folder_does_not_mix_with_experiments_of_arms(folder: Path):
+    """Their reports have nothing in common."""
+    asked = check_experiment({"sim": "kinematic", "algo": "random", "steps": 10, "seeds": 1})
+    with pytest.raises(UsageError, match="do not go into one folder"):
+        check(asked, RunOptions(out=folder))
+
+
+def test_a_study_compares_the_cells(results: Results):
+    """Trainings and evaluations of all seeds, the plan's baseline first."""
+    (told,) = studies_of(results)
+    assert told.study is not None
+    assert told.study.runs.trained == ("near", "right")
+    assert told.study.comparisons[0].seeds == (0, 1)
+    assert told.study.comparisons[0].deciding == "success"
+    assert all(run.evaluation is not None for run in told.study.runs.members.values())
+
+
+def test_commands_that_need_an_arm_say_so(results: Results):
+    """And what to do instead."""
+    with pytest.raises(UsageError, match="harness transfer needs traces of an arm.*harness report"):
+        results.require_arm("harness transfer")
+
+
+def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """Two seeds of two machines are one experiment."""
+    for seed in (0, 1):
+        plan = _plan(registry, seeds=[seed])
+        store = Store.create(tmp_path / str(seed), plan)
+        for cell in plan.cells:
+            _done(cell, store.cell_folder(cell), given)
+    merge([tmp_path / "0", tmp_path / "1"], tmp_path / "both")
+    (told,) = studies_of(load_results(tmp_path / "both", plugins=[TOY]))
+    assert told.study is not None
+    assert told.study.comparisons[0].seeds == (0, 1)
+
+
+@pytest.fixture
+def report(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """`harness report` with arguments, and what it prints."""
+
+    def run(*arguments: object) -> str:
+        with pytest.raises(SystemExit) as ended:
+            main(["report", *map(str, arguments)])
+        told = capsys.readouterr()
+        assert not ended.value.code, told.err
+        return told.out
+
+    return run
+
+
+def test_the_report_is_printed(folder: Path, report: Callable[..., str]):
+    """The cells, and a line for each comparison."""
+    text = report(folder)
+    assert "toy · random" in text
+    assert "right against" in text
+
+
+def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[..., str]):
+    """That of recorded trainings."""
+    report(folder, "--html", tmp_path / "page.html")
+    assert "right against near" in (tmp_path / "page.html").read_text()
+
+
+def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report: Callable[..., str]):
+    """JSON, a row for each cell, and the comparisons as a table; they are read without any cell."""
+    target = tmp_path / "records"
+    report(folder, "--summary", target)
+    assert {path.name for path in target.iterdir()} == {"experiment.toml", "results.json", "cells.csv", "summary.md"}
+    told = json.loads((target / "results.json").read_text())
+    assert told == json.loads(report(folder, "--json"))
+    assert [study["algorithm"] for study in told["studies"]] == ["random"]
+    rows = list(csv.DictReader((target / "cells.csv").read_text().splitlines()))
+    assert len(rows) == 4
+    assert all(float(row["return near, in evaluations"]) <= 0.0 for row in rows)
+    assert "right against near" in (target / "summary.md").read_text()
+    assert "right against near" in report(target)

@@ -1,0 +1,56 @@
+"""An environment of a few numbers, as a plugin file: a point on a line, paid for being near or for being right."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+
+from harness.environment import AnyEnv, Measure
+
+
+class _Line(gymnasium.Env[Any, Any]):
+    """A point moves for eight steps; what it observes is a dict."""
+
+    def __init__(self, discrete: bool = False) -> None:
+        box = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
+        self.observation_space = gymnasium.spaces.Dict({"at": box, "left": gymnasium.spaces.Discrete(9)})
+        self.action_space = gymnasium.spaces.Discrete(3) if discrete else gymnasium.spaces.Box(-1.0, 1.0, (1,))
+        self.at, self.steps = 0.0, 0
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start at random."""
+        super().reset(seed=seed)
+        self.at, self.steps = float(self.np_random.uniform(-1.0, 1.0)), 0
+        return self._observed(), {}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Move."""
+        self.at += float(np.sum(action)) if isinstance(self.action_space, gymnasium.spaces.Box) else int(action) - 1
+        self.steps += 1
+        return self._observed(), -abs(self.at), abs(self.at) > 4.0, self.steps == 8, {"distance": abs(self.at)}
+
+    def _observed(self) -> dict[str, Any]:
+        return {"at": np.array([self.at]), "left": 8 - self.steps}
+
+
+@dataclass(frozen=True)
+class Toy:
+    """A point on a line."""
+
+    discrete: bool = False
+
+    lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
+
+    def make(self) -> AnyEnv:
+        """See `harness.environment.Environment`."""
+        return _Line(self.discrete)
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """See `harness.environment.Environment`."""
+        return {"near": "own", "right": lambda before, action, after, info: env.unwrapped.at}
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        """See `harness.environment.Environment`."""
+        return {"distance": "distance", "success": lambda before, action, after, info: abs(env.unwrapped.at) < 0.5}
