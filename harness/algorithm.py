@@ -24,9 +24,9 @@ class Algorithm(Protocol):
       raises `UsageError` where its library is not installed.
 
     It may also have ``learns``, False for one that only acts (see `learns`), ``needs_arm``, True for one that computes
-    with the arm of the task and so cannot train in an environment of anybody (see `needs_arm`), ``why_not(task, robot)``, for one that
-    cannot do every task whose actions it takes (see `why_not`), and ``sources``, like any plugin that works in modules
-    of its own (see `harness.registry.sources.source_files`).
+    with the arm of the task and so cannot train in an environment of anybody (see `needs_arm`),
+    ``why_not(task, robot)``, for one that cannot do every task whose actions it takes (see `why_not`), and ``sources``,
+    like any plugin that works in modules of its own (see `harness.registry.sources.source_files`).
     """
 
     @property

@@ -109,7 +109,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
 
     @property
     def recorded(self) -> dict[str, float]:
-        """What was recorded of the last step, by column: ``reward_v1``, ``behaviour_success``; NaN where nothing was."""
+        """What was recorded of the last step, by column, as ``behaviour_success``; NaN where nothing was."""
         names = (column.name for column, _ in self._columns)
         return dict(zip(names, self._numbers, strict=True)) if self._numbers else {}
 

@@ -1,4 +1,4 @@
-"""The contract kit: what simulators, tasks, environments, rewards, algorithms, metrics, executors and trackers must satisfy.
+"""The contract kit: what plugins must satisfy, of every kind that has a contract.
 
 In the tests of a plugin::
 

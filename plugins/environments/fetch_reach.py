@@ -17,8 +17,8 @@ REMEDY = "pip install 'fd100-harness[robotics]'"
 class FetchReach:
     """FetchReach-v4: the gripper of a Fetch arm moves to a random point; an episode has 50 steps of 0.04 s.
 
-    Both rewards are the environment's own: `sparse` pays 0 within 5 cm of the point and -1 elsewhere, `dense` pays minus
-    the distance. What is observed is a dict: observation, achieved goal and desired goal.
+    Both rewards are the environment's own: `sparse` pays 0 within 5 cm of the point and -1 elsewhere, `dense` pays
+    minus the distance. What is observed is a dict: observation, achieved goal and desired goal.
     """
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})

@@ -147,6 +147,7 @@ def _is_told(fact: Fact) -> bool:
 
 
 def markdown_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table as Markdown has it, texts as they are."""
     lines = [headings, ["---"] * len(headings), *([escape(text) for text in row] for row in rows)]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 

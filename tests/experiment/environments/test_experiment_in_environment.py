@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -56,14 +56,14 @@ def _done(cell: Cell, folder: Path, given: tuple[Given, ...], words: list[Word] 
 
 
 @pytest.fixture(scope="module")
-def folder(registry: Registry, given: tuple[Given, ...], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def folder(registry: Registry, given: tuple[Given, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An experiment of two rewards and two seeds."""
     path = tmp_path_factory.mktemp("toy") / "experiment"
     plan = _plan(registry)
     store = Store.create(path, plan)
     for cell in plan.cells:
         assert _done(cell, store.cell_folder(cell), given).status == "done"
-    yield path
+    return path
 
 
 @pytest.fixture(scope="module")
@@ -232,7 +232,7 @@ def test_a_study_compares_the_cells(results: Results):
 
 def test_commands_that_need_an_arm_say_so(results: Results):
     """And what to do instead."""
-    with pytest.raises(UsageError, match="harness transfer needs traces of an arm.*harness report"):
+    with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*harness report"):
         results.require_arm("harness transfer")
 
 
