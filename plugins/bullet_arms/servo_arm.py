@@ -7,8 +7,8 @@ from harness.arrays import Float
 from harness.robot import Robot
 from harness.robot.servo import Servo
 
+from ..dry_friction import DryFriction
 from .arm import Arm
-from .dry_friction import DryFriction
 from .free_arm import FreeArm, add_armature
 from .world import exact_timestep, set_steps
 

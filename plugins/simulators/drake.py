@@ -15,7 +15,6 @@ from pydrake.geometry import Box, Capsule, CollisionFilterDeclaration, Convex, C
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlantConfig
-from pydrake.multibody.tree import PdControllerGains
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
@@ -30,13 +29,12 @@ from harness.simulator import State
 
 from ..arms_apart import ArmsApart, bare_loop
 from ..bare_urdf import bare_urdf
+from ..dry_friction import DryFriction
 from ..self_collision import Pair, pair, pairs_apart, shapes_of_base
 from ..servo_arms import ServoArms, follow_alone
 
 FRICTION = CoulombFriction(1.0, 1.0)
 """Of links on the ground and on one another, static and sliding."""
-CREEP = 1e-3
-"""Speed at which dry friction in a joint has its full torque, [rad/s] or [m/s]; less is slower."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +53,7 @@ class Drake:
     sources: ClassVar[tuple[str, ...]] = (
         "harness_plugins.arms_apart",
         "harness_plugins.bare_urdf",
+        "harness_plugins.dry_friction",
         "harness_plugins.self_collision",
         "harness_plugins.servo_arms",
     )
@@ -168,19 +167,32 @@ class ServoArm(ArmAlone):
 
     def __init__(self, model: Model, substeps: Substeps, servo: Servo) -> None:
         super().__init__(model, substeps)
-        self._servo, self._torque = servo, np.zeros(self._torques.size())  # those of the frictions stay 0
-        brakes = model.plant.get_desired_state_input_port(model.arm)
-        brakes.FixValue(self.context, np.zeros(brakes.size()))
+        self._servo, self._timestep = servo, substeps.period / substeps.count
+        self._friction = DryFriction(servo.dry_friction * self._timestep)
+        self._viscous, self._entries = np.diag(servo.viscous_friction * self._timestep), np.ix_(model.order, model.order)
+
+    def put(self, qpos: Float) -> None:
+        """See `harness_plugins.arms_apart.ArmAlone`."""
+        super().put(qpos)
+        self._friction.forget()
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
         """See `harness_plugins.servo_arms.ServoArm`."""
-        plant, context, order, servo = self.model.plant, self.context, self.model.order, self._servo
         for position, speed in zip(qpos_ref, qvel_ref, strict=True):
-            qpos, qvel = plant.GetPositions(context)[order], plant.GetVelocities(context)[order]
-            weight = -plant.CalcGravityGeneralizedForces(context)[order] if servo.gravity_compensated else 0.0
-            self._torque[: len(order)] = servo.torque(qpos, qvel, position, speed, weight)
-            self._torques.FixValue(context, self._torque)
+            self._torques.FixValue(self.context, self._torque(position, speed))
             self._advance(1)
+
+    def _torque(self, qpos_ref: Float, qvel_ref: Float) -> Float:
+        """Of the drives and of dry friction, (dof,). Drake itself adds armature and viscous friction."""
+        plant, context, order, servo = self.model.plant, self.context, self.model.order, self._servo
+        qpos, qvel = plant.GetPositions(context)[order], plant.GetVelocities(context)[order]
+        weight = -plant.CalcGravityGeneralizedForces(context)[order]
+        driven = servo.torque(qpos, qvel, qpos_ref, qvel_ref, weight)
+        load = driven - servo.viscous_friction * qvel - weight - plant.CalcBiasTerm(context)[order]
+        mobility = np.linalg.inv(plant.CalcMassMatrix(context)[self._entries] + self._viscous)
+        self._friction.slow(qvel + self._timestep * (mobility @ load), mobility)
+        torque: Float = driven - self._friction.impulses / self._timestep
+        return torque
 
 
 AddDrives = Callable[[Any, Any, list[Any]], None]
@@ -214,14 +226,9 @@ def _add_ideal_drives(plant: Any, arm: Any, joints: list[Any], damping: Float) -
 
 
 def _add_servos(plant: Any, arm: Any, joints: list[Any], servo: Servo) -> None:
-    actuators = [plant.AddJointActuator(joint.name(), joint) for joint in joints]
-    for number, (joint, friction) in enumerate(zip(joints, servo.dry_friction, strict=True)):
-        joint.set_default_damping(servo.viscous_friction[number])
-        if friction:  # a controller to speed 0 with a limit, which the solver takes implicitly
-            actuators[number] = plant.AddJointActuator(f"{joint.name()}_dry_friction", joint, friction)
-            actuators[number].set_controller_gains(PdControllerGains(p=0.0, d=friction / CREEP))
-    for actuator, armature in zip(actuators, servo.armature, strict=True):
-        actuator.set_default_rotor_inertia(armature)  # of a gear of 1; Drake takes that of a joint's last actuator
+    for joint, viscous, armature in zip(joints, servo.viscous_friction, servo.armature, strict=True):
+        joint.set_default_damping(viscous)
+        plant.AddJointActuator(joint.name(), joint).set_default_rotor_inertia(armature)  # its gear is 1
 
 
 def _read_arm(robot: Robot, timestep: float) -> tuple[Any, Any, Any, Any]:

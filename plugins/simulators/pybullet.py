@@ -29,13 +29,17 @@ class PyBullet:
 
     Over a control period each motor holds the speed that leads from where the joint is to its target. The motors are
     constraints of the solver: they carry the arm against gravity. With drive=servo each joint has the drive that
-    robot.toml describes, a torque in each physics step, and Bullet's motor is its dry friction.
+    robot.toml describes, a torque in each physics step.
     A client takes about 28 MB of memory, and a process has at most 1,024 of them.
     """
 
     family: ClassVar[str] = "Bullet"
     later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
-    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.bullet_arms", "harness_plugins.servo_arms")
+    sources: ClassVar[tuple[str, ...]] = (
+        "harness_plugins.bullet_arms",
+        "harness_plugins.dry_friction",
+        "harness_plugins.servo_arms",
+    )
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
     iterations: Annotated[Count, Field(description="of the constraint solver per physics step")] = 50
     drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"

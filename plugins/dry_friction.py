@@ -25,6 +25,11 @@ class DryFriction:
         """Start the next search anew."""
         self._impulses = [0.0] * len(self._most)
 
+    @property
+    def impulses(self) -> Float:
+        """Those found last, which slow a joint with a positive speed where they are positive, (dof,), a new array."""
+        return np.array(self._impulses)
+
     def slow(self, qvel: Float, mobility: Float) -> Float:
         """The joints' speeds after the friction: 0 where it can hold a joint still, else nearer to 0.
 
