@@ -5,24 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float, Mask
-from harness.errors import UsageError
-from harness.robot import Robot
 from harness.robot.servo import Servo
-from harness.robot.settings import FILE, SERVO
+from harness.simulator import servo_of
 
-
-def servo_of(robot: Robot) -> Servo:
-    """The drives of an arm, for a simulator that is told ``drive=servo``.
-
-    Raises:
-        UsageError: Its robot.toml describes none.
-    """
-    if robot.servo is None:
-        raise UsageError(
-            f"Robot '{robot.name}' has no drives to simulate: its {FILE} has no table [{SERVO}]. "
-            "Write one (docs/drives.md), or leave drive at ideal."
-        )
-    return robot.servo
+__all__ = ["References", "ServoTrack", "servo_of"]
 
 
 class References(NamedTuple):

@@ -40,8 +40,13 @@ def describe_environment(
         "machine": describe_machine(),
         "commit": source_commit(),
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
-        "sources": {**_source_hashes(specs), "robots": robot.digest},
+        "sources": {**_source_hashes(specs), "robots": robot_digest(cell, robot)},
     }
+
+
+def robot_digest(cell: Cell, robot: Robot) -> str:
+    """SHA-256 of what of a robot decides the cell's result: its drives only where the simulator drives with them."""
+    return robot.driven_digest if cell.drives_with_servo else robot.digest
 
 
 def versions_behind(specs: Iterable[Spec]) -> dict[str, str]:

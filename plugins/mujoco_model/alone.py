@@ -13,14 +13,21 @@ from .feeds import ServoFeed
 
 
 def servo_controls(targets: Float, period: float) -> Float:
-    """What the servos are fed along a closed motion, (periods, num_envs, 2 dof): the joint speeds twice, [rad/s]."""
+    """What ideal servos are fed along a closed motion, (periods, num_envs, 1, 2 dof): the speeds twice, [rad/s]."""
     speeds = (targets - np.roll(targets, 1, axis=0)) / period
-    return np.concatenate([speeds, speeds], axis=-1)
+    return np.concatenate([speeds, speeds], axis=-1)[:, :, None]
+
+
+def limited_servo_controls(servo: Servo, targets: Float, period: float, substeps: int) -> Float:
+    """What drives with limits are fed along a closed motion, (periods, num_envs, substeps, dof), [N m]."""
+    feed = ServoFeed(servo, targets.shape[1], period / substeps)
+    feed.reset(targets[-1], np.ones(targets.shape[1], bool))
+    return np.array([feed.controls(qpos, period, substeps) for qpos in targets])
 
 
 def step_alone(model: mujoco.MjModel, targets: Float, period: float, substeps: int) -> Callable[[], None]:
     """One arm along `targets`, (periods, dof), by one ``mj_step`` per period."""
-    data, controls = mujoco.MjData(model), servo_controls(targets, period)
+    data, controls = mujoco.MjData(model), servo_controls(targets[:, None], period)[:, 0, 0]
     data.qpos = data.act = targets[-1]
 
     def run() -> None:
@@ -35,17 +42,14 @@ def roll_out_alone(
     model: mujoco.MjModel, targets: Float, period: float, substeps: int, threads: int
 ) -> Callable[[], None]:
     """Many arms along `targets`, (periods, num_envs, dof), by one `mujoco.rollout` per period."""
-    controls = servo_controls(targets, period)[:, :, None]
-    return _roll_out(model, targets[-1], controls, substeps, threads)
+    return _roll_out(model, targets[-1], servo_controls(targets, period), substeps, threads)
 
 
 def roll_out_servo_alone(
     model: mujoco.MjModel, servo: Servo, targets: Float, period: float, substeps: int, threads: int
 ) -> Callable[[], None]:
     """The same of arms with limited drives, one alone included; each physics step has controls of its own."""
-    feed = ServoFeed(servo, targets.shape[1], period / substeps)
-    feed.reset(targets[-1], np.ones(targets.shape[1], bool))
-    controls = np.array([feed.controls(qpos, period, substeps) for qpos in targets])
+    controls = limited_servo_controls(servo, targets, period, substeps)
     return _roll_out(model, targets[-1], controls, substeps, threads)
 
 

@@ -15,6 +15,8 @@ from harness.robot.servo import Servo
 
 from .meshes import add_meshes, without_meshes
 
+STIFF = [0.999, 0.999, 0.001, 0.5, 2.0]
+"""How hard dry friction is, MuJoCo's ``solimp``: by its default, of 0.9, a joint that friction holds creeps."""
 GROUND, TARGET, TOUCH, TIP = "harness_ground", "harness_target", "harness_touch", "harness_tip"
 
 
@@ -167,6 +169,7 @@ def _add_limited_servos(spec: mujoco.MjSpec, robot: Robot, servo: Servo) -> None
         joint = spec.joint(name)
         joint.armature = servo.armature[j]
         joint.damping, joint.frictionloss = [servo.viscous_friction[j], 0.0, 0.0], servo.dry_friction[j]
+        joint.solref_friction, joint.solimp_friction = [2.0 * spec.option.timestep, 1.0], STIFF  # no creeping
         joint.actgravcomp = True  # holding the weight takes its part of the limit
         joint.actfrclimited = int(mujoco.mjtLimited.mjLIMITED_TRUE)
         joint.actfrcrange = [-servo.max_torque[j], servo.max_torque[j]]
