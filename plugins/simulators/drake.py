@@ -169,7 +169,10 @@ class ServoArm(ArmAlone):
         super().__init__(model, substeps)
         self._servo, self._timestep = servo, substeps.period / substeps.count
         self._friction = DryFriction(servo.dry_friction * self._timestep)
-        self._viscous, self._entries = np.diag(servo.viscous_friction * self._timestep), np.ix_(model.order, model.order)
+        self._viscous, self._entries = (
+            np.diag(servo.viscous_friction * self._timestep),
+            np.ix_(model.order, model.order),
+        )
 
     def put(self, qpos: Float) -> None:
         """See `harness_plugins.arms_apart.ArmAlone`."""
