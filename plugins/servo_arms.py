@@ -57,8 +57,13 @@ class ServoArms(Arms[ServoArm]):
 class FollowingArms(Protocol):
     """A simulation of such arms."""
 
-    arms: Sequence[ServoArm]
-    track: ServoTrack
+    @property
+    def arms(self) -> Sequence[ServoArm]:
+        """In order."""
+
+    @property
+    def track(self) -> ServoTrack:
+        """What they follow."""
 
     def place(self, qpos: Float) -> State:
         """See `harness.simulator.Simulation`."""

@@ -61,7 +61,9 @@ class ServoArm(Arm):
         gravity = free.gravity(qpos) if servo.gravity_compensated else 0.0
         driven = servo.torque(qpos, qvel, qpos_ref, qvel_ref, gravity)
         # What turns a torque, or an impulse, of a step into a change of speed; viscous friction is that of its end.
-        mobility = np.linalg.inv(free.inertia(qpos) + np.diag(servo.armature + timestep * servo.viscous_friction))
+        mobility: Float = np.linalg.inv(
+            free.inertia(qpos) + np.diag(servo.armature + timestep * servo.viscous_friction)
+        )
         load = driven - servo.viscous_friction * qvel - free.bias(qpos, qvel)
         slowed = self._friction.slow(qvel + timestep * (mobility @ load), mobility)
         return free.torque_with_armature(qpos, qvel, ((slowed - qvel) / timestep).tolist())
