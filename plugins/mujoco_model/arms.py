@@ -84,9 +84,11 @@ class Batch:
 
     def advance(self, controls: Float, steps: int) -> None:
         """So many physics steps with `controls`, (num_envs, steps or 1, nu)."""
-        self._states[self._awake] = self._roll_out(controls, steps)["state"][:, -1]
-        # Links and contacts of the states as they are: what one more physics step, that is forgotten, starts from.
-        awake, seen = self._awake, self._roll_out(controls[:, -1:], 1)["sensordata"][:, 0]
+        if controls.shape[1] > 1:
+            controls = np.concatenate([controls, controls[:, -1:]], axis=1)
+        # One step more, which is forgotten: links and contacts of a state are seen by the step that starts from it.
+        found, awake = self._roll_out(controls, steps + 1), self._awake
+        self._states[awake], seen = found["state"][:, -2], found["sensordata"][:, -1]
         self._touch[awake], self._state.end_effector[awake] = seen[:, 0], seen[:, 1:]
 
     def _roll_out(self, controls: Float, steps: int) -> dict[str, Float]:

@@ -59,7 +59,6 @@ class Drake:
     )
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
     bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 2000.0
-
     drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"
     self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
 
