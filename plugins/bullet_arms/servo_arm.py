@@ -61,9 +61,8 @@ class ServoArm(Arm):
         gravity = free.gravity(qpos) if servo.gravity_compensated else 0.0
         driven = servo.torque(qpos, qvel, qpos_ref, qvel_ref, gravity)
         # What turns a torque, or an impulse, of a step into a change of speed; viscous friction is that of its end.
-        mobility: Float = np.linalg.inv(
-            free.inertia(qpos) + np.diag(servo.armature + timestep * servo.viscous_friction)
-        )
+        inertia = free.inertia(qpos) + np.diag(servo.armature + timestep * servo.viscous_friction)
+        mobility = np.linalg.inv(inertia).astype(np.float64, copy=False)
         load = driven - servo.viscous_friction * qvel - free.bias(qpos, qvel)
         slowed = self._friction.slow(qvel + timestep * (mobility @ load), mobility)
         return free.torque_with_armature(qpos, qvel, ((slowed - qvel) / timestep).tolist())

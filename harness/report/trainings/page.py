@@ -108,7 +108,9 @@ def _render(study: Study) -> str:
         returns={
             "title": "Every training, paid by every reward",
             "explanation": TABLE,
-            "blocks": [(f"{RETURNS}, {manner}", paid_grid(study, manner)._replace(title="")) for manner in study.tables],
+            "blocks": [
+                (f"{RETURNS}, {manner}", paid_grid(study, manner)._replace(title="")) for manner in study.tables
+            ],
             "is_open": True,
         },
         replay=None,

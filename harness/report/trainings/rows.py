@@ -72,7 +72,10 @@ def returns_grid(comparison: Comparison) -> Grid:
             rows.append(("  95% interval", *map(_interval, amounts)))
     notes = [f"{manner}: {NOTHING}: {reason}" for manner, reason in comparison.missing.items()]
     reasons = dict.fromkeys(
-        note for split in comparison.returns.values() for it in (split.returns[BB], split.total.ruler) for note in it.notes
+        note
+        for split in comparison.returns.values()
+        for it in (split.returns[BB], split.total.ruler)
+        for note in it.notes
     )
     headings = ("", "baseline", "proposed", "difference", "of it ruler", "of it behaviour")
     return Grid(headings, rows, [*notes, *reasons])

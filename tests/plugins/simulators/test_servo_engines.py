@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.robot.energy import energy, read_bodies
+from harness.robot.robot import read_robot
 from harness.simulator import State
 
 REGISTRY = load_registry()
@@ -63,6 +65,43 @@ def test_arm_moves_as_with_mujoco(simulator: str, motion: str):
     """Torque limits, armature, both frictions and latency are the same in another engine."""
     ours, theirs = driven(simulator, {"swing": swing(12), "jump": JUMP}[motion]), of_mujoco(motion)
     assert np.abs(theirs.qpos - ROBOT.home).max() > 0.3
+    assert np.abs(ours.qpos - theirs.qpos).max() < APART[simulator]
+
+
+LINK = """<link name="{0}"><inertial><origin xyz="0.1 0.02 0.05" rpy="0.3 0.2 0.1"/><mass value="{1}"/>
+    <inertia ixx="0.02" iyy="0.03" izz="0.025" ixy="0.002" ixz="0.001" iyz="0"/></inertial></link>"""
+JOINT = """<joint name="of_{1}" type="{2}"><parent link="{0}"/><child link="{1}"/><origin xyz="0.2 0 {3}" rpy="0.2 0.1 0"/>
+    <axis xyz="{4}"/><limit lower="-1.5" upper="1.5" velocity="2" effort="1"/></joint>"""
+SLIDING = f"""<robot name="sliding"><link name="base"/>{LINK.format("a", 4)}{LINK.format("b", 3)}{LINK.format("c", 2)}
+    {JOINT.format("base", "a", "revolute", 0.8, "0 0 1")}{JOINT.format("a", "b", "prismatic", 0.3, "0 0.6 0.8")}
+    {JOINT.format("b", "c", "revolute", 0.0, "0.6 0.8 0")}</robot>"""
+SERVO = """home_deg = [0, 20]
+home_m = [0.1]
+[servo]
+max_torque_nm = [60, 30]
+max_force_n = [200]
+armature_kg_m2 = [0.5, 0.3]
+armature_kg = [5]
+stiffness_nm_per_rad = [800, 500]
+stiffness_n_per_m = [9000]
+damping_nms_per_rad = [50, 25]
+damping_ns_per_m = [600]
+viscous_friction_nms_per_rad = [1, 1]
+viscous_friction_ns_per_m = [10]
+dry_friction_nm = [2, 1]
+dry_friction_n = [8]
+"""
+
+
+@every_engine
+def test_joints_that_slide_and_axes_askew_move_as_with_mujoco(simulator: str, tmp_path: Path):
+    """An armature in kg, and ones about axes that are no principal axes of their links, count as with MuJoCo."""
+    (tmp_path / "sliding.urdf").write_text(SLIDING)
+    (tmp_path / "robot.toml").write_text(SERVO)
+    robot = read_robot(tmp_path / "sliding.urdf")
+    targets = robot.home + 0.3 * np.sin(0.2 * np.arange(1, 9)[:, None] + np.arange(3))
+    ours, theirs = (driven(name, targets, robot) for name in (simulator, "mujoco"))
+    assert np.abs(theirs.qpos - targets).max() > 0.05
     assert np.abs(ours.qpos - theirs.qpos).max() < APART[simulator]
 
 
