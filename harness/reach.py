@@ -7,7 +7,10 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
+from harness.arrays import Float, Mask
+from harness.conditions import Conditions
+from harness.conditions.clearance import Clearance
+from harness.conditions.obstacles import distance_from, parse_obstacles
 from harness.env.arm_observation import ArmObservation
 from harness.errors import UsageError
 from harness.motion import Motion, Setting, build_motion
@@ -24,9 +27,12 @@ FD100_REACH = 1.5413267497929588
 FD100_CENTER = np.array([0.85, 0.0, 0.7])
 FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
 
+START_TRIES = 100
+"""Of a start that fixed obstacles leave free."""
+
 
 @dataclass(frozen=True)
-class ReachTask:
+class ReachTask(Conditions):
     """Bring the end effector of an arm within epsilon of a target.
 
     The defaults are those of the FD100 (`fd100-reach`); for another arm the box of targets is scaled by its reach.
@@ -69,7 +75,7 @@ class ReachTask:
 
     def observation(self, robot: Robot) -> ArmObservation:
         """See `harness.task.Task`."""
-        return ArmObservation(robot, self.control_period)
+        return ArmObservation(robot, self.control_period, self.obstacles_seen if self.most_obstacles else 0)
 
     def target_rewards(self, robot: Robot, qpos: Float) -> Float:
         """`target_reward`, each time."""
@@ -92,9 +98,17 @@ class ReachTask:
             raise UsageError(f"epsilon={self.epsilon:g} m covers the targets from the start: choose less")
 
     def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
-        """The home pose with noise, within the joint ranges, (dof,)."""
-        noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof)
-        return np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
+        """The home pose with noise, within the joint ranges, (dof,); away from fixed obstacles.
+
+        Raises:
+            UsageError: Fixed obstacles leave next to no start.
+        """
+        for _ in range(START_TRIES):
+            noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof)
+            start = np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
+            if not self.obstacles or not self._touches(robot, start[None])[0]:
+                return start
+        raise UsageError("The fixed obstacles touch the arm at its start: move them, or make them smaller")
 
     def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
         """Targets that the arm can reach, uniform in the box.
@@ -106,14 +120,26 @@ class ReachTask:
         found = np.empty((0, 3))
         for _ in range(20):
             drawn = center + rng.uniform(-1.0, 1.0, (count, 3)) * half
-            _, reached = reach_position(robot, drawn, np.tile(robot.home, (count, 1)))
+            poses, reached = reach_position(robot, drawn, np.tile(robot.home, (count, 1)))
+            if self.obstacles:
+                reached &= self._are_free(robot, drawn, poses)
             found = np.concatenate([found, drawn[reached]])
             if len(found) >= count:
                 return Targets(found[:count], np.zeros(count, bool))
         raise UsageError(
             f"The end effector of {robot.name} reaches next to no target in the box {_text(center)} +- {_text(half)} "
-            "m: choose target_center and target_half_extent within its reach"
+            f"m{' that the fixed obstacles leave free' * bool(self.obstacles)}: choose target_center and "
+            "target_half_extent within its reach"
         )
+
+    def _are_free(self, robot: Robot, targets: Float, poses: Float) -> Mask:
+        """Where fixed obstacles are away from a target and from a pose in which the arm reaches it, (count,)."""
+        distance = distance_from(targets[:, None], parse_obstacles(self.obstacles)).min(axis=1)
+        return (distance > self.epsilon + self.obstacle_clearance) & ~self._touches(robot, poses)
+
+    def _touches(self, robot: Robot, poses: Float) -> Mask:
+        fixed = parse_obstacles(self.obstacles)
+        return Clearance(robot).touches(poses, np.tile(fixed, (len(poses), 1, 1)), self.obstacle_clearance)
 
     def start_in_words(self, robot: Robot) -> str:
         """See `harness.task.Task`."""

@@ -1,11 +1,13 @@
 """Where the episodes of a batch stand: one matrix, whose first columns are the row that a trace records."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.errors import SimulationDiverged
-from harness.record.trace import COLUMN, SCALARS
+from harness.record.trace import COLUMN, NO_EXTRAS, SCALARS
 from harness.reward import Sample
 from harness.simulator import State
 
@@ -33,12 +35,14 @@ class Episodes:
         qvel: (num_envs, dof), [rad/s].
         qvel_change: Since the step before.
         action: (num_envs, action_size).
+        extras: Columns that the record has beside the usual ones, and their widths; see `harness.record.trace`.
         sample: What rewards are given: the same arrays.
     """
 
-    def __init__(self, num_envs: int, dof: int, action_size: int) -> None:
-        width = len(SCALARS) + dof + action_size
-        self._places = _places(dof, action_size)
+    def __init__(self, num_envs: int, dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTRAS) -> None:
+        self._sizes, self.extras = (num_envs, dof, action_size), extras
+        width = len(SCALARS) + dof + action_size + sum(extras.values())
+        self._places = _places(dof, action_size, extras)
         self.matrix = matrix = np.zeros((num_envs, width + 2 * dof + 3))
         matrix[:, COLUMN["env"]] = np.arange(num_envs)
         matrix[:, COLUMN["episode"]] = -1
@@ -64,6 +68,14 @@ class Episodes:
     def columns(self, *names: str) -> NDArray[np.intp]:
         """Where in `matrix` the arrays of these names stand, one after the other."""
         return np.concatenate([np.arange(*self._places[name]) for name in names])
+
+    def another(self) -> "Episodes":
+        """New ones of the same sizes."""
+        return Episodes(*self._sizes, self.extras)
+
+    def extra(self, name: str) -> Float:
+        """One of `extras`, (num_envs, its width)."""
+        return self._part(name)
 
     def start(self, mask: Mask, state: State, target: Float) -> None:
         """Begin new episodes in the envs of `mask` with `target`, (num_envs, 3)."""
@@ -102,6 +114,11 @@ class Episodes:
         np.subtract(distance, self.previous_best, out=self.delta_distance)
         return distance
 
+    def measure_offset(self) -> None:
+        """Bring offset and distance up to target and end effector."""
+        np.subtract(self.target, self.end_effector, out=self.offset)
+        self.distance[...] = _length(self.offset)
+
     def require_finite(self, distance: Float) -> None:
         """Raises SimulationDiverged where an end effector is nowhere."""
         if not np.isfinite(distance).all():
@@ -115,7 +132,7 @@ class Episodes:
         return self.matrix[:, slice(*self._places[name])]
 
 
-def _places(dof: int, action_size: int) -> dict[str, tuple[int, int]]:
+def _places(dof: int, action_size: int, extras: Mapping[str, int]) -> dict[str, tuple[int, int]]:
     """First column of each array in the matrix, and the one after its last."""
     places = {name: (at, at + 1) for name, at in COLUMN.items()}
     groups = {
@@ -126,7 +143,8 @@ def _places(dof: int, action_size: int) -> dict[str, tuple[int, int]]:
     }
     places.update({name: (COLUMN[first], COLUMN[last] + 1) for name, (first, last) in groups.items()})
     at = len(SCALARS)
-    for name, size in (("qpos", dof), ("action", action_size), ("qvel", dof), ("qvel_change", dof), ("offset", 3)):
+    arm, more = (("qpos", dof), ("action", action_size)), (("qvel", dof), ("qvel_change", dof), ("offset", 3))
+    for name, size in (*arm, *extras.items(), *more):
         places[name] = (at, at + size)
         at += size
     return places

@@ -11,11 +11,14 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float32
+from harness.conditions import conditions_of
+from harness.conditions.varied_robot import Factors, draw_factors
 from harness.env.make import World
 from harness.experiment.work_meter import WorkMeter
 from harness.policy import Policy
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import TraceWriter
+from harness.robot import Robot
 from harness.task import Task
 
 EVALUATION_SEED = 20_211_118
@@ -45,9 +48,12 @@ def evaluate(
         on_step: Called after every step of the batch.
     """
     env = world.open(episodes, autoreset_mode=AutoresetMode.DISABLED)
-    facts = replace(facts_of(world.task), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes]))
+    facts = replace(
+        facts_of(world.task, world.robot), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes])
+    )
     try:
-        with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1, facts=facts) as writer:
+        sizes, extras = (env.robot.dof, env.episodes.action.shape[1]), env.episodes.extras
+        with TraceWriter(path, *sizes, episodes=1, facts=facts, extras=extras) as writer:
             env.recorder = meter = WorkMeter(writer, world)
             observations, _ = env.reset(seed=seed)
             running = np.ones(env.num_envs, bool)
@@ -61,9 +67,16 @@ def evaluate(
         env.close()
 
 
-def facts_of(task: Task) -> EpisodeFacts:
+def facts_of(task: Task, robot: Robot) -> EpisodeFacts:
     """What is known of the episodes of a task before there are any."""
-    return EpisodeFacts(horizon=task.horizon, control_period=task.control_period)
+    return EpisodeFacts(horizon=task.horizon, control_period=task.control_period, arms=_arms(task, robot))
+
+
+def _arms(task: Task, robot: Robot) -> tuple[Factors, ...] | None:
+    conditions = conditions_of(task)
+    if not conditions.is_varied:
+        return None
+    return tuple(draw_factors(conditions, robot, number) for number in range(conditions.variants))
 
 
 def act_of(policy: Policy, deterministic: bool) -> Act:

@@ -17,16 +17,23 @@ class EpisodeFacts:
             cannot act, see `harness.env.known_arm`.
         work: Of an evaluation: the mechanical work of each env's episode, see `harness.robot.energy`, [J]. None where
             the arm jumps from pose to pose or its links have no mass.
+        arms: Where the arms of episodes differ, how: for each arm the factors of the masses of the links that move,
+            those of their sizes, and that of the friction of the drives; 1 is as drawn. The column `arm` of a row is
+            the number of its episode's. None where they do not differ.
     """
 
     horizon: int | None = None
     control_period: float | None = None
     ik_steps: tuple[int | None, ...] | None = None
     work: tuple[float, ...] | None = None
+    arms: tuple[tuple[tuple[float, ...], tuple[float, ...], float], ...] | None = None
 
     def to_bytes(self) -> bytes:
         """For a file; `from_bytes` gives the same facts back."""
-        return json.dumps(asdict(self)).encode()
+        facts = asdict(self)
+        if self.arms is None:  # files without it stay as they were
+            del facts["arms"]
+        return json.dumps(facts).encode()
 
     @classmethod
     def from_bytes(cls, text: bytes) -> Self:
@@ -42,4 +49,4 @@ class EpisodeFacts:
 
 
 def _frozen(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value

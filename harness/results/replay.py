@@ -13,13 +13,13 @@ from harness.errors import SchemaError, UsageError
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, SCENE, other_manner
 from harness.record.scene import Scene, read_scene
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import OBSTACLE, Trace, read_trace
 from harness.results.combination import Combination, Group
 from harness.results.measured import Values
 from harness.results.results import Results
 from harness.results.single_episode import single_episode
 
-Outcome = Literal["reached", "ground", "time-out"]
+Outcome = Literal["reached", "ground", "obstacle", "time-out"]
 FIRST, DIFFERENT, MOST = 1, 3, 6
 """Episodes of a show: the first ones, those that end differently, and all of them."""
 FRAMES = 150
@@ -277,4 +277,6 @@ def _episode(results: Results, trace: Trace, rows: NDArray[np.int64]) -> Episode
 def _outcome(trace: Trace, rows: NDArray[np.int64]) -> Outcome:
     if trace["reached"][rows].any():
         return "reached"
+    if trace[OBSTACLE][rows[-1]]:
+        return "obstacle"
     return "ground" if trace["ground"][rows[-1]] and trace["terminated"][rows[-1]] else "time-out"
