@@ -46,9 +46,10 @@ class Clearance:
         Returns:
             (n,).
         """
-        pairs = self._pairs(qpos, obstacles, clearance)
         struck = np.zeros(len(qpos), bool)
-        struck[pairs.pose[pairs.distance(clearance) <= clearance]] = True
+        pairs = self._pairs(qpos, obstacles, clearance)
+        if pairs.pose.size:
+            struck[pairs.pose[pairs.distance(clearance) <= clearance]] = True
         return struck
 
     def distance(self, qpos: Float, obstacles: Float) -> Float:

@@ -110,11 +110,11 @@ class Surroundings:
         share = (np.arange(steps) + 1.0)[:, None, None] / steps
         poses = before + share * (episodes.qpos - before)  # (steps, num_envs, dof)
         obstacles = episodes.extra("obstacles").reshape(len(before), -1, NUMBERS)
-        arms = np.array([self._arm(k) for k in range(len(before))])
-        for arm in np.unique(arms):
+        arms = np.zeros(len(before), int) if self._varied is None else self._varied.arms
+        for arm in sorted(set(arms.tolist())):
             mine = arms == arm
             near, flat = obstacles[mine], poses[:, mine].reshape(-1, before.shape[1])
-            touched = self._clearance(int(arm)).touches(
+            touched = self._clearance(arm).touches(
                 flat, np.tile(near, (steps, 1, 1)), self._conditions.obstacle_clearance
             )
             struck[mine] = touched.reshape(steps, -1).any(axis=0)
