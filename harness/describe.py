@@ -123,8 +123,12 @@ def _transition(task: Task, robot: Robot) -> str:
 def _conditions(told: Conditions) -> list[tuple[str, str]]:
     """What there is of noise, delays, obstacles and varied arms."""
     seen, count = (told.joint_noise, told.speed_noise, told.target_noise), told.most_obstacles
-    varied = (("masses", told.mass_variation), ("sizes", told.length_variation), ("friction", told.friction_variation))
-    arms = ", ".join(f"{name} of the links +- {share:.3g}" for name, share in varied if share)
+    varied = (
+        ("masses of links", told.mass_variation),
+        ("sizes of links", told.length_variation),
+        ("friction of drives", told.friction_variation),
+    )
+    arms = ", ".join(f"{name} +- {share:.0%}" for name, share in varied if share)
     rows = [
         (
             any(seen),

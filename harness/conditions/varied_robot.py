@@ -11,7 +11,8 @@ import numpy as np
 
 from harness.conditions.conditions import Conditions
 from harness.robot import Robot
-from harness.robot.kinematics import build_chain
+from harness.robot.kinematics import build_chain, read_only
+from harness.robot.servo import FRICTIONS, Servo
 from harness.robot.shapes import attach_shapes, read_shapes
 from harness.robot.urdf import Urdf, linked, parse_urdf, read_chain
 
@@ -74,7 +75,16 @@ def vary_robot(robot: Robot, factors: Factors) -> Robot:
         chain=build_chain(read_chain(urdf, robot.end_effector_link)),
         link_shapes=shapes,
         joint_shapes=attach_shapes(urdf, shapes, robot.joint_names),
+        servo=_rub(robot.servo, factors.friction),
     )
+
+
+def _rub(servo: Servo | None, factor: float) -> Servo | None:
+    """The drives with more or less friction, of both kinds."""
+    if servo is None:
+        return None
+    scaled = {part: read_only(getattr(servo, part) * factor) for part in FRICTIONS}
+    return replace(servo, **scaled)
 
 
 def _moving_links(urdf: Urdf) -> list[str]:

@@ -1,5 +1,7 @@
 """Arms that differ from the drawing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ import harness
 from harness.conditions import Conditions
 from harness.conditions.varied_robot import Factors, draw_factors, draw_robot, vary_robot
 from harness.robot.energy import read_bodies
+from harness.robot.servo import Servo
 from harness.robot.urdf import parse_urdf
 
 ARM = harness.load_robot("fd100")
@@ -51,3 +54,12 @@ def test_factors_stay_within_their_shares_and_differ():
     assert len(np.unique(masses)) == masses.size
     assert draw_factors(wide, ARM, 3) == drawn[3]
     assert draw_robot(wide, ARM, 3) is draw_robot(wide, ARM, 3)
+
+
+def test_friction_is_that_of_the_drives():
+    """Of both kinds; a robot that describes no drives has none to vary."""
+    servo = Servo(*(np.full(6, number) for number in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)), 0.0, True)
+    rubbing = vary_robot(replace(ARM, servo=servo), Factors((1.0,) * LINKS, (1.0,) * LINKS, 0.5)).servo
+    np.testing.assert_array_equal([rubbing.viscous_friction[0], rubbing.dry_friction[0]], [1.5, 2.0])
+    np.testing.assert_array_equal([rubbing.max_torque[0], rubbing.stiffness[0]], [1.0, 5.0])
+    assert vary_robot(replace(ARM, servo=None), Factors((1.0,) * LINKS, (1.0,) * LINKS, 0.5)).servo is None
