@@ -83,8 +83,8 @@ SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
 EXTRAS = {"arm": pa.int32(), "obstacle": pa.bool_(), "obstacles": pa.list_(pa.float64())}
 """Columns that not every trace has, in the order in which they stand."""
-OBSTACLE = "obstacle"
-"""False throughout where a trace has no such column."""
+OBSTACLE, OBSTACLES = "obstacle", "obstacles"
+"""Columns; the first is False throughout where a trace does not have it."""
 NO_EXTRAS: Mapping[str, int] = MappingProxyType({})
 
 Rows = Float
