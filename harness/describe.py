@@ -3,7 +3,7 @@
 import inspect
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from harness.registry.parameters import parameters_of, values_of
 from harness.registry.registry import Registry
 from harness.robot import Robot
 from harness.robot.load import load_robot
+from harness.robot.servo import Part
+from harness.robot.settings import FILE, SERVO
 from harness.simulator import family_of
 from harness.task import Task, goal_of
 
@@ -192,7 +194,25 @@ def _describe_robot(robot: Robot) -> str:
     head = ("joint", "type", "lower", "upper", "home", "speed /s", "acceleration /s^2", "unit")
     tip = f"end effector {robot.end_effector_link}, reach {robot.reach:.3f} m, files in {robot.folder}"
     origins = [(f"{quantity.replace('_', ' ')}:", origin) for quantity, origin in robot.origins.items()]
-    return f"robot {robot.name}: {robot.dof} joints, {tip}\n{_table([head, *rows])}\n\nFrom\n{_table(origins)}"
+    told = f"robot {robot.name}: {robot.dof} joints, {tip}\n{_table([head, *rows])}\n\nFrom\n{_table(origins)}"
+    return f"{told}\n\n{_describe_drives(robot)}"
+
+
+def _describe_drives(robot: Robot) -> str:
+    """The drives of simulators with drive=servo, in N m, or N where a joint slides, rad or m, kg, m and s."""
+    servo = robot.servo
+    if servo is None:
+        return f"No drives for drive=servo: {FILE} has no table [{SERVO}]."
+    parts = get_args(Part)
+    numbers = np.array([getattr(servo, part) for part in parts]).T
+    rows = [
+        (name, *(f"{number:g}" for number in values))
+        for name, values in zip(robot.joint_names, numbers, strict=True)
+    ]
+    head = ("joint", *(part.replace("_", " ") for part in parts))
+    weight = "compensated" if servo.gravity_compensated else "not compensated"
+    told = f"Drives for drive=servo, in N m, rad, kg m^2 and s, where a joint slides in N, m, kg and s; {FILE}"
+    return f"{told}\n{_table([head, *rows])}\n  latency {servo.latency:g} s, weight {weight}"
 
 
 def _describe_parameters(target: Any, values: dict[str, Any]) -> str:
