@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.conditions import Conditions, conditions_of
 from harness.env.arm_observation import ArmObservation
+from harness.env.goal_observation import GoalObservation
 from harness.hookspecs import NOUNS
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
@@ -17,7 +18,7 @@ from harness.registry.registry import Registry
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.simulator import family_of
-from harness.task import Task
+from harness.task import Task, goal_of
 
 
 def describe_name(registry: Registry, kind: str, given: str, robot: str | None) -> str:
@@ -54,14 +55,14 @@ def _states(task: Task, robot: Robot) -> str:
     if not isinstance(observation, ArmObservation):
         return f"{head} {inspect.cleandoc(type(observation).__doc__ or '')}"
     note = "\nTable I gives angles as 0 .. 350 deg; the published joint ranges differ and are used."
-    states = _table(_arm_states(robot, observation.obstacles))
     return (
         f"{head} NOTE Table I for each joint, and where the target is; all angles stand first, then all speeds, then "
-        f"all accelerations.\n{states}{note if robot.name == 'fd100' else ''}"
+        f"all accelerations.\n{_table([*_arm_states(robot), *_goal_states(observation)])}"
+        f"{note if robot.name == 'fd100' else ''}"
     )
 
 
-def _arm_states(robot: Robot, obstacles: int) -> list[tuple[str, str, str]]:
+def _arm_states(robot: Robot) -> list[tuple[str, str, str]]:
     rows = []
     for j, (lower, upper) in enumerate(zip(robot.lower, robot.upper, strict=True)):
         scale, unit = _unit_of(robot, j)
@@ -75,9 +76,18 @@ def _arm_states(robot: Robot, obstacles: int) -> list[tuple[str, str, str]]:
         ("target", "3 numbers", "world frame, m"),
         ("end effector", "3 numbers", "world frame, m"),
         ("offset", "3 numbers", "target - end effector, m"),
-        ("distance", "1 number", "length of the offset, NOTE eq. 14, m"),
-        *[("obstacles", f"{obstacles} x 7 numbers", "centre - end effector, half edges, radius, m")] * bool(obstacles),
     ]
+
+
+def _goal_states(observation: ArmObservation) -> list[tuple[str, str, str]]:
+    """How far the target is, what is in the way, and what else is asked for."""
+    count = observation.obstacles
+    clutter = [("obstacles", f"{count} x 7 numbers", "centre - end effector, half edges, radius, m")] if count else []
+    if not isinstance(observation, GoalObservation):
+        return [("distance", "1 number", "length of the offset, NOTE eq. 14, m"), *clutter]
+    goal, count = observation.goal, len(observation.goal.bounds()[0])
+    more = [("goal", f"{count} number{'s' * (count > 1)}", goal.observed)] if count else []
+    return [("error", "1 number", f"the {goal.error}, {goal.unit or 'without a unit'}"), *more, *clutter]
 
 
 def _unit_of(robot: Robot, joint: int) -> tuple[float, str]:
@@ -105,7 +115,11 @@ def _actions(task: Task, robot: Robot) -> str:
 
 
 def _transition(task: Task, robot: Robot) -> str:
+    goal = goal_of(task, robot)
     reached = f"the end effector is within epsilon = {task.epsilon:g} m of the target (NOTE eq. 20)"
+    if goal is not None:
+        steps = f" for {goal.steps_within} steps in a row" if goal.steps_within > 1 else ""
+        reached = f"the {goal.error} is at most epsilon = {task.epsilon:g} {goal.unit}".rstrip() + steps
     decision = f"{task.decision_period} steps under one action, a reward on each"
     rows = [
         ("step", f"{task.control_period:g} s, in the simulator's dynamics unless the action sets the joints"),

@@ -182,14 +182,15 @@ def _require_one_goal(given: Given, registry: Registry) -> None:
     if not _has_one_goal(choice.build(registry, "tasks")):
         allowed = [name for name, task in build_defaults(registry, "tasks").items() if _has_one_goal(task)]
         raise UsageError(
-            f"Task '{choice.label}' sets several goals in an episode, repeats an action for several steps, or has "
-            "noise, delays, obstacles or varied arms: its steps cannot be paid again for another goal. Allowed: "
-            f"{', '.join(allowed)}"
+            f"Task '{choice.label}' sets several goals in an episode, repeats an action for several steps, asks for "
+            "more than a point that stays, or has noise, delays, obstacles or varied arms: its steps cannot be paid again "
+            f"for another goal. Allowed: {', '.join(allowed)}"
         )
 
 
 def _has_one_goal(task: Task) -> bool:
-    return task.ends_at_target and task.decision_period == 1 and conditions_of(task).are_plain
+    has_point = task.ends_at_target and not hasattr(task, "goal")
+    return has_point and task.decision_period == 1 and conditions_of(task).are_plain
 
 
 def _column(infos: Sequence[Mapping[str, Any]], name: str) -> Float:

@@ -21,7 +21,7 @@ from harness.record.trace import Recorder
 from harness.reward import Carry, Reward, replace_where
 from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State
-from harness.task import Task
+from harness.task import Task, goal_of
 
 Infos: TypeAlias = dict[str, Any]
 Actions: TypeAlias = NDArray[Any]
@@ -49,7 +49,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
     Each env has its own random stream: what env k meets depends on the seed and k alone, whatever the number of envs,
     the reward or the actions.
 
-    `infos` holds, for every env, ``distance`` [m], to the target that the step was made for, ``reward_shaped`` and
+    `infos` holds, for every env, ``distance`` [m], to the target that the step was made for (of a task with a
+    `harness.task.Goal` its error), ``reward_shaped`` and
     ``is_success``, whether that target was reached; in the autoreset mode SAME_STEP also ``final_obs``, (num_envs,
     observation_size), whose rows hold where ``_final_obs`` is True.
 
@@ -238,7 +239,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._horizon, self._epsilon, self._step_reward = task.horizon, task.epsilon, task.step_reward
         self._goes_on = not task.ends_at_target
         conditions = conditions_of(task)
-        self.episodes = Episodes(n, dof, self._motion.action_size, extra_columns(conditions))
+        goal, extras = goal_of(task, self.robot), extra_columns(conditions)
+        self.episodes = Episodes(n, dof, self._motion.action_size, goal, extras)
         self._around: Surroundings | None = None
         if not conditions.are_plain:
             robot, motion = self.robot, self._motion
@@ -295,7 +297,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._carry, shaped = self.reward(self._carry, episodes.sample)
         episodes.shaped[...] = shaped
         paid = shaped + self._step_reward
-        far = distance > self._epsilon  # False also where the distance is no number
+        far = episodes.count_within(distance > self._epsilon)  # False also where the distance is no number
         reached = ~far
         if self._goes_on:
             reached, self._inside = reached & ~self._inside, reached
@@ -377,10 +379,10 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         if self._around:
             self._around.draw(mask)
         state = self.simulation.reset(self._command, mask)
-        target = episodes.target.copy()
+        target, numbers = episodes.target.copy(), episodes.numbers.copy()
         for k in envs:
-            target[k] = self._first_target(k, state)
-        episodes.start(mask, state, target)
+            target[k], numbers[k] = self._first_target(k, state)
+        episodes.start(mask, state, target, numbers)
         if self._around:
             self._around.begin(mask)
         self._inside[mask] = False
@@ -391,21 +393,21 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._starting = True
         self._until_horizon = self._horizon - int(episodes.step.max())
 
-    def _first_target(self, env: int, state: State) -> Float:
-        """A target, (3,), that the arm is not at; one that it can reach, where it is not as drawn."""
+    def _first_target(self, env: int, state: State) -> tuple[Float, Float]:
+        """A target, (3,), that the arm is not at, and a goal's numbers; one that it can reach, where it is varied."""
         for _ in range(TRIES):
-            target = self._streams.target_apart(env, state.end_effector[env])
+            target, numbers = self._streams.target_apart(env, state.end_effector[env], state.qpos[env])
             if self._around is None or self._around.is_reached(env, target, state.qpos[env]):
-                return target
+                return target, numbers
         raise UsageError("length_variation leaves next to no target that a shorter arm reaches: choose less")
 
     def _set_next_targets(self, mask: Mask) -> None:
         """Give the envs of `mask`, which reached their targets, the next ones."""
         episodes = self.episodes
-        target = episodes.target.copy()
+        target, numbers = episodes.target.copy(), episodes.numbers.copy()
         for k in np.flatnonzero(mask):
-            target[k] = self._streams.target(int(k), episodes.end_effector[k])
-        episodes.set_target(mask, target)
+            target[k], numbers[k] = self._streams.target(int(k), episodes.end_effector[k])
+        episodes.set_target(mask, target, numbers)
         # Where the end effector is in the next target already, it has to leave and enter it.
         self._inside[mask] = episodes.distance[mask] <= self._epsilon
         self._restart_reward(mask)

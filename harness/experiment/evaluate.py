@@ -19,7 +19,7 @@ from harness.policy import Policy
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import TraceWriter
 from harness.robot import Robot
-from harness.task import Task
+from harness.task import Task, goal_of
 
 EVALUATION_SEED = 20_211_118
 """Of the starts and targets of every evaluation; not among the small numbers that people seed training with."""
@@ -69,7 +69,9 @@ def evaluate(
 
 def facts_of(task: Task, robot: Robot) -> EpisodeFacts:
     """What is known of the episodes of a task before there are any."""
-    return EpisodeFacts(horizon=task.horizon, control_period=task.control_period, arms=_arms(task, robot))
+    facts, goal = EpisodeFacts(horizon=task.horizon, control_period=task.control_period), goal_of(task, robot)
+    facts = replace(facts, arms=_arms(task, robot))
+    return facts if goal is None else replace(facts, error=goal.error, unit=goal.unit, target_moves=goal.moves)
 
 
 def _arms(task: Task, robot: Robot) -> tuple[Factors, ...] | None:

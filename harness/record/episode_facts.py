@@ -4,6 +4,9 @@ import json
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
+LATER = ("error", "unit", "target_moves", "arms")
+"""Left out of the file where there is nothing to tell: it is then, byte for byte, as it was without these facts."""
+
 
 @dataclass(frozen=True)
 class EpisodeFacts:
@@ -20,20 +23,25 @@ class EpisodeFacts:
         arms: Where the arms of episodes differ, how: for each arm the factors of the masses of the links that move,
             those of their sizes, and that of the friction of the drives; 1 is as drawn. The column `arm` of a row is
             the number of its episode's. None where they do not differ.
+        error: What the columns of distances hold, of a task that asks for more than a point that stays, as ``pose
+            error``; None of one that does not: the distance from end effector to target, in metres.
+        unit: Of the error.
+        target_moves: True of a task whose target moves.
     """
 
     horizon: int | None = None
     control_period: float | None = None
     ik_steps: tuple[int | None, ...] | None = None
     work: tuple[float, ...] | None = None
+    error: str | None = None
+    unit: str | None = None
+    target_moves: bool | None = None
     arms: tuple[tuple[tuple[float, ...], tuple[float, ...], float], ...] | None = None
 
     def to_bytes(self) -> bytes:
         """For a file; `from_bytes` gives the same facts back."""
-        facts = asdict(self)
-        if self.arms is None:  # files without it stay as they were
-            del facts["arms"]
-        return json.dumps(facts).encode()
+        told = {name: value for name, value in asdict(self).items() if value is not None or name not in LATER}
+        return json.dumps(told).encode()
 
     @classmethod
     def from_bytes(cls, text: bytes) -> Self:
