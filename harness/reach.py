@@ -76,11 +76,9 @@ class ReachTask(Conditions):
 
     def observation(self, robot: Robot) -> ArmObservation:
         """See `harness.task.Task`."""
-        goal, period = goal_of(self, robot), self.control_period
-        obstacles = self.obstacles_seen if self.most_obstacles else 0
-        if goal is None:
-            return ArmObservation(robot, period, obstacles)
-        return GoalObservation(robot, period, goal, obstacles)
+        goal, seen = goal_of(self, robot), self.obstacles_seen if self.most_obstacles else 0
+        period = self.control_period
+        return ArmObservation(robot, period, seen) if goal is None else GoalObservation(robot, period, goal, seen)
 
     def target_rewards(self, robot: Robot, qpos: Float) -> Float:
         """`target_reward`, each time."""
@@ -134,15 +132,6 @@ class ReachTask(Conditions):
             "target_half_extent within its reach"
         )
 
-    def _are_free(self, robot: Robot, targets: Float, poses: Float) -> Mask:
-        """Where fixed obstacles are away from a target and from a pose in which the arm reaches it, (count,)."""
-        distance = distance_from(targets[:, None], parse_obstacles(self.obstacles)).min(axis=1)
-        return (distance > self.epsilon + self.obstacle_clearance) & ~self._touches(robot, poses)
-
-    def _touches(self, robot: Robot, poses: Float) -> Mask:
-        fixed = parse_obstacles(self.obstacles)
-        return Clearance(robot).touches(poses, np.tile(fixed, (len(poses), 1, 1)), self.obstacle_clearance)
-
     def _begin_errors(self, robot: Robot, rng: np.random.Generator) -> Float:
         """How far from their targets some episodes begin, (64,)."""
         targets, _ = self.draw_targets(robot, rng, 64)
@@ -153,6 +142,15 @@ class ReachTask(Conditions):
         if goal is None:
             return np.asarray(np.linalg.norm(targets - tips, axis=1))
         return goal.errors(Situation(starts, tips, targets, numbers, none, none))
+
+    def _are_free(self, robot: Robot, targets: Float, poses: Float) -> Mask:
+        """Where fixed obstacles are away from a target and from a pose in which the arm reaches it, (count,)."""
+        distance = distance_from(targets[:, None], parse_obstacles(self.obstacles)).min(axis=1)
+        return (distance > self.epsilon + self.obstacle_clearance) & ~self._touches(robot, poses)
+
+    def _touches(self, robot: Robot, poses: Float) -> Mask:
+        fixed = parse_obstacles(self.obstacles)
+        return Clearance(robot).touches(poses, np.tile(fixed, (len(poses), 1, 1)), self.obstacle_clearance)
 
     def start_in_words(self, robot: Robot) -> str:
         """See `harness.task.Task`."""

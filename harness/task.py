@@ -123,7 +123,7 @@ class Task(Protocol):
 
     @property
     def epsilon(self) -> float:
-        """The target is reached within this distance, NOTE eq. 20 [m]; with a `Goal`, within this error, in its unit."""
+        """The target is reached within this distance, NOTE eq. 20 [m]; of a task with a `Goal`, within this error."""
 
     @property
     def ends_at_target(self) -> bool:

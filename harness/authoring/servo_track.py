@@ -6,6 +6,9 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.robot.servo import Servo
+from harness.simulator import servo_of
+
+__all__ = ["References", "ServoTrack", "servo_of"]
 
 
 class References(NamedTuple):

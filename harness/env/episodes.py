@@ -47,12 +47,12 @@ class Episodes:
         num_envs: int,
         dof: int,
         action_size: int,
-        goal: Goal | None = None,
         extras: Mapping[str, int] = NO_EXTRAS,
+        goal: Goal | None = None,
     ) -> None:
-        self._sizes, self.goal, self.extras = (num_envs, dof, action_size), goal, extras
+        self._sizes, self.extras, self.goal = (num_envs, dof, action_size), extras, goal
         width = len(SCALARS) + dof + action_size + sum(extras.values())
-        self._places = _places(dof, action_size, goal, extras)
+        self._places = _places(dof, action_size, extras, goal)
         self.matrix = matrix = np.zeros((num_envs, max(end for _, end in self._places.values())))
         matrix[:, COLUMN["env"]] = np.arange(num_envs)
         matrix[:, COLUMN["episode"]] = -1
@@ -84,7 +84,7 @@ class Episodes:
 
     def another(self) -> "Episodes":
         """New ones of the same sizes."""
-        return Episodes(*self._sizes, self.goal, self.extras)
+        return Episodes(*self._sizes, self.extras, self.goal)
 
     def extra(self, name: str) -> Float:
         """One of `extras`, (num_envs, its width)."""
@@ -134,11 +134,6 @@ class Episodes:
         np.subtract(distance, self.previous_best, out=self.delta_distance)
         return distance
 
-    def measure_offset(self) -> None:
-        """Bring offset and distance up to target, end effector and joints."""
-        np.subtract(self.target, self.end_effector, out=self.offset)
-        self.distance[...] = self._errors()
-
     def count_within(self, far: Mask) -> Mask:
         """Where the error was not within epsilon for as many steps in a row as the goal asks, counting this one.
 
@@ -150,6 +145,11 @@ class Episodes:
         self._within[...] = np.where(far, 0.0, self._within + 1.0)
         short: Mask = self._within < self.goal.steps_within
         return short
+
+    def measure_offset(self) -> None:
+        """Bring offset and distance up to target and end effector."""
+        np.subtract(self.target, self.end_effector, out=self.offset)
+        self.distance[...] = self._errors()
 
     def require_finite(self, distance: Float) -> None:
         """Raises SimulationDiverged where an end effector is nowhere."""
@@ -167,7 +167,7 @@ class Episodes:
         return self.matrix[:, slice(*self._places[name])]
 
 
-def _places(dof: int, action_size: int, goal: Goal | None, extras: Mapping[str, int]) -> dict[str, tuple[int, int]]:
+def _places(dof: int, action_size: int, extras: Mapping[str, int], goal: Goal | None) -> dict[str, tuple[int, int]]:
     """First column of each array in the matrix, and the one after its last."""
     places = {name: (at, at + 1) for name, at in COLUMN.items()}
     groups = {
@@ -178,11 +178,10 @@ def _places(dof: int, action_size: int, goal: Goal | None, extras: Mapping[str, 
     }
     places.update({name: (COLUMN[first], COLUMN[last] + 1) for name, (first, last) in groups.items()})
     at = len(SCALARS)
-    record = {"qpos": dof, "action": action_size, **extras}
-    more = (("qvel", dof), ("qvel_change", dof), ("offset", 3))
+    arm, more = (("qpos", dof), ("action", action_size)), (("qvel", dof), ("qvel_change", dof), ("offset", 3))
     sizes = (goal.numbers, 3, 1, 1) if goal else (0, 0, 0, 0)
-    of_goal = zip(("numbers", "set_at", "since", "within"), sizes, strict=True)
-    for name, size in (*record.items(), *more, *of_goal):
+    asked = zip(("numbers", "set_at", "since", "within"), sizes, strict=True)
+    for name, size in (*arm, *extras.items(), *more, *asked):
         places[name] = (at, at + size)
         at += size
     return places

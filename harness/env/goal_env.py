@@ -183,14 +183,14 @@ def _require_one_goal(given: Given, registry: Registry) -> None:
         allowed = [name for name, task in build_defaults(registry, "tasks").items() if _has_one_goal(task)]
         raise UsageError(
             f"Task '{choice.label}' sets several goals in an episode, repeats an action for several steps, asks for "
-            "more than a point that stays, or has noise, delays, obstacles or varied arms: its steps cannot be paid again "
-            f"for another goal. Allowed: {', '.join(allowed)}"
+            "more than a point that stays, or has noise, delays, obstacles or varied arms: its steps cannot be paid "
+            f"again for another goal. Allowed: {', '.join(allowed)}"
         )
 
 
 def _has_one_goal(task: Task) -> bool:
-    has_point = task.ends_at_target and not hasattr(task, "goal")
-    return has_point and task.decision_period == 1 and conditions_of(task).are_plain
+    is_simple = task.ends_at_target and task.decision_period == 1 and not hasattr(task, "goal")
+    return is_simple and conditions_of(task).are_plain
 
 
 def _column(infos: Sequence[Mapping[str, Any]], name: str) -> Float:

@@ -12,17 +12,14 @@ from harness.task import Goal
 class GoalObservation(ArmObservation):
     """`ArmObservation` with the goal's error in place of the distance, then what `harness.task.Goal.observe` tells.
 
-    Obstacles, if there are any, come last.
-
-    The target is where it is now, the offset target - end effector. Every number is cut off at its bounds: the error at
-    twice the arm's extent, whatever its unit.
+    Obstacles, where they are seen, come after that. The target is where it is now, the offset target - end effector.
+    Every number is cut off at its bounds: the error at twice the arm's extent, whatever its unit.
     """
 
     def __init__(self, robot: Robot, period: float, goal: Goal, obstacles: int = 0) -> None:
         super().__init__(robot, period, obstacles)
-        self.goal = goal
+        self.goal, self._usual = goal, 3 * robot.dof + 10
         self._least, self._most = goal.bounds()
-        self._at = 3 * robot.dof + 10
 
     @property
     def low(self) -> Float32:
@@ -39,7 +36,7 @@ class GoalObservation(ArmObservation):
         more = np.clip(self.goal.observe(episodes.situation), self._least, self._most)
         return self._with(super().observe(episodes), more)
 
-    def _with(self, arm: Float32, more: Float) -> Float32:
-        """What is seen of arm and target, `more`, what is seen of obstacles."""
-        parts = [arm[..., : self._at], more.astype(np.float32), arm[..., self._at :]]
+    def _with(self, seen: Float32, more: Float) -> Float32:
+        """What is seen of arm, target and obstacles, (..., size), with the goal's numbers before the obstacles."""
+        parts = (seen[..., : self._usual], more.astype(np.float32), seen[..., self._usual :])
         return np.concatenate(parts, axis=-1)

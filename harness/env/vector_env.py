@@ -239,8 +239,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._horizon, self._epsilon, self._step_reward = task.horizon, task.epsilon, task.step_reward
         self._goes_on = not task.ends_at_target
         conditions = conditions_of(task)
-        goal, extras = goal_of(task, self.robot), extra_columns(conditions)
-        self.episodes = Episodes(n, dof, self._motion.action_size, goal, extras)
+        self.episodes = Episodes(n, dof, self._motion.action_size, extra_columns(conditions), goal_of(task, self.robot))
         self._around: Surroundings | None = None
         if not conditions.are_plain:
             robot, motion = self.robot, self._motion
@@ -394,7 +393,10 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._until_horizon = self._horizon - int(episodes.step.max())
 
     def _first_target(self, env: int, state: State) -> tuple[Float, Float]:
-        """A target, (3,), that the arm is not at, and a goal's numbers; one that it can reach, where it is varied."""
+        """A target, (3,), that the arm is not at, and the numbers of a goal.
+
+        One that it can reach, where the arm is not as drawn.
+        """
         for _ in range(TRIES):
             target, numbers = self._streams.target_apart(env, state.end_effector[env], state.qpos[env])
             if self._around is None or self._around.is_reached(env, target, state.qpos[env]):

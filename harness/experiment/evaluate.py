@@ -69,8 +69,7 @@ def evaluate(
 
 def facts_of(task: Task, robot: Robot) -> EpisodeFacts:
     """What is known of the episodes of a task before there are any."""
-    facts, goal = EpisodeFacts(horizon=task.horizon, control_period=task.control_period), goal_of(task, robot)
-    facts = replace(facts, arms=_arms(task, robot))
+    goal, facts = goal_of(task, robot), EpisodeFacts(task.horizon, task.control_period, arms=_arms(task, robot))
     return facts if goal is None else replace(facts, error=goal.error, unit=goal.unit, target_moves=goal.moves)
 
 

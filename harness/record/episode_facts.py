@@ -4,8 +4,8 @@ import json
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
-LATER = ("error", "unit", "target_moves", "arms")
-"""Left out of the file where there is nothing to tell: it is then, byte for byte, as it was without these facts."""
+LATER = ("arms", "error", "unit", "target_moves")
+"""Left out of the file where there is nothing to tell: it stays, byte for byte, as it was before there were any."""
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class EpisodeFacts:
     control_period: float | None = None
     ik_steps: tuple[int | None, ...] | None = None
     work: tuple[float, ...] | None = None
+    arms: tuple[tuple[tuple[float, ...], tuple[float, ...], float], ...] | None = None
     error: str | None = None
     unit: str | None = None
     target_moves: bool | None = None
-    arms: tuple[tuple[tuple[float, ...], tuple[float, ...], float], ...] | None = None
 
     def to_bytes(self) -> bytes:
         """For a file; `from_bytes` gives the same facts back."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from harness.errors import Unmeasured, one_line
-from harness.eta.headline import DECIDING
 from harness.eta.behaviour_change import Measure
+from harness.eta.headline import DECIDING
 from harness.metric import Metric, is_error, is_share
 from harness.record.manifest import Manifest
 from harness.record.trace import Trace

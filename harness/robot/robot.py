@@ -73,7 +73,8 @@ class Robot:
     def digest(self) -> str:
         """SHA-256 of all that decides how the arm moves: the URDF, the meshes' content, and the numbers beside it.
 
-        Where the files lie does not count: a copy of the robot in another folder has the same digest.
+        The drives, `servo`, do not count: most simulators move the arm without them. Nor does where the files lie: a
+        copy of the robot in another folder has the same digest.
 
         Raises:
             OSError: A mesh is gone.
@@ -81,6 +82,17 @@ class Robot:
         numbers = np.stack([self.lower, self.upper, self.max_speed, self.max_acceleration, self.home])
         parts = (_name_meshes_by_content(self.urdf).encode(), self.end_effector_link.encode(), numbers.tobytes())
         return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+    @cached_property
+    def driven_digest(self) -> str:
+        """The same with the drives: SHA-256 of all that decides how the arm moves where they are simulated.
+
+        Raises:
+            OSError: A mesh is gone.
+        """
+        if self.servo is None:
+            return self.digest
+        return hashlib.sha256(f"{self.digest} {self.servo.digest}".encode()).hexdigest()
 
     @cached_property
     def dof(self) -> int:

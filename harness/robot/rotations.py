@@ -5,19 +5,19 @@ import numpy as np
 from harness.arrays import Float
 
 
-def rotation_between(R_world_from: Float, R_world_to: Float) -> Float:
+def rotation_between(before: Float, after: Float) -> Float:
     """The turn that leads from one orientation to another, as a rotation vector in the world frame.
 
     Args:
-        R_world_from: Rotation matrices, (n, 3, 3).
-        R_world_to: The same.
+        before: Rotation matrices R_world_tip, (n, 3, 3).
+        after: The same.
 
     Returns:
         (n, 3), [rad]; the length is the angle between the two, in [0, pi], 0 only where they are alike.
     """
     from scipy.spatial.transform import Rotation  # takes as long to import as all of the core
 
-    turn = R_world_to @ np.swapaxes(R_world_from, -1, -2)
+    turn = after @ np.swapaxes(before, -1, -2)
     vector: Float = Rotation.from_matrix(turn).as_rotvec()
     return vector
 
@@ -35,6 +35,6 @@ def rotation_of_axes(axes: Float) -> Float:
     return np.stack([x, y, np.cross(x, y)], axis=2)
 
 
-def axes_of_rotation(R_world: Float) -> Float:
+def axes_of_rotation(rotation: Float) -> Float:
     """The x axis, then the y axis of rotation matrices (n, 3, 3), in the world frame: (n, 6), a new array."""
-    return np.concatenate([R_world[:, :, 0], R_world[:, :, 1]], axis=1)
+    return np.concatenate([rotation[:, :, 0], rotation[:, :, 1]], axis=1)

@@ -27,7 +27,7 @@ DECISIONS = 60
 
 @check("task-goal-words")
 def goals_are_described(task: Task, robot: Robot) -> None:
-    """A goal's error has a name and a unit, one line each, and its numbers, steps and bounds are what they have to be."""
+    """A goal's error has a name and a unit, one line each; its numbers, steps and bounds are what they have to be."""
     goal = goal_of(task, robot)
     if goal is None:
         return

@@ -10,7 +10,8 @@ from harness.record.trace import Trace
 class ClosestDistance:
     """Mean over the finished episodes of the smallest distance from end effector to target, the start's included, [m].
 
-    Of a task with another error that error, in its unit. Where no episode ends at the target, or all end on the ground, this tells more than where they end.
+    Of a task with another error that error, in its unit. Where no episode ends at the target, or all end on the ground,
+    this tells more than where they end.
     """
 
     unit: ClassVar[str] = "m"

@@ -1,14 +1,14 @@
 """A target that moves."""
 
 from dataclasses import dataclass as plain_dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.reach import Positive, ReachTask
+from harness.reach import ReachTask
 from harness.robot import Robot
 from harness.task import Goal, Situation
 
@@ -21,9 +21,6 @@ class Moving(ReachTask):
     again. Both are drawn as its targets are.
     """
 
-    epsilon: Annotated[
-        Positive, Field(description="how near to the target, where it is now, the arm has to be [m]")
-    ] = 0.03
     target_speed: Annotated[float, Field(ge=0, description="of the target [m/s]")] = 0.25
     steps_within: Annotated[
         int, Field(gt=0, description="for so many steps in a row the end effector has to be within epsilon")
@@ -57,24 +54,26 @@ class MovingGoal(Goal):
     period: float
     steps_within: int
 
-    error: ClassVar[str] = "distance"
-    numbers: ClassVar[int] = 3
-    moves: ClassVar[bool] = True
-    aim: ClassVar[str] = "position"
-    observed: ClassVar[str] = (
+    error = "distance"
+    numbers = 3
+    moves = True
+    aim = "position"
+    observed = (
         "the target's velocity (3, m/s), and the steps in a row within epsilon, as a share of those that are needed"
     )
 
     def draw(self, rng: np.random.Generator, position: Float) -> Float:
         """From each place to the other end of its target's way, (count, 3), [m]."""
-        return self.task.draw_targets(self.robot, rng, len(position)).position - position
+        ends = self.task.draw_targets(self.robot, rng, len(position)).position
+        return np.asarray(ends - position)
 
     def displacement(self, numbers: Float, step: Float) -> Float:
         """See `harness.task.Goal`."""
         length = np.linalg.norm(numbers, axis=1)
         gone = self.speed * self.period * step
         along = length - np.abs(np.mod(gone, 2.0 * np.maximum(length, SHORTEST)) - length)
-        return along[:, None] * _unit(numbers, length)
+        moved: Float = along[:, None] * _unit(numbers, length)
+        return moved
 
     def errors(self, now: Situation) -> Float:
         """The distance from the end effector to where the target is now, (n,), [m]."""

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass as plain_dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -21,9 +21,9 @@ from harness.task import Goal, Situation
 class Pose(ReachTask):
     """Bring the end effector to a target and into its orientation: within `epsilon` and within `angle`.
 
-    The error is the larger of the distance d and L times the angle that is left, with L = epsilon / angle, in metres: it
-    is at most epsilon where both hold. A target's orientation is one that the arm can take there: that of a pose which
-    inverse kinematics find from the home pose, each joint of it turned by up to `turn`.
+    The error is the larger of the distance d and L times the angle that is left, with L = epsilon / angle, in metres:
+    it is at most epsilon where both hold. A target's orientation is one that the arm can take there: that of a pose
+    which inverse kinematics find from the home pose, each joint of it turned by up to `turn`.
     """
 
     epsilon: Annotated[Positive, Field(description="the target is reached within this pose error [m]")] = 0.02
@@ -57,12 +57,10 @@ class PoseGoal(Goal):
     lever: float
     turn: float
 
-    error: ClassVar[str] = "pose error"
-    numbers: ClassVar[int] = 6
-    aim: ClassVar[str] = "pose"
-    observed: ClassVar[str] = (
-        "the target's x and y axis (6, world frame), and the turn that is left (3, rotation vector over pi)"
-    )
+    error = "pose error"
+    numbers = 6
+    aim = "pose"
+    observed = "the target's x and y axis (6, world frame), and the turn that is left (3, rotation vector over pi)"
 
     def draw(self, rng: np.random.Generator, position: Float) -> Float:
         """The x and y axis of each target's orientation, (count, 6)."""

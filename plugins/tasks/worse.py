@@ -41,7 +41,7 @@ class DelayedReach(ReachTask):
     """`fd100-reach` where what is seen is old and what is done comes late: a reward for speed pays for overshooting."""
 
     observation_delay: ObservationDelay = 1
-    action_delay: ActionDelay = 2
+    action_delay: ActionDelay = 1
 
     later: ClassVar[tuple[str, ...]] = later_than("observation_delay", "action_delay")
 

@@ -10,6 +10,7 @@ import pytest
 from harness.errors import PluginError, Unmeasured, UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
+from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.registry import Registry, load_registry
 from harness.report.behaviour_rows import behaviour_grids
@@ -17,7 +18,6 @@ from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
 from harness.results import Results
 from harness.results.measured import measure, value_of
-from harness.record.manifest import Manifest
 from harness.results.metrics import Unmeasurable, load_metrics, measure_of
 from tests.results.folders import ARP, finish, only
 

@@ -73,7 +73,7 @@ def test_a_far_target_does_not_throw_the_arm():
 
 
 def test_poses_are_found_with_their_orientation():
-    """Where it says so, place and orientation are within the tolerances; of poses within 60 degrees of home, nearly all."""
+    """Where it says so, place and orientation are within the tolerances; of poses about home nearly all are found."""
     noise = np.random.default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
     wanted = forward(ROBOT.chain, np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper))
     start = np.tile(ROBOT.home, (COUNT, 1))
