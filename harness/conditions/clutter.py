@@ -97,4 +97,5 @@ def _free(ways: Float, clearance: Clearance, obstacle: Float, apart: float) -> M
     """Which ways an obstacle leaves free, (ways,)."""
     poses = ways.reshape(-1, ways.shape[-1])
     touched = clearance.touches(poses, np.broadcast_to(obstacle, (len(poses), 1, NUMBERS)), apart)
-    return ~touched.reshape(ways.shape[:2]).any(axis=1)
+    free: Mask = np.logical_not(touched.reshape(ways.shape[:2]).max(axis=1))
+    return free
