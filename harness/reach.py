@@ -146,7 +146,8 @@ class ReachTask(Conditions):
     def _are_free(self, robot: Robot, targets: Float, poses: Float) -> Mask:
         """Where fixed obstacles are away from a target and from a pose in which the arm reaches it, (count,)."""
         distance = distance_from(targets[:, None], parse_obstacles(self.obstacles)).min(axis=1)
-        return (distance > self.epsilon + self.obstacle_clearance) & ~self._touches(robot, poses)
+        free: Mask = (distance > self.epsilon + self.obstacle_clearance) & ~self._touches(robot, poses)
+        return free
 
     def _touches(self, robot: Robot, poses: Float) -> Mask:
         fixed = parse_obstacles(self.obstacles)

@@ -164,8 +164,15 @@ class _Pairs:
     def _take(self, rows: NDArray[np.intp]) -> "_Pairs":
         if len(rows) == len(self.pose):
             return self
-        arrays = (self.pose, self.center, self.axes, self.half_edges, self.disc, self.ball, self.obstacle)
-        return _Pairs(*(array[rows] for array in arrays))
+        return _Pairs(
+            self.pose[rows],
+            self.center[rows],
+            self.axes[rows],
+            self.half_edges[rows],
+            self.disc[rows],
+            self.ball[rows],
+            self.obstacle[rows],
+        )
 
 
 def _boxed(shape: Shape) -> Shape:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.arrays import Float
+from harness.arrays import Float, Mask
 from harness.conditions.clearance import Clearance
 from harness.conditions.conditions import Conditions
 from harness.conditions.obstacles import CENTER, EDGES, NUMBERS, RADIUS, distance_from, parse_obstacles
@@ -93,7 +93,9 @@ def _ways(robot: Robot, clearance: Clearance, start: Float, target: Float, rng: 
     return free
 
 
-def _free(ways: Float, clearance: Clearance, obstacle: Float, apart: float) -> np.ndarray:
+def _free(ways: Float, clearance: Clearance, obstacle: Float, apart: float) -> Mask:
+    """Which ways an obstacle leaves free, (ways,)."""
     poses = ways.reshape(-1, ways.shape[-1])
     touched = clearance.touches(poses, np.broadcast_to(obstacle, (len(poses), 1, NUMBERS)), apart)
-    return ~touched.reshape(ways.shape[:2]).any(axis=1)
+    free: Mask = np.logical_not(touched.reshape(ways.shape[:2]).max(axis=1))
+    return free

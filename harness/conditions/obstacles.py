@@ -43,7 +43,7 @@ def _obstacle(text: str) -> list[float]:
 
 def there(obstacles: Float) -> Mask:
     """Which of (..., 7) are obstacles, (...,)."""
-    some: Mask = obstacles[..., 3:].any(axis=-1)
+    some: Mask = np.any(obstacles[..., 3:] > 0.0, axis=-1, keepdims=True)[..., 0]
     return some
 
 

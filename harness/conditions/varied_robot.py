@@ -12,7 +12,7 @@ import numpy as np
 from harness.conditions.conditions import Conditions
 from harness.robot import Robot
 from harness.robot.kinematics import build_chain, read_only
-from harness.robot.servo import FRICTIONS, Servo
+from harness.robot.servo import Servo
 from harness.robot.shapes import attach_shapes, read_shapes
 from harness.robot.urdf import Urdf, linked, parse_urdf, read_chain
 
@@ -83,8 +83,8 @@ def _rub(servo: Servo | None, factor: float) -> Servo | None:
     """The drives with more or less friction, of both kinds."""
     if servo is None:
         return None
-    scaled = {part: read_only(getattr(servo, part) * factor) for part in FRICTIONS}
-    return replace(servo, **scaled)
+    viscous, dry = read_only(servo.viscous_friction * factor), read_only(servo.dry_friction * factor)
+    return replace(servo, viscous_friction=viscous, dry_friction=dry)
 
 
 def _moving_links(urdf: Urdf) -> list[str]:

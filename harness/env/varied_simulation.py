@@ -47,19 +47,19 @@ class VariedSimulation:
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
         self._awake |= mask
-        for k in np.flatnonzero(mask):
+        for k in np.flatnonzero(mask).tolist():
             self._copy(k, self._take(k).reset(qpos[k : k + 1], ALONE))
         return self._state
 
     def drive(self, qpos: Float, duration: float) -> State:
         """See `harness.simulator.Simulation`."""
-        for k in np.flatnonzero(self._awake):
+        for k in np.flatnonzero(self._awake).tolist():
             self._copy(k, self._arm(k).drive(qpos[k : k + 1], duration))
         return self._state
 
     def place(self, qpos: Float) -> State:
         """See `harness.simulator.Simulation`."""
-        for k in np.flatnonzero(self._awake):
+        for k in np.flatnonzero(self._awake).tolist():
             self._copy(k, self._arm(k).place(qpos[k : k + 1]))
         return self._state
 

@@ -1,7 +1,8 @@
 """The FD100's task under conditions in which a reward can fail: other defaults of the same parameters."""
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.conditions import later_than
@@ -17,17 +18,20 @@ from harness.conditions.conditions import (
     SpeedNoise,
     TargetNoise,
 )
-from harness.reach import ReachTask
+from harness.reach import Positive, ReachTask
+
+Epsilon = Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")]
 
 
 @dataclass(frozen=True)
 class NoisyReach(ReachTask):
     """`fd100-reach` with noise on what is seen and done: a reward that pays for the best moment pays for luck."""
 
-    joint_noise: JointNoise = 0.02
-    speed_noise: SpeedNoise = 0.05
-    target_noise: TargetNoise = 0.02
-    action_noise: ActionNoise = 0.2
+    epsilon: Epsilon = 0.02
+    joint_noise: JointNoise = 0.03
+    speed_noise: SpeedNoise = 0.1
+    target_noise: TargetNoise = 0.03
+    action_noise: ActionNoise = 0.3
 
     later: ClassVar[tuple[str, ...]] = later_than("joint_noise", "speed_noise", "target_noise", "action_noise")
 
@@ -37,7 +41,7 @@ class DelayedReach(ReachTask):
     """`fd100-reach` where what is seen is old and what is done comes late: a reward for speed pays for overshooting."""
 
     observation_delay: ObservationDelay = 1
-    action_delay: ActionDelay = 2
+    action_delay: ActionDelay = 1
 
     later: ClassVar[tuple[str, ...]] = later_than("observation_delay", "action_delay")
 
@@ -55,8 +59,9 @@ class ClutteredReach(ReachTask):
 class VariedReach(ReachTask):
     """`fd100-reach` with another arm in every episode, unseen: what was learnt of one is wrong for another."""
 
+    epsilon: Epsilon = 0.03
     mass_variation: MassVariation = 0.3
-    length_variation: LengthVariation = 0.08
+    length_variation: LengthVariation = 0.15
     friction_variation: FrictionVariation = 0.5
 
     later: ClassVar[tuple[str, ...]] = later_than("mass_variation", "length_variation", "friction_variation")
