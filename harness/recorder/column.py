@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from harness.errors import UsageError
-from harness.record.recording.facts import BEHAVIOUR, MOST_NAMES, MOST_SOURCE, REWARD, Source
+from harness.record.recording.facts import BEHAVIOUR, MOST_NAMES, MOST_SOURCE, OWN_SOURCE, REWARD, Source
 from harness.recorder.env_facts import plain
 
 OWN = "own"
@@ -161,7 +161,7 @@ def as_number(value: object) -> float:
 def source_of(given: Given) -> Source:
     """The code of a reward or a measure, and its SHA-256 where Python can tell it."""
     if isinstance(given, str):
-        return Source("", "what the env pays" if given == OWN else f"info key {given!r}")
+        return Source("", OWN_SOURCE if given == OWN else f"info key {given!r}")
     if isinstance(given, functools.partial):
         inner = source_of(given.func)
         return _hashed(f"{inner.text}# with {plain(given.args)} {plain(given.keywords)}\n") if inner.sha256 else inner

@@ -3,7 +3,7 @@
 import math
 import os
 import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
@@ -21,7 +21,7 @@ NAN = float("nan")
 class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action]):
     """Records what several rewards pay for each step of an env, and changes nothing of the env.
 
-    The learner is paid by the env itself. A reward, or a measure of behaviour, is one of these:
+    The learner is paid by the env itself; with `pay`, by the reward that it is trained with, in its place. A reward, or a measure of behaviour, is one of these:
 
     * a function of (observation, action, next_observation, info) that returns one finite number. `observation` is what
       the env returned before the step. Both observations are copies.
@@ -46,6 +46,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         trained_with: str,
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
+        lower_is_better: Collection[str] = (),
+        seed: int | None = None,
+        evaluation: bool = False,
+        pay: bool = False,
         number: int = 0,
         resume: bool = False,
         on_error: OnError = "warn",
@@ -58,7 +62,13 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             trained_with: Name of the reward that the env pays, one of `rewards`; or ``"own"``, which is then recorded
                 beside them under this name.
             rewards: By name, at least one.
-            behaviour: Measures of what the robot does, by name.
+            behaviour: Measures of what the robot does, by name; reports judge it by the first.
+            lower_is_better: Names of measures of which less is better, such as a distance.
+            seed: Of the training: reports compare trainings of one seed. By default the first that the env is reset
+                with.
+            evaluation: A finished policy acts, and nothing is trained: `trained_with` and `seed` are then those of the
+                training that the policy comes from; see `harness.recorder.evaluate_policy`.
+            pay: Pay the learner the reward `trained_with`, and not what the env pays. Where it fails, that is an error.
             number: Of this env among several that record one training into one path, each with a number of its own.
             resume: Go on with the recording in `path`, if there is one, after what it has. Otherwise a path that
                 holds one is refused. Rewards, measures and env have to be the same as before.
@@ -76,6 +86,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             trained_with=trained_with,
             rewards=rewards,
             behaviour=behaviour or {},
+            lower_is_better=lower_is_better,
+            seed=seed,
+            evaluation=evaluation,
+            pay=pay,
             num_envs=1,
             number=number,
             resume=resume,
@@ -110,16 +124,22 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
 
     def step(self, action: Action) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take a step, and record it."""
-        result = self.env.step(action)
-        self._record(action, *result)
-        return result
+        observation, paid, terminated, truncated, info = self.env.step(action)
+        numbers = self._record(action, observation, paid, terminated, truncated, info)
+        if self._recorder.pays is not None:
+            paid = numbers[self._recorder.pays]
+        return observation, paid, terminated, truncated, info
 
     def close(self) -> None:
         """Write what is left, and close the env."""
         try:
-            self._recorder.close()
+            self.finish()
         finally:
             super().close()
+
+    def finish(self) -> None:
+        """Write what is left, and leave the env open; what comes later is not recorded."""
+        self._recorder.close()
 
     def _record(
         self,
@@ -129,7 +149,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         terminated: bool,
         truncated: bool,
         info: dict[str, Any],
-    ) -> None:
+    ) -> list[float]:
+        """Record a step; returns its numbers, by column."""
         after = kept(observation) if self._looks else None
         row: list[float] = [self._time, 0, self._episode, self._step]
         for column, measure in self._columns:
@@ -147,9 +168,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         trained = self._recorder.trained
         if trained is not None and differs(row[4 + trained], paid):
             self._recorder.tell_paid_otherwise(row[4 + trained], float(paid), 0, self._episode, self._step)
-        row += (terminated, truncated)
-        self._recorder.write([row])
+        self._recorder.write([[*row, terminated, truncated]])
         self._before, self._time, self._step = after, self._time + 1, self._step + 1
+        return row[4:]
 
 
 def _measure_of(column: Column) -> Callable[[Any, Any, Any, Any, Any], Any]:

@@ -42,6 +42,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         trained_with: str,
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
+        lower_is_better: Collection[str] = (),
+        seed: int | None = None,
+        evaluation: bool = False,
+        pay: bool = False,
         batched: Collection[str] = (),
         number: int = 0,
         resume: bool = False,
@@ -54,7 +58,11 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             path: A folder for this training.
             trained_with: Name of the reward that the env pays.
             rewards: By name, at least one.
-            behaviour: Measures of what the robot does, by name.
+            behaviour: Measures of what the robot does, by name; reports judge it by the first.
+            lower_is_better: Names of measures of which less is better, such as a distance.
+            seed: Of the training; by default the first that the envs are reset with.
+            evaluation: A finished policy acts, and nothing is trained.
+            pay: Pay the learner the reward `trained_with`, and not what the envs pay.
             batched: Names of rewards and measures that take the whole batch.
             number: Of this batch among several that record one training into one path.
             resume: Go on with the recording in `path`, if there is one.
@@ -78,6 +86,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             trained_with=trained_with,
             rewards=rewards,
             behaviour=behaviour or {},
+            lower_is_better=lower_is_better,
+            seed=seed,
+            evaluation=evaluation,
+            pay=pay,
             num_envs=env.num_envs,
             number=number,
             resume=resume,
@@ -112,9 +124,11 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
 
     def step(self, actions: Any) -> tuple[Any, Array, Array, Array, dict[str, Any]]:
         """Take a step in every env, and record it."""
-        result = self.env.step(actions)
-        self._record(actions, *result)
-        return result
+        observations, paid, terminated, truncated, infos = self.env.step(actions)
+        numbers = self._record(actions, observations, paid, terminated, truncated, infos)
+        if self._recorder.pays is not None:
+            paid = np.nan_to_num(numbers[:, self._recorder.pays])  # an env that was only reset pays 0
+        return observations, paid, terminated, truncated, infos
 
     def close(self, **kwargs: Any) -> None:
         """Write what is left, and close the envs."""
@@ -125,19 +139,21 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
 
     def _record(
         self, actions: Any, observations: Any, paid: Any, terminated: Any, truncated: Any, infos: dict[str, Any]
-    ) -> None:
+    ) -> Float:
+        """Record a step; returns its numbers, (num_envs, columns), NaN for an env that was only reset."""
         terminated, truncated = np.asarray(terminated, bool), np.asarray(truncated, bool)
         ended, live = terminated | truncated, ~self._is_reset_next
         at_once = self._mode == AutoresetMode.SAME_STEP
         step = BatchStep(
             self.env, self._before, actions, observations, np.asarray(paid, float), ended, live, infos, at_once
         )
-        self._write(step, terminated, truncated)
+        numbers = self._write(step, terminated, truncated)
         self._steps[live] += 1
         self._time += 1
         self._begin(ended if at_once else ~live)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
         self._before = kept(observations) if self._looks else None
+        return numbers
 
     def _begin(self, mask: Mask) -> None:
         """Start an episode in these envs."""
@@ -161,10 +177,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         except Exception as error:  # whatever rewards of users raise
             self._recorder.give_up(column, env, self._episodes[env], 0, error)
 
-    def _write(self, step: BatchStep, terminated: Mask, truncated: Mask) -> None:
-        if not step.live.any():
-            return
+    def _write(self, step: BatchStep, terminated: Mask, truncated: Mask) -> Float:
         numbers = np.full((self.num_envs, len(self._recorder.columns)), np.nan)
+        if not step.live.any():
+            return numbers
         for index, column in enumerate(self._recorder.columns):
             if not column.given_up:
                 self._measure(column, step, numbers[:, index])
@@ -174,6 +190,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         time = np.full(self.num_envs, self._time)
         rows = np.column_stack([time, envs, self._episodes, self._steps, numbers, terminated, truncated])
         self._recorder.write(rows[step.live])
+        return numbers
 
     def _measure(self, column: Column, step: BatchStep, numbers: Float) -> None:
         """Fill in what a column says of the envs, (num_envs,); where it fails it is given up, the rest is NaN."""

@@ -24,6 +24,7 @@ class Recorder:
 
     Attributes:
         columns: The numbers of a row, in order.
+        pays: Index of the column that the learner is paid; None where it is paid by the env.
         trained: Index of the column that the env should pay; None where the column is what the env pays, or differed.
     """
 
@@ -35,6 +36,10 @@ class Recorder:
         trained_with: str,
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given],
+        lower_is_better: Collection[str],
+        seed: int | None,
+        evaluation: bool,
+        pay: bool,
         num_envs: int,
         number: int,
         resume: bool,
@@ -51,15 +56,22 @@ class Recorder:
             raise UsageError(f"on_error={on_error!r}: it is 'warn' or 'raise'")
         if not isinstance(number, int) or number < 0:
             raise UsageError(f"number={number!r}: recorders of one training are numbered 0, 1, 2 ...")
+        for name in lower_is_better:
+            if name not in behaviour:
+                raise UsageError(f"lower_is_better names {name!r}, which is none of the measures {sorted(behaviour)}")
         rewards = _with_own(rewards, trained_with)
         self.columns = columns_of(rewards, behaviour, num_envs, frozenset(batched))
         index = [column.name for column in self.columns].index(f"{REWARD}{trained_with}")
-        self.trained = None if self.columns[index].is_own else index
+        self.trained = None if evaluation or pay or self.columns[index].is_own else index
+        self.pays = index if pay else None
         self._path, self._on_error, self._stopped = Path(path), on_error, False
         facts = TrainingFacts(
             rewards=tuple(rewards),
             trained_with=trained_with,
             behaviour=tuple(behaviour),
+            lower_is_better=tuple(name for name in behaviour if name in lower_is_better),
+            evaluation=evaluation,
+            seed=seed,
             num_envs=num_envs,
             env=env_facts(env),
             versions=versions_of(env),
@@ -72,6 +84,9 @@ class Recorder:
         failed = {failure.column for failure in self._writer.facts.failures}
         for column in self.columns:
             column.given_up = column.name in failed
+            if column.given_up and pay and column is self.columns[index]:
+                self._writer.close()
+                raise UsageError(f"'{path}': {column.noun} failed before, and pays the learner: name another path")
         self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
 
     def note_seed(self, seed: Any) -> None:
@@ -85,12 +100,14 @@ class Recorder:
         """Note that a column has failed, and tell it.
 
         Raises:
-            UsageError: The user wants errors raised.
+            UsageError: The user wants errors raised, or the learner is paid by this reward.
         """
         column.given_up = True
         failure = Failure(column.name, int(env), int(episode), int(step), one_line(error))
         self._writer.facts = replace(self._writer.facts, failures=(*self._writer.facts.failures, failure))
         where = f"{column.noun} failed in env {env}, episode {episode}, step {step}: {one_line(error)}"
+        if self.pays is not None and column is self.columns[self.pays]:
+            raise UsageError(f"{where}. It pays the learner, so the training cannot go on") from error
         self._tell(where, "The training goes on; from this step on it is recorded as NaN", error)
 
     def tell_paid_otherwise(self, value: float, paid: float, env: int, episode: int, step: int) -> None:

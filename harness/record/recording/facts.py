@@ -19,6 +19,8 @@ MOST_NAMES = 1_000
 MOST_ENVS = 1_000_000
 MOST_SOURCE = 100_000
 """Characters of a reward's code that are kept."""
+OWN_SOURCE = "what the env pays"
+"""The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
 
@@ -64,6 +66,9 @@ class TrainingFacts:
         rewards: Names of the rewards that scored its steps.
         trained_with: The one of them that the learner was paid.
         behaviour: Names of measures of what the robot did; no reward enters them.
+        lower_is_better: Those of them of which less is better, such as a distance; of all others more is.
+        evaluation: Whether a finished policy acted, and nothing was trained: `trained_with` and `seed` are then those
+            of the training that it comes from.
         num_envs: How many envs were stepped.
         seed: The first that the env was reset with, one of a batch if they differ; None if it was given none.
         env: ``id``, ``kwargs`` and more of the env's Gymnasium spec; empty if it has none.
@@ -78,6 +83,8 @@ class TrainingFacts:
     rewards: tuple[str, ...]
     trained_with: str
     behaviour: tuple[str, ...] = ()
+    lower_is_better: tuple[str, ...] = ()
+    evaluation: bool = False
     num_envs: int = 1
     seed: int | tuple[int | None, ...] | None = None
     env: Mapping[str, Any] = field(default_factory=dict)
@@ -126,6 +133,8 @@ class TrainingFacts:
             rewards=rewards,
             trained_with=data["trained_with"],
             behaviour=behaviour,
+            lower_is_better=tuple(data["lower_is_better"]),
+            evaluation=data["evaluation"],
             num_envs=data["num_envs"],
             seed=tuple(seed) if isinstance(seed, list) else seed,
             env=data["env"],
@@ -164,6 +173,8 @@ class RecordingForm(TypedDict):
     rewards: Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]
     trained_with: Name
     behaviour: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    lower_is_better: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    evaluation: bool
     num_envs: Annotated[int, Field(gt=0, le=MOST_ENVS)]
     seed: Whole | Annotated[list[Whole | None], Field(max_length=MOST_ENVS)] | None
     env: dict[Name, Any]
