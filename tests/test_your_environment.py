@@ -55,6 +55,10 @@ def test_first_training_is_recorded_and_read(
     assert "return float(next_observation[0])" in training.facts.sources["reward_upright"].text
     _run(tmp_path, monkeypatch, "print(training.facts.rewards")
     assert capsys.readouterr().out.startswith("('upright', 'own') own 0\n")
+    duckdb = pytest.importorskip("duckdb")
+    (query,) = re.findall(r'duckdb -c "([^"]*)"', PAGE)
+    (row,) = duckdb.sql(query).fetchall()
+    assert row == pytest.approx((0, *(training.rewards[name].sum() for name in ("own", "upright"))))
 
 
 def test_trainings_with_both_rewards_are_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
