@@ -71,7 +71,8 @@ def test_arm_moves_as_with_mujoco(simulator: str, motion: str):
 LINK = """<link name="{0}"><inertial><origin xyz="0.1 0.02 0.05" rpy="0.3 0.2 0.1"/><mass value="{1}"/>
     <inertia ixx="0.02" iyy="0.03" izz="0.025" ixy="0.002" ixz="0.001" iyz="0"/></inertial></link>"""
 JOINT = """<joint name="of_{1}" type="{2}"><parent link="{0}"/><child link="{1}"/>
-    <origin xyz="0.2 0 {3}" rpy="0.2 0.1 0"/><axis xyz="{4}"/><limit lower="-1.5" upper="1.5" velocity="2" effort="1"/></joint>"""
+    <origin xyz="0.2 0 {3}" rpy="0.2 0.1 0"/><axis xyz="{4}"/>
+    <limit lower="-1.5" upper="1.5" velocity="2" effort="1"/></joint>"""
 SLIDING = f"""<robot name="sliding"><link name="base"/>{LINK.format("a", 4)}{LINK.format("b", 3)}{LINK.format("c", 2)}
     {JOINT.format("base", "a", "revolute", 0.8, "0 0 1")}{JOINT.format("a", "b", "prismatic", 0.3, "0 0.6 0.8")}
     {JOINT.format("b", "c", "revolute", 0.0, "0.6 0.8 0")}</robot>"""
