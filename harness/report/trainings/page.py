@@ -1,6 +1,5 @@
 """A study of recorded trainings as one HTML file that opens anywhere, offline: the page of an experiment, with no robot."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 

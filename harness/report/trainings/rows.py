@@ -82,7 +82,7 @@ def returns_grid(comparison: Comparison) -> Grid:
 
 
 def return_splits(comparison: Comparison) -> dict[str, Split]:
-    """eta of the mean return by name, one for each manner; those that are no number stand with their reason."""
+    """Eta of the mean return by name, one for each manner; those that are no number stand with their reason."""
     return {f"eta {manner}": split.ratio for manner, split in comparison.returns.items()}
 
 
