@@ -67,22 +67,24 @@ class Episodes:
 
     def start(self, mask: Mask, state: State, target: Float) -> None:
         """Begin new episodes in the envs of `mask` with `target`, (num_envs, 3)."""
-        self.qpos[mask], self.qvel[mask] = state.qpos[mask], state.qvel[mask]
-        self.end_effector[mask] = state.end_effector[mask]
-        self.step[mask] = self.shaped[mask] = self.step_price[mask] = 0.0
-        self.qvel_change[mask] = self.events[mask] = self.flags[mask] = 0.0
-        self.action[mask] = 0.0
+        envs = np.flatnonzero(mask)  # of many envs few begin in a step: their numbers are quicker than the mask
+        self.qpos[envs], self.qvel[envs] = state.qpos[envs], state.qvel[envs]
+        self.end_effector[envs] = state.end_effector[envs]
+        self.step[envs] = self.shaped[envs] = self.step_price[envs] = 0.0
+        self.qvel_change[envs] = self.events[envs] = self.flags[envs] = 0.0
+        self.action[envs] = 0.0
         self.set_target(mask, target)
 
     def set_target(self, mask: Mask, target: Float) -> None:
         """Give the envs of `mask` a target; their distances restart."""
-        self.target[mask] = target[mask]
-        np.subtract(self.target, self.end_effector, out=self.offset)
-        distance = _length(self.offset)
-        self.require_finite(distance)
+        envs = np.flatnonzero(mask)
+        self.target[envs] = target[envs]
+        self.offset[envs] = offset = target[envs] - self.end_effector[envs]
+        distance = _length(offset)
+        self.require_finite(distance, envs)
         for column in (self.begin_distance, self.previous_best, self.distance, self._previous_distance):
-            column[mask] = distance[mask]
-        self.delta_distance[mask] = 0.0
+            column[envs] = distance
+        self.delta_distance[envs] = 0.0
 
     def measure(self, state: State) -> Float:
         """Bring the matrix up to the state after a step; previous_best is still the value before it.
@@ -102,11 +104,12 @@ class Episodes:
         np.subtract(distance, self.previous_best, out=self.delta_distance)
         return distance
 
-    def require_finite(self, distance: Float) -> None:
-        """Raises SimulationDiverged where an end effector is nowhere."""
+    def require_finite(self, distance: Float, envs: NDArray[np.intp] | None = None) -> None:
+        """Raises SimulationDiverged where an end effector is nowhere; `envs` are the distances', all if None."""
         if not np.isfinite(distance).all():
-            envs = np.flatnonzero(~np.isfinite(distance)).tolist()
-            raise SimulationDiverged(f"the end effector of env {envs} is nowhere at step {self.step[envs[0]]:.0f}")
+            nowhere = np.flatnonzero(~np.isfinite(distance))
+            lost = (nowhere if envs is None else envs[nowhere]).tolist()
+            raise SimulationDiverged(f"the end effector of env {lost} is nowhere at step {self.step[lost[0]]:.0f}")
 
     def _column(self, name: str) -> Float:
         return self.matrix[:, self._places[name][0]]
