@@ -10,16 +10,36 @@ from harness.hookspecs import Register, hookimpl
 if TYPE_CHECKING:
     from harness.env.make import make_env
     from harness.experiment.experiment import run
+    from harness.recorder.evaluate_policy import evaluate_policy
+    from harness.recorder.record_rewards import RecordRewards
+    from harness.recorder.record_vector_rewards import RecordVectorRewards
     from harness.results import load_results
     from harness.robot.load import load_robot
+    from harness.trainings import load_study
 
 __version__ = "0.1.0"
-__all__ = ["Register", "__version__", "hookimpl", "load_results", "load_robot", "make_env", "run"]
+__all__ = [
+    "RecordRewards",
+    "RecordVectorRewards",
+    "Register",
+    "__version__",
+    "evaluate_policy",
+    "hookimpl",
+    "load_results",
+    "load_robot",
+    "load_study",
+    "make_env",
+    "run",
+]
 
 # Looked up when first used: `import harness` has to stay light, for `harness --help` and for every plugin.
 _HOMES = {
+    "RecordRewards": "harness.recorder.record_rewards",
+    "RecordVectorRewards": "harness.recorder.record_vector_rewards",
+    "evaluate_policy": "harness.recorder.evaluate_policy",
     "load_results": "harness.results.results",
     "load_robot": "harness.robot.load",
+    "load_study": "harness.trainings.study",
     "make_env": "harness.env.make",
     "run": "harness.experiment.experiment",
 }

@@ -1,4 +1,4 @@
-"""``harness eta``: two groups of recorded runs compared."""
+"""``harness eta``: two groups of recorded runs compared, or all recorded trainings of a folder."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,15 +7,27 @@ import typer
 
 from harness.cli.lines import say
 from harness.cli.options import REWARDS, CurveKind
+from harness.cli.study import refuse_flags, show_study
 from harness.errors import UsageError
 
-Globs = list[str]
+Globs = list[str] | None
 
 
 def eta(
     context: typer.Context,
-    baseline: Annotated[Globs, typer.Option(help="Runs of the baseline, as 'base/*.csv'.", metavar="GLOB")],
-    proposed: Annotated[Globs, typer.Option(help="Runs of the proposed reward; ** means any folders.", metavar="GLOB")],
+    folder: Annotated[
+        Path | None,
+        typer.Argument(
+            help="Trainings in any env, recorded by harness.RecordRewards.", metavar="[FOLDER]", show_default=False
+        ),
+    ] = None,
+    baseline: Annotated[
+        Globs, typer.Option(help="Runs of the baseline, as 'base/*.csv'.", metavar="GLOB", show_default=False)
+    ] = None,
+    proposed: Annotated[
+        Globs,
+        typer.Option(help="Runs of the proposed reward; ** means any folders.", metavar="GLOB", show_default=False),
+    ] = None,
     curve: CurveKind = "accumulated",
     with_events: Annotated[bool, typer.Option("--with-events", help="Add the event terms to the reward.")] = False,
     baseline_reward: Annotated[
@@ -32,15 +44,26 @@ def eta(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the curves into this .html file.", metavar="FILE")] = None,
-) -> None:
+) -> int:
     """Compare recorded runs, of anybody: CSV files with a column 'reward', and traces of this project.
 
     With distances in the files each eta is split into ruler and behaviour. Quote the patterns; a flag may be repeated.
+    Of a FOLDER of recorded trainings every reward that trained is compared with every other one.
     """
-    if context.args:
-        raise UsageError(f"'{context.args[0]}' belongs to no flag: quote the pattern, as in --baseline 'base/*.csv'")
+    groups = {"--baseline": baseline, "--proposed": proposed}
+    loose = [*([] if folder is None or not any(groups.values()) else [str(folder)]), *context.args]
+    if loose:
+        raise UsageError(f"'{loose[0]}' belongs to no flag: quote the pattern, as in --baseline 'base/*.csv'")
     if plot is not None and plot.suffix.lower() != ".html":
         raise UsageError(f"--plot writes .html, not '{plot}'")
+    if folder is not None:
+        refuse_flags(
+            {"--with-events": with_events, "--baseline-reward": baseline_reward, "--proposed-reward": proposed_reward}
+        )
+        return show_study(folder, curve, as_json=as_json, html=plot, details=True)
+    if baseline is None or proposed is None:
+        missing = next(flag for flag, given in groups.items() if given is None)
+        raise UsageError(f"Missing option '{missing}'; or name a folder of recorded trainings. Examples: harness eta --help")
     from harness.registry.registry import load_registry
     from harness.score.compare import compare_recordings
     from harness.score.open_recording import match_recordings
@@ -68,3 +91,4 @@ def eta(
         from harness.report.eta_table import eta_table
 
         show(eta_table(comparison))
+    return 0

@@ -25,7 +25,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "status": ("harness status my-results",),
         "watch": ("harness watch my-results", "harness watch my-results --no-browser --port 8000"),
         "video": ("harness video my-results --out film.gif",),
-        "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'",),
+        "eta": ("harness eta --baseline 'base/*.csv' --proposed 'k2/*.csv'", "harness eta recorded --plot page.html"),
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
         "transfer": ("harness transfer my-results --to pybullet",),
         "tune": ("harness tune --sim mujoco --algo sac --reward arp",),

@@ -11,6 +11,7 @@ import typer
 from harness.cli.lines import complain, say
 from harness.cli.not_measured import complain_of_metrics
 from harness.cli.options import CurveKind, MetricNames, Names, PluginFiles
+from harness.cli.study import holds_recordings, refuse_flags, show_study
 
 if TYPE_CHECKING:
     from harness.eta.curve import Kind
@@ -35,13 +36,19 @@ def report(
     metric: MetricNames = None,
     plugin: PluginFiles = None,
 ) -> int:
-    """Show the results in an experiment's folder, or in one of committed records. Trains nothing, imports no engine."""
+    """Show the results in an experiment's folder, or in one of committed records. Trains nothing, imports no engine.
+
+    Of a folder of trainings in any env, recorded by harness.RecordRewards, it shows what they say.
+    """
     from harness.report.committed import is_committed
     from harness.results import load_results
 
     flags = {"--html": html, "--summary": summary, "--details": details}
     if any(map(is_committed, folders)):
         return _show_committed(folders, as_json, [name for name, value in flags.items() if value])
+    if holds_recordings(folders):
+        refuse_flags({"--summary": summary, "--metric": metric, "--plugin": plugin})
+        return show_study(folders[0], curve, as_json=as_json, html=html, details=details)
     if len(folders) == 1:
         results = load_results(folders[0], curve, metric, plugin or ())
         _leave(results, folders, as_json, html, details, summary)

@@ -251,11 +251,11 @@ def decompose(
     sums = scored_sums(curves, paired)
     outcomes = _outcomes(one, other, paired, signs)
     splits = (
-        _Splitter(name, curves, sums[which], sums[1 - which]).split(outcomes[which], missing)
+        Splitter(name, sums[which], ZERO[one.kind, name], sums[1 - which]).split(outcomes[which], missing)
         for which, name in enumerate(("I_N", "I_P"))
     )
     negative, positive = (replace(split, noise=noise_floor(one, control, which)) for which, split in enumerate(splits))
-    return Decomposition(one.index, other.index, negative, positive, _split_sum(sums[2], missing))
+    return Decomposition(one.index, other.index, negative, positive, split_sum(sums[2], missing))
 
 
 def _outcomes(one: GroupCurve, other: GroupCurve, paired: bool, signs: Float | None) -> tuple[Float | None, ...]:
@@ -272,17 +272,25 @@ def _outcomes(one: GroupCurve, other: GroupCurve, paired: bool, signs: Float | N
     return tuple(np.where(np.abs(differences) <= rounding, 0.0, differences))
 
 
-class _Splitter:
-    """Splits one index's eta."""
+class Splitter:
+    """Splits the ratio of one amount, an index or a mean return."""
 
-    def __init__(self, name: str, curves: Curves, sums: ScoredSums, counterparts: ScoredSums) -> None:
-        self._name, self._sums, self._counterparts = name, sums, counterparts
-        self._seeds = min(curve.count for curve in curves.values())
-        self._why_zero = ZERO[curves[BB].kind, name]
-        self._is_scored = BK in curves and KB in curves
+    def __init__(self, name: str, sums: ScoredSums, why_zero: str = "", counterparts: ScoredSums | None = None) -> None:
+        """Take what is known.
+
+        Args:
+            name: Of the amount, as ``I_N``.
+            sums: The amount of every group of runs, under every reward that scored it.
+            why_zero: What it means that it is 0; not needed of an amount that cannot be.
+            counterparts: The other index of the same curves, beside which this one may be next to nothing.
+        """
+        self._name, self._sums, self._why_zero = name, sums, why_zero
+        self._seeds = min(map(len, sums.each.values()))
+        self._is_scored = {BK, KB} <= sums.whole.keys()
         compared = ((BB, BK), (KB, KK)) if self._is_scored else ((BB, KK),)
         self._near_zero = dict(found for pairs in compared for found in self._small_beside_another(*pairs))
-        self._near_zero.update(self._small_beside_its_counterpart())
+        if counterparts is not None:
+            self._near_zero.update(self._small_beside_its_counterpart(counterparts))
 
     def split(self, outcomes: Float | None, missing: str | None) -> Split:
         """All but the noise."""
@@ -378,15 +386,16 @@ class _Splitter:
             if abs(self._sums.value(small)) < NEAR_ZERO * abs(self._sums.value(large)):
                 yield small, f"{self._name} of {OWNER[small]} is near zero beside that of {OWNER[large]}"
 
-    def _small_beside_its_counterpart(self) -> Iterator[tuple[Pair, str]]:
+    def _small_beside_its_counterpart(self, counterparts: ScoredSums) -> Iterator[tuple[Pair, str]]:
         """A curve that is hardly ever of this sign: its few values decide nothing."""
         other = "I_P" if self._name == "I_N" else "I_N"
         for pair in self._sums.whole:
-            if abs(self._sums.value(pair)) < NEGLIGIBLE * abs(self._counterparts.value(pair)):
+            if abs(self._sums.value(pair)) < NEGLIGIBLE * abs(counterparts.value(pair)):
                 yield pair, f"{self._name} of {OWNER[pair]} is near zero beside {other} of the same runs"
 
 
-def _split_sum(sums: ScoredSums, missing: str | None) -> SumSplit:
+def split_sum(sums: ScoredSums, missing: str | None = None) -> SumSplit:
+    """The change of an amount from the baseline to the proposed reward, taken apart; `missing` says why it is not."""
     change = _amount(sums, lambda of: of[KK] - of[BB])
     if not {BK, KB} <= sums.whole.keys():
         nothing = SeedMean(None, notes=("not re-scored" if missing is None else missing,))

@@ -10,14 +10,18 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 from harness.eta.behaviour_change import Change
-from harness.eta.decompose import Decomposition, Split
+from harness.eta.decompose import Decomposition, Split, Splits
 from harness.eta.index import Ratio
 from harness.eta.power import Range, seeds_to_tell
+from harness.eta.return_split import ReturnSplit
+from harness.eta.seed_mean import SeedMean
 from harness.eta.swaps import ALPHA, fewest_seeds
 
 SUCCESS, TIME = "success_rate", "time_to_target"
 DECIDING = (SUCCESS, TIME)
 """Measures that decide about the robot, the first that tells the two trainings apart; both count failures."""
+SHORT = {SUCCESS: "success", TIME: "the time"}
+"""What their margins are called."""
 SUCCESS_MARGIN = 0.05
 """A difference of success below this, as a share of the episodes, is taken for none."""
 TIME_MARGIN = 0.10
@@ -81,10 +85,28 @@ def headline_of(
         changes: Measures of behaviour of one manner; empty where only rewards were recorded.
         claims: How many are made together with these, for the number of seeds that would decide.
     """
-    number = number_sentence(names, decomposition)
     deciding = [change for name in DECIDING for change in changes if change.name == name and change.seeds]
+    return judge(names, deciding, number_sentence(names, decomposition.splits), claims)
+
+
+def judge(
+    names: Names,
+    deciding: Sequence[Change],
+    number: str,
+    claims: int = 1,
+    unmeasured: str = "How the robot behaves was not measured.",
+) -> Headline:
+    """The same from measures that are known to decide, the first that tells the two trainings apart.
+
+    Args:
+        names: Of the rewards.
+        deciding: Measures of behaviour of one manner, each of one seed at least.
+        number: The other sentence.
+        claims: As above.
+        unmeasured: What is said where there is no measure.
+    """
     if not deciding:
-        return Headline(Answer.CANNOT_TELL, "How the robot behaves was not measured.", number)
+        return Headline(Answer.CANNOT_TELL, unmeasured, number)
     decisive = next((change for change in deciding if change.direction), None)
     if decisive is not None:
         answer = Answer.HELPS if decisive.direction == "better" else Answer.HURTS
@@ -97,15 +119,31 @@ def headline_of(
 
 def margin_of(change: Change) -> float:
     """A smaller difference of this measure is taken for none, in its unit."""
-    if change.name == SUCCESS:
+    if _is_share(change):
         return SUCCESS_MARGIN
     return TIME_MARGIN * abs(change.baseline or 0.0)
 
 
-def number_sentence(names: Names, decomposition: Decomposition) -> str:
+def number_sentence(names: Names, splits: Splits) -> str:
     """How much each index changed, what the ruler alone makes of it, and what the runs themselves do."""
-    told = [_index_sentence(name, names, split) for name, split in decomposition.splits.items()]
-    return " ".join([*told, *_flags(decomposition)])
+    told = [_ratio_sentence(name, name.replace("eta", "I"), names, split) for name, split in splits.items()]
+    return " ".join([*told, *(f"{name}: {flag}." for name, split in splits.items() for flag in split.flags)])
+
+
+def return_sentence(names: Names, split: ReturnSplit) -> str:
+    """The same of the mean return of an episode: as a ratio where it is one, else as a difference."""
+    eta = split.ratio.eta
+    if eta.value is not None and eta.near_zero is None:
+        told = _ratio_sentence("The ratio of mean returns", "The mean return", names, split.ratio)
+        return " ".join([told, *(f"The ratio: {flag}." for flag in split.ratio.flags)])
+    change, ruler, behaviour = (_mean_text(it) for it in (split.total.change, split.total.ruler, split.total.behaviour))
+    told = f"The mean return with {names.proposed} minus that with {names.baseline} is {change}"
+    if split.total.ruler.mean is None:
+        return f"{told}; not split: {split.total.ruler.note}."
+    return (
+        f"{told}: {ruler} because {names.proposed} counts the same runs otherwise (ruler), "
+        f"{behaviour} because the runs differ (behaviour)."
+    )
 
 
 def count_seeds(seeds: int) -> str:
@@ -117,7 +155,7 @@ def _amount_text(change: Change, value: float | None) -> str:
     """A value of a deciding measure, with its unit."""
     if value is None:
         return "n/a"
-    return f"{value:.1%}" if change.name == SUCCESS else f"{value:.3g} {change.measure.unit}".rstrip()
+    return f"{value:.1%}" if _is_share(change) else f"{value:.3g} {change.measure.unit}".rstrip()
 
 
 def _decided(names: Names, change: Change) -> str:
@@ -155,15 +193,22 @@ def _values(names: Names, change: Change) -> str:
     )
     if change.low is None or change.high is None:
         return told
-    if change.name == SUCCESS:
+    if _is_share(change):
         return f"{told} (difference {100 * change.low:+.1f} to {100 * change.high:+.1f} points)"
-    return f"{told} (difference {change.low:+.3g} to {change.high:+.3g} {change.measure.unit})"
+    unit = f" {change.measure.unit}" if change.measure.unit else ""
+    return f"{told} (difference {change.low:+.3g} to {change.high:+.3g}{unit})"
+
+
+def _is_share(change: Change) -> bool:
+    """Whether it is told as a percentage."""
+    return change.name == SUCCESS or change.measure.episodes is not None
 
 
 def _margin_text(change: Change) -> str:
-    if change.name == SUCCESS:
-        return f"{100 * SUCCESS_MARGIN:g} points of success"
-    return f"{TIME_MARGIN:.0%} of the time"
+    name = SHORT.get(change.name, change.name.replace("_", " "))
+    if _is_share(change):
+        return f"{100 * SUCCESS_MARGIN:g} points of {name}"
+    return f"{TIME_MARGIN:.0%} of {name}"
 
 
 def _seeds_needed(changes: Sequence[Change], claims: int) -> Range | None:
@@ -180,14 +225,14 @@ def _seeds_needed(changes: Sequence[Change], claims: int) -> Range | None:
     return low, max(high, changes[0].seeds + 1)
 
 
-def _index_sentence(name: str, names: Names, split: Split) -> str:
+def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
+    """Of a ratio by its name, and of the amount that it is a ratio of."""
     eta = split.eta
     if eta.value is None:
         return f"{name} n/a: {eta.note}."
     if eta.near_zero is not None:
         return f"{name} says little: {eta.near_zero}."
-    index = name.replace("eta", "I")
-    told = f"{index} with {names.proposed} is {_text(eta)} times that with {names.baseline}"
+    told = f"{amount} with {names.proposed} is {_text(eta)} times that with {names.baseline}"
     if split.ruler.value is None or split.ruler.near_zero is not None:
         return f"{told}; not split: {split.ruler.near_zero or split.ruler.note}."
     return (
@@ -196,12 +241,15 @@ def _index_sentence(name: str, names: Names, split: Split) -> str:
     )
 
 
-def _flags(decomposition: Decomposition) -> list[str]:
-    return [f"{name}: {flag}." for name, split in decomposition.splits.items() for flag in split.flags]
-
-
 def _text(ratio: Ratio) -> str:
     told = f"{ratio.value:.3g}"
     if ratio.low is None or ratio.high is None:
         return told
     return f"{told} [{ratio.low:.3g}, {ratio.high:.3g}]"
+
+
+def _mean_text(mean: SeedMean) -> str:
+    if mean.mean is None:
+        return "n/a"
+    told = f"{mean.mean:+.3g}"
+    return told if mean.low is None or mean.high is None else f"{told} [{mean.low:.3g}, {mean.high:.3g}]"

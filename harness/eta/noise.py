@@ -1,6 +1,7 @@
 """The noise floor: what eta comes to between two groups of runs that differ by their seeds alone."""
 
 import math
+from collections.abc import Callable
 from statistics import NormalDist
 
 import numpy as np
@@ -30,22 +31,40 @@ def noise_floor(baseline: GroupCurve, control: GroupCurve | None, which: int) ->
     """
     groups = [baseline] if control is None else [baseline, control]
     count = sum(group.count for group in groups)
+    told = "" if control is None else "the baseline trained again with other seeds"
+    return _range(count, baseline.count, lambda shares: mixtures(groups, shares)[which], "an index of 0", told)
+
+
+def noise_of_means(values: Float) -> Ratio:
+    """The same of a mean over runs of the baseline, such as a mean return.
+
+    Args:
+        values: Of each run, (runs,).
+    """
+    return _range(len(values), len(values), lambda shares: shares @ values, "a mean that is not above 0", "")
+
+
+def _range(count: int, compared: int, of: Callable[[Float], Float], undefined: str, told: str) -> Ratio:
+    """The range of the amount of one half over that of the other.
+
+    Args:
+        count: Of runs that are halved.
+        compared: Runs of each group that is compared in earnest.
+        of: From shares of the runs, (splits, count), to the amount, (splits,).
+        undefined: What a half has that has no logarithm.
+        told: What was halved; empty for the baseline's own runs.
+    """
     if count < LEAST_RUNS:
         return Ratio(None, notes=(f"{count} runs of the baseline: halves of them need at least {LEAST_RUNS}",))
     half = count // 2
-    first, second = (mixtures(groups, shares)[which] for shares in split_halves(count))
+    first, second = (of(shares) for shares in split_halves(count))
     with np.errstate(all="ignore"):
-        logarithms = np.log(first / second) * math.sqrt(half / baseline.count) * _widening(count)
+        logarithms = np.log(first / second) * math.sqrt(half / compared) * _widening(count)
     if not np.isfinite(logarithms).all():
-        return Ratio(None, notes=("a half of the baseline's runs has an index of 0",))
+        return Ratio(None, notes=(f"a half of the baseline's runs has {undefined}",))
     tail = (1.0 - CONFIDENCE) / 2.0
     low, high = np.exp(np.quantile(logarithms, [tail, 1.0 - tail]))
-    told = (
-        "the baseline trained again with other seeds"
-        if control is not None
-        else f"halves of {count} runs, scaled to all"
-    )
-    return Ratio(1.0, float(low), float(high), (told,))
+    return Ratio(1.0, float(low), float(high), (told or f"halves of {count} runs, scaled to all",))
 
 
 def _widening(runs: int) -> float:

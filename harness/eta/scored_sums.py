@@ -50,7 +50,7 @@ class ScoredSums:
         """
         sizes = {pair: np.log(np.abs(self.each[pair])) for pair in (BB, KK)}
         whole = {pair: np.exp([size.mean()]) for pair, size in sizes.items()}
-        without = {pair: np.exp(_means_without_each(size)) for pair, size in sizes.items()}
+        without = {pair: np.exp(means_without_each(size)) for pair, size in sizes.items()}
         return whole, _left_out(whole, without, self.paired)
 
     def value(self, pair: Pair) -> float:
@@ -94,8 +94,8 @@ def _left_out(whole: Sums, without: Sums, paired: bool) -> tuple[Sums, ...]:
     )
 
 
-def _means_without_each(values: Float) -> Float:
-    """The mean without each of the values; empty for a single one."""
+def means_without_each(values: Float) -> Float:
+    """The mean without each of the values, (count,); empty for a single one."""
     if len(values) == 1:
         return np.empty(0)
     means: Float = (values.sum() - values) / (len(values) - 1)

@@ -1,7 +1,7 @@
 """Measures of behaviour as text: what the terminal, the page and the summary share."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS, count_seeds
@@ -14,6 +14,10 @@ from harness.text import shortened
 SHOWN = 60
 """Characters of the reason why a metric failed."""
 HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
+
+
+Text: TypeAlias = Callable[[float | None], str]
+"""Of a value."""
 
 
 class BehaviourRow(NamedTuple):
@@ -48,9 +52,14 @@ def failed_changes(combination: Combination, manner: str) -> list[Change]:
     return [change for change in combination.changes_of(manner) if change.reason and change.name not in defined]
 
 
-def behaviour_row(change: Change) -> BehaviourRow:
-    """One measure; of a metric that failed for all seeds the reason stands in place of its values."""
-    text = _text_of(change)
+def behaviour_row(change: Change, text: Text | None = None) -> BehaviourRow:
+    """One measure; of a metric that failed for all seeds the reason stands in place of its values.
+
+    Args:
+        change: Of the measure.
+        text: How its values are written: `percentage`, or as any other number; by default as the values look.
+    """
+    text = text or _text_of(change)
     if change.reason and (change.baseline, change.proposed) == (None, None):
         told = f"n/a ({shortened(change.reason, SHOWN)})"
         return BehaviourRow(_name(change), told, *(NOTHING,) * 3, change.measure.better, NOTHING, "")
@@ -58,7 +67,7 @@ def behaviour_row(change: Change) -> BehaviourRow:
         _name(change),
         text(change.baseline),
         text(change.proposed),
-        _difference(change, is_share=text is _share),
+        _difference(change, is_share=text is percentage),
         text(change.random),
         change.measure.better,
         format_p(change.corrected),
@@ -125,15 +134,15 @@ def _moment_row(combination: Combination, moment: StepChange) -> tuple[str, ...]
 
 
 def _name(change: Change) -> str:
-    name, unit = change.name.replace("_", " "), change.measure.unit
+    name, unit = change.measure.title or change.name.replace("_", " "), change.measure.unit
     return f"{name} [{unit}]" if unit and unit not in name.split() else name
 
 
-def _text_of(change: Change) -> Callable[[float | None], str]:
+def _text_of(change: Change) -> Text:
     """A metric without a unit is a number like any other; as a percentage it reads best while it is a share."""
     values = (change.baseline, change.proposed, change.random)
     is_share = not change.measure.unit and all(value is None or 0.0 <= value <= 1.0 for value in values)
-    return _share if is_share else format_number
+    return percentage if is_share else format_number
 
 
 def _difference(change: Change, is_share: bool) -> str:
@@ -145,5 +154,6 @@ def _difference(change: Change, is_share: bool) -> str:
     return f"[{format_number(change.low)}, {format_number(change.high)}]"
 
 
-def _share(value: float | None) -> str:
+def percentage(value: float | None) -> str:
+    """A share."""
     return NOTHING if value is None else f"{value:.1%}"

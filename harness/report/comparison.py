@@ -66,6 +66,7 @@ def comparison_section(
         "symbol": SYMBOLS[headline.answer],
         "robot": headline.robot,
         "number": headline.number,
+        "returns": None,
         "mixtures": [mixture.text for mixture in combination.mixtures],
         "advice": advice(results, combination),
         "tests": claims_text(combination),

@@ -2,13 +2,14 @@
 
 from harness.arrays import Float
 from harness.report.chart import Area, Axis, Chart, Dots, Flag, Line, Word, linear_axis
-from harness.report.panel import Panel, panels_of, reward_range, step_range
+from harness.report.panel import Curved, Panel, panels_of, reward_range, step_range
 from harness.report.points import POINTS, select_points
 from harness.report.regions import Region, regions_of
-from harness.results.combination import Combination
 
 
-def draw_panels(combination: Combination, points: int = POINTS) -> tuple[Chart, Chart] | None:
+def draw_panels(
+    combination: Curved, points: int = POINTS, amount: str = "accumulated shaped reward"
+) -> tuple[Chart, Chart] | None:
     """A panel for the baseline and one for the proposed reward, on equal axes; None without a finished pair.
 
     Two charts, not one: a narrow screen stacks them.
@@ -16,12 +17,13 @@ def draw_panels(combination: Combination, points: int = POINTS) -> tuple[Chart, 
     Args:
         combination: What to draw.
         points: Of a single run, at most.
+        amount: What the curves are.
     """
     panels = panels_of(combination)
     if panels is None:
         return None
     steps = linear_axis(*step_range(panels), "environment step", 5)
-    rewards = linear_axis(*reward_range(panels), "accumulated shaped reward")
+    rewards = linear_axis(*reward_range(panels), amount)
     return _draw_panel(panels[0], steps, rewards, points), _draw_panel(panels[1], steps, rewards, points)
 
 

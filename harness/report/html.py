@@ -36,6 +36,14 @@ from harness.results.return_matrix import ReturnMatrix, return_matrices
 from harness.transfer.matrix import Transfers, load_transfers
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
+LEARNING = (
+    "Lines: mean over seeds, evaluated during training on the same starts and targets. Bands: 95% intervals. Dotted: "
+    "random actions."
+)
+CROSSOVER = (
+    "The cross-over is, as published, the first step after the first negative one at which the mean is not negative; it "
+    "may turn negative again. The regions are those of the note's Fig. 8."
+)
 OPEN = 2
 """So many comparisons stand open; of more, each is a line that opens."""
 
@@ -65,7 +73,7 @@ def _render(results: Results, audits: Audits) -> str:
         "The HTML report",
         question=question(results),
         matrix=matrix,
-        baseline=results.baseline,
+        shared=f"{matrix.shared}, against {results.baseline}",
         headings=HEADINGS,
         success=[found.success if found else {} for found in links],
         comparisons=[
@@ -74,6 +82,11 @@ def _render(results: Results, audits: Audits) -> str:
         ],
         is_open=len(combinations) <= OPEN,
         told={
+            "subject": "robot",
+            "cells": "Cells",
+            "map": "Success, proposed - baseline, in percentage points.",
+            "learning": LEARNING,
+            "crossover": CROSSOVER,
             "split": SPLIT,
             "paths": f"{PATHS} {TOTAL}",
             "tests": TESTS,
@@ -84,10 +97,11 @@ def _render(results: Results, audits: Audits) -> str:
         ranking=_ranking(results),
         cell_count=count_cells(results),
         unfinished=unfinished_cells(results),
-        returns=_returns(matrices),
+        returns=_returns(matrices, is_open=len(combinations) <= OPEN),
         replay=replay_of(shows),
         transfer=_transfer(load_transfers(results)),
         manifests=results.manifests,
+        recordings=None,
         facts=shared_facts(results.manifests),
         again=f"harness run {results.folder / EXPERIMENT} --out NEW",
         experiment=results.experiment_text,
@@ -116,12 +130,12 @@ def _ranking(results: Results) -> dict[str, str] | None:
     return {"title": RANKING_TITLE, "sentence": ranking_sentence(ranking_of(results)), "explanation": RANKING}
 
 
-def _returns(matrices: list[ReturnMatrix]) -> dict[str, Any] | None:
+def _returns(matrices: list[ReturnMatrix], is_open: bool) -> dict[str, Any] | None:
     """What the template shows of returns under every reward; None before a cell is done."""
     if not matrices:
         return None
     blocks = [(matrix.group.title, return_grid(matrix)) for matrix in matrices]
-    return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks}
+    return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks, "is_open": is_open}
 
 
 def _transfer(transfers: Transfers) -> dict[str, Any] | None:

@@ -1,11 +1,18 @@
 """The figure of learning: a measure of behaviour over environment steps, under both rewards and by random actions."""
 
-from harness.report.chart import Area, Chart, Dots, Line, Shape, linear_axis, share_axis
+from harness.report.behaviour_rows import Text, percentage
+from harness.report.chart import Area, Axis, Chart, Dots, Line, Shape, linear_axis, share_axis
 from harness.results.learning import Learning, LearningCurve, Point
 
 
-def draw_learning(learning: Learning, metric: str) -> Chart:
-    """A share such as the success rate: means as lines, intervals as bands, random actions as a dotted line."""
+def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> Chart:
+    """Means as lines, intervals as bands, random actions as a dotted line.
+
+    Args:
+        learning: Of both rewards.
+        metric: Which measure; a share, such as the success rate, unless `text` says otherwise.
+        text: How its values are written: `percentage`, or as any other number.
+    """
     curves: tuple[tuple[LearningCurve, str, Shape], ...] = (
         (learning.baseline, "baseline", "circle"),
         (learning.proposed, "proposed", "diamond"),
@@ -13,25 +20,34 @@ def draw_learning(learning: Learning, metric: str) -> Chart:
     last, floor = learning.last_step(metric), learning.random[metric]
     bands = [_band(curve.band(metric), colour) for curve, colour, _ in curves]
     lines = [_line(curve.reward, curve.known(metric), colour) for curve, colour, _ in curves]
-    dots = [_dots(curve.known(metric), colour, shape) for curve, colour, shape in curves]
+    dots = [_dots(curve.known(metric), colour, shape, text) for curve, colour, shape in curves]
     if floor is not None:
         lines.append(Line([0, last], [floor, floor], "random", "random actions", dash="2 4", in_legend=True))
     steps = linear_axis(0.0, last, "environment step", 5)
-    return Chart(steps, share_axis(metric.replace("_", " ")), (*bands, *lines, *dots))
+    title = metric.replace("_", " ")
+    values = share_axis(title) if text is percentage else _number_axis([*bands, *lines], title)
+    return Chart(steps, values, (*bands, *lines, *dots))
 
 
-def describe_learning(learning: Learning, metric: str) -> str:
+def describe_learning(learning: Learning, metric: str, text: Text = percentage) -> str:
     """The same in words: where each curve begins and ends."""
-    told = [_told(curve, metric) for curve in (learning.baseline, learning.proposed)]
+    told = [_told(curve, metric, text) for curve in (learning.baseline, learning.proposed)]
     floor = learning.random[metric]
-    return "; ".join([*told, *([f"random actions {floor:.1%}"] if floor is not None else [])]) + "."
+    return "; ".join([*told, *([f"random actions {text(floor)}"] if floor is not None else [])]) + "."
 
 
-def _told(curve: LearningCurve, metric: str) -> str:
+def _number_axis(marks: list[Area | Line], title: str) -> Axis:
+    """From the lowest to the highest value, with some air."""
+    values = [value for mark in marks for value in mark.y] or [0.0]
+    air = 0.04 * (max(values) - min(values)) or 0.5
+    return linear_axis(min(values) - air, max(values) + air, title)
+
+
+def _told(curve: LearningCurve, metric: str, text: Text) -> str:
     points = curve.known(metric)
     if not points:
         return f"{curve.reward}: no value"
-    ends = [f"{point.value.mean:.1%} after {point.steps:,} steps" for point in (points[0], points[-1])]
+    ends = [f"{text(point.value.mean)} after {point.steps:,} steps" for point in (points[0], points[-1])]
     return f"{curve.reward} {', '.join(ends)}"
 
 
@@ -46,9 +62,9 @@ def _line(reward: str, points: list[Point], colour: str) -> Line:
     return Line(*_means(points), colour, reward, width=2.5, in_legend=True)
 
 
-def _dots(points: list[Point], colour: str, shape: Shape) -> Dots:
+def _dots(points: list[Point], colour: str, shape: Shape, text: Text) -> Dots:
     steps, means = _means(points)
-    told = tuple(f"{mean:.1%} after {step:,.0f} steps" for step, mean in zip(steps, means, strict=True))
+    told = tuple(f"{text(mean)} after {step:,.0f} steps" for step, mean in zip(steps, means, strict=True))
     return Dots(steps, means, colour, told, shape, size=3.5)
 
 

@@ -3,14 +3,42 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve
 from harness.eta.index import Index
-from harness.eta.scored_sums import BB, KK
-from harness.results.combination import Combination
+from harness.eta.scored_sums import BB, KK, Pair
+
+
+class Curved(Protocol):
+    """Two trainings whose curves can be drawn."""
+
+    @property
+    def baseline(self) -> str:
+        """Label of the baseline reward."""
+
+    @property
+    def proposed(self) -> str:
+        """Label of the proposed one."""
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Of the runs of each."""
+
+    @property
+    def curves(self) -> Mapping[Pair, GroupCurve]:
+        """Of both, each under its own reward at least."""
+
+    @property
+    def baseline_index(self) -> Index | None:
+        """None where there is nothing to draw."""
+
+    @property
+    def proposed_index(self) -> Index | None:
+        """The same of the proposed reward."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +83,7 @@ class Panel:
         return heights
 
 
-def panels_of(combination: Combination) -> tuple[Panel, Panel] | None:
+def panels_of(combination: Curved) -> tuple[Panel, Panel] | None:
     """A panel for the baseline and one for the proposed reward; None without a finished pair."""
     baseline, proposed = combination.baseline_index, combination.proposed_index
     if baseline is None or proposed is None:

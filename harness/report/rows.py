@@ -96,7 +96,7 @@ def ratio_grid(splits: Splits) -> Grid:
             ratio_text(split.per_seed),
             interval_text(split.noise),
             format_p(split.corrected),
-            BETTER[name],
+            better_of(name),
         )
         for name, split in splits.items()
     ]
@@ -145,8 +145,8 @@ PATH_NAMES = ("proposed runs", "baseline's runs")
 """Where the ruler of a path is read."""
 
 
-def sum_grid(total: SumSplit | None) -> Grid:
-    """The change of I_N + I_P, and what it is made of; no rows without any."""
+def sum_grid(total: SumSplit | None, amount: str = "I_N + I_P") -> Grid:
+    """The change of an amount, and what it is made of; no rows without any."""
     headings = ("", "difference", "95% interval")
     if total is None:
         return Grid(headings, [], [])
@@ -157,7 +157,7 @@ def sum_grid(total: SumSplit | None) -> Grid:
         if part.mean is not None
     ]
     reasons = dict.fromkeys(part.note for part in parts.values() if part.note)
-    return Grid(headings, rows, list(reasons), "I_N + I_P, proposed - baseline")
+    return Grid(headings, rows, list(reasons), f"{amount}, proposed - baseline")
 
 
 def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") -> Grid:
@@ -187,6 +187,11 @@ def unfinished_cells(results: Results) -> list[str]:
     waiting = [manifest for manifest in results.manifests if manifest.status in ("skipped", "pending")]
     counts = Counter((manifest.status, manifest.reason) for manifest in waiting)
     return lines + [f"{count} {status}: {reason}" for (status, reason), count in counts.items()]
+
+
+def better_of(name: str) -> str:
+    """Which side of 1 is called better for the ratio of that name: of I_N, of I_P, or of a mean return."""
+    return BETTER.get(name, "above 1")
 
 
 def ratio_text(ratio: Ratio) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from harness.eta.decompose import Split
 from harness.report.chart import Axis, Chart, Dots, Line, Mark, Word
 from harness.report.ratio_axis import interval_ends, is_drawable, named_ticks, ratio_range
-from harness.report.rows import BETTER, ratio_with_interval
+from harness.report.rows import better_of, ratio_with_interval
 from harness.report.split_rows import SplitRow, has_parts, split_rows
 
 LOWEST = 7.1
@@ -26,7 +26,7 @@ def draw_split(name: str, split: Split) -> Chart | None:
 def ratio_axis(name: str, rows: Iterable[SplitRow]) -> Axis:
     """A logarithmic axis for all that can be drawn of these rows of the eta of that name."""
     low, high = ratio_range([row.ratio for row in rows])
-    return Axis(low, high, f"ratio; {BETTER[name]} is called better", named_ticks(low, high), is_log=True)
+    return Axis(low, high, f"ratio; {better_of(name)} is called better", named_ticks(low, high), is_log=True)
 
 
 def draw_ratio(row: SplitRow, axis: Axis) -> Iterator[Mark]:

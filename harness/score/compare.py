@@ -54,7 +54,7 @@ class Comparison:
     def number(self) -> str:
         """How much the indices changed, and how much of that is ruler, in words; see `harness.eta.headline`."""
         known = [self.rewards[who] or f"the {who} reward" for who in ("baseline", "proposed")]
-        return number_sentence(Names(*known), self.decomposition)
+        return number_sentence(Names(*known), self.decomposition.splits)
 
     def to_json(self) -> dict[str, Any]:
         """What ``harness eta --json`` prints."""

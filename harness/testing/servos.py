@@ -22,7 +22,7 @@ ROUNDING = 0.05
 """Of an energy or a way, as a share of it: engines step in time."""
 WEAK, STRONG = 0.4, 4.0
 """Limits of drives that are compared, as shares of the robot's."""
-HEAVY = 20.0
+HEAVY = 60.0
 """Armature of a drive that is compared, as a multiple of the robot's and of the links' inertia."""
 
 Run = Callable[[Simulator, Robot], None]

@@ -23,13 +23,14 @@ Count = Annotated[int, Field(gt=0)]
 
 @dataclass(frozen=True)
 class Mujoco:
-    """MuJoCo with position servos that track a joint ramp.
+    """MuJoCo: drives that follow a joint ramp, ideal ones or those of the robot.
 
-    With drive=ideal each joint has two actuators that are fed the period's joint speed: an integrated-velocity servo (stiffness
-    I w^2, I the diagonal of the joint-space inertia at the home pose) holds the ramp's position, a velocity servo
-    (2 I w, critically damped) its speed. Gravity is compensated, the integrator implicit. With drive=servo each joint
-    has the drive that robot.toml describes, with its torque limit, friction, armature and latency; `bandwidth` has no
-    part in it, and the torque is held for a physics step.
+    With drive=ideal each joint has two actuators that are fed the period's joint speed: an integrated-velocity servo
+    (stiffness I w^2, I the diagonal of the joint-space inertia at the home pose) holds the ramp's position, a velocity
+    servo (2 I w, critically damped) its speed. Gravity is compensated, the integrator implicit.
+
+    With drive=servo each joint has the drive that robot.toml describes, with its torque limit, friction, armature and
+    latency. `bandwidth` has no part in it, and the drive's torque is held for a physics step.
     """
 
     family: ClassVar[str] = "MuJoCo"

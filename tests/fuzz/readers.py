@@ -1,6 +1,7 @@
 """Every way from a file, or a text, of anybody into the program, with valid content to begin with."""
 
 import json
+import shutil
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -13,12 +14,15 @@ import pyarrow.parquet as pq
 import safetensors.numpy
 
 from harness.experiment.plan import check_experiment, expand, read_experiment
-from harness.files.sealed import unseal
+from harness.files.sealed import seal, unseal
 from harness.motion.limits import JointLimits
 from harness.policy import CARD, WEIGHTS, Greedy, Policy, SquashedGaussian, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import InverseKinematics
 from harness.record.folder import SCENE
 from harness.record.manifest import Manifest, read_manifest
+from harness.record.recording.facts import TrainingFacts
+from harness.record.recording.recorded_training import read_recording
+from harness.record.recording.recording_writer import RecordingWriter
 from harness.record.scene import read_scene, write_scene
 from harness.record.store import Store
 from harness.record.trace import SCALARS, TraceWriter, read_trace
@@ -166,6 +170,8 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
         "trace": Reader(
             {"a.parquet": _trace(folder)}, {"a.parquet": _mutate_parquet}, lambda at: read_trace(at / "a.parquet")
         ),
+        "recorded training": _recorded_training(folder, "recording-0.json", _mutate_sealed),
+        "steps of a recorded training": _recorded_training(folder, "steps-0-00000.parquet", _mutate_parquet),
         "scene": Reader({"scene.json": _scene(folder)}, {"scene.json": mutate_json}, read_scene),
         **_sealed("manifest", "m/manifest.json", _manifest(cell, folder), lambda at: read_manifest(at / "m")),
         **_sealed("plan", "p/plan.json", _plan(registry, folder), lambda at: Store.open(at / "p").read_plan()),
@@ -179,6 +185,28 @@ def _sealed(name: str, path: str, content: bytes, read: Callable[[Path], Any]) -
         name: Reader({path: plain}, {path: mutate_json}, read),
         f"sealed {name}": Reader({path: content}, {path: mutate_json}, read),
     }
+
+
+def _recorded_training(folder: Path, name: str, mutate: Mutate) -> Reader:
+    """Of two recorders with one part each; one file of the first is made wrong."""
+    place, facts = folder / "recorded", TrainingFacts(rewards=("v1", "v2"), trained_with="v2", behaviour=("success",))
+    shutil.rmtree(place, ignore_errors=True)
+    for number in range(2):
+        writer = RecordingWriter(place, facts, number)
+        writer.append([[time, 0, time // 5, time % 5, 0.5, -1.5, 1.0, time % 5 == 4, False] for time in range(12)])
+        writer.close()
+    files = {path.name: path.read_bytes() for path in place.iterdir() if path.suffix != ".lock"}
+    return Reader(files, {name: mutate}, read_recording)
+
+
+def _mutate_sealed(content: bytes, rng: Random) -> bytes:
+    """Bytes that differ, or another content that is sealed as if it were right."""
+    if rng.random() < 0.3:
+        return mutate_bytes(content, rng)
+    try:
+        return seal(json.loads(mutate_json(json.dumps(unseal(content)).encode(), rng)))
+    except (ValueError, TypeError):  # no JSON object any more
+        return mutate_bytes(content, rng)
 
 
 def _exhaust(path: Path) -> None:

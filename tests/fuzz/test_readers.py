@@ -17,6 +17,7 @@ NAMES = (
     *("policy squashed-gaussian", "policy greedy", "policy uniform-choice", "policy inverse-kinematics"),
     *("text of rewards", "text of tasks", "text of algorithms", "text of executors"),
     *("recorded trace", "trace", "scene", "manifest", "sealed manifest", "plan", "sealed plan"),
+    *("recorded training", "steps of a recorded training"),
 )
 EACH = pytest.mark.parametrize("name", NAMES)
 SEEDS = st.integers(0, 2**63)

@@ -1,0 +1,103 @@
+"""How much of the change of a mean return is ruler, and how much is behaviour: the same split, of any environment.
+
+With R_r(q) the mean return of the trainings by reward q, paid by reward r (B baseline, K proposed), the sum
+
+    R_K(K) - R_B(B) = ruler + behaviour
+
+is always defined; ``docs/decomposition.md`` says how. The ratio is, where all four returns are above 0.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.eta.decompose import OWNER, Split, Splitter, SumSplit, split_sum
+from harness.eta.index import Ratio
+from harness.eta.noise import noise_of_means
+from harness.eta.scored_sums import BB, BK, KB, KK, Pair, ScoredSums, means_without_each
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.swaps import Swaps, p_of
+
+NAME = "mean return"
+
+Returns = Mapping[Pair, Sequence[float]]
+"""R_r(q) of each seed by (r, q): who scores, and whose training is scored."""
+
+
+@dataclass(frozen=True)
+class ReturnSplit:
+    """The mean return of two trainings.
+
+    Attributes:
+        returns: R_r(q) over seeds, by (r, q).
+        ratio: eta = R_K(K) / R_B(B), and its parts; without a value where a return is not above 0.
+        total: R_K(K) - R_B(B), and its parts.
+    """
+
+    returns: Mapping[Pair, SeedMean]
+    ratio: Split
+    total: SumSplit
+
+    @property
+    def is_split(self) -> bool:
+        """Whether each training was paid by the other's reward."""
+        return {BK, KB} <= self.returns.keys()
+
+    def with_corrected(self, p: float | None) -> "ReturnSplit":
+        """The same with a p-value that holds for all claims that are made together."""
+        return replace(self, ratio=replace(self.ratio, corrected=p))
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "returns": [
+                {"paid_by": payer, "trained_by": trained, **mean.to_json()}
+                for (payer, trained), mean in self.returns.items()
+            ],
+            "ratio": self.ratio.to_json(),
+            "difference": self.total.to_json(),
+        }
+
+
+def split_returns(returns: Returns, seeds: Sequence[int], swaps: Swaps, missing: str | None = None) -> ReturnSplit:
+    """Both splits, with intervals over seeds.
+
+    Args:
+        returns: At least of (baseline, baseline) and (proposed, proposed), one finite value per seed.
+        seeds: Of the values; seed i of both trainings is a pair.
+        swaps: In which ways the names of a seed's trainings are swapped.
+        missing: Why the other two are not there; None where they are.
+    """
+    each = {pair: np.asarray(values, np.float64) for pair, values in returns.items()}
+    sums = ScoredSums(
+        {pair: np.array([values.mean()]) for pair, values in each.items()},
+        {pair: means_without_each(values) for pair, values in each.items()},
+        each,
+        paired=True,
+    )
+    outcomes = swaps.of(seeds) @ (each[KK] - each[BB]) / len(seeds) if len(seeds) > 1 else None
+    return ReturnSplit(
+        {pair: mean_over_seeds(values.tolist()) for pair, values in each.items()},
+        _split_ratio(sums, outcomes, missing),
+        split_sum(sums, missing),
+    )
+
+
+def _split_ratio(sums: ScoredSums, outcomes: Float | None, missing: str | None) -> Split:
+    small = next((pair for pair in sums.whole if sums.value(pair) <= 0.0), None)
+    if small is not None:
+        reason = f"the {NAME} of {OWNER[small]} is not above 0, and a ratio would say nothing: see the difference"
+        nothing = Ratio(None, notes=(reason,))
+        p = None if outcomes is None else p_of(outcomes)
+        return Split(nothing, nothing, nothing, nothing, nothing, noise=nothing, p=p, outcomes=outcomes)
+    split = Splitter(f"the {NAME}", _positive(sums)).split(outcomes, missing)
+    return replace(split, noise=noise_of_means(sums.each[BB]))
+
+
+def _positive(sums: ScoredSums) -> ScoredSums:
+    """Without what two negative numbers would give: a ratio that looks like any other."""
+    without = {pair: np.where(values > 0.0, values, np.nan) for pair, values in sums.without.items()}
+    return replace(sums, without=without)

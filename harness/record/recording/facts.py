@@ -1,0 +1,188 @@
+"""What is known of a recorded training beside its steps, as ``recording-<n>.json`` tells it."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, TypeAdapter, with_config
+from typing_extensions import TypedDict
+
+from harness.files.bounded import reading
+from harness.files.sealed import read_sealed, seal
+from harness.files.whole_file import write_whole
+from harness.record.forms import EXACT, Digest, Line, Name, Whole, require_form
+
+FORMAT = 1
+MOST_NAMES = 1_000
+"""Of rewards, and of measures of behaviour."""
+MOST_ENVS = 1_000_000
+MOST_SOURCE = 100_000
+"""Characters of a reward's code that are kept."""
+OWN_SOURCE = "what the env pays"
+"""The source of a reward that is no function."""
+REWARD, BEHAVIOUR = "reward_", "behaviour_"
+"""What the columns of rewards and of measures begin with."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """The code of a reward or of a measure.
+
+    Attributes:
+        sha256: Of the code in UTF-8; empty where Python cannot tell it.
+        text: The code, its first 100,000 characters: Python code, or what was given in its
+            place: ``info key 'distance'``, ``what the env pays``.
+    """
+
+    sha256: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A reward or a measure that was given up in the middle of a training: from this step on it is NaN in all envs.
+
+    Attributes:
+        column: ``reward_v1``, ``behaviour_success``.
+        env: Where it failed.
+        episode: Counted from 0 in that env.
+        step: Counted from 0 in that episode.
+        reason: One line.
+    """
+
+    column: str
+    env: int
+    episode: int
+    step: int
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingFacts:
+    """What is known of a recorded training beside its steps.
+
+    Attributes:
+        rewards: Names of the rewards that scored its steps.
+        trained_with: The one of them that the learner was paid.
+        behaviour: Names of measures of what the robot did; no reward enters them.
+        lower_is_better: Those of them of which less is better, such as a distance; of all others more is.
+        evaluation: Whether a finished policy acted, and nothing was trained: `trained_with` and `seed` are then those
+            of the training that it comes from.
+        num_envs: How many envs were stepped.
+        seed: The first that the env was reset with, one of a batch if they differ; None if it was given none.
+        env: ``id``, ``kwargs`` and more of the env's Gymnasium spec; empty if it has none.
+        versions: Of the libraries, by distribution.
+        sources: By column (``reward_v1``, ``behaviour_success``): the code behind it.
+        failures: Rewards and measures that were given up.
+        paid_otherwise: The first step in which the env paid something else than the reward `trained_with`; empty if
+            there is none, or the env's own payment is that reward. One line.
+        closed: Whether the training ended by itself; otherwise it is still going on, or was killed.
+    """
+
+    rewards: tuple[str, ...]
+    trained_with: str
+    behaviour: tuple[str, ...] = ()
+    lower_is_better: tuple[str, ...] = ()
+    evaluation: bool = False
+    num_envs: int = 1
+    seed: int | tuple[int | None, ...] | None = None
+    env: Mapping[str, Any] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[str, Source] = field(default_factory=dict)
+    failures: tuple[Failure, ...] = ()
+    paid_otherwise: str = ""
+    closed: bool = False
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Names of the columns that hold numbers: of the rewards, then of the measures."""
+        return tuple(f"{REWARD}{name}" for name in self.rewards) + tuple(
+            f"{BEHAVIOUR}{name}" for name in self.behaviour
+        )
+
+    def write(self, path: Path) -> None:
+        """Write them, in place of what was there.
+
+        Raises:
+            OSError: The file cannot be written.
+        """
+        write_whole(path, seal({"format": FORMAT, **asdict(self)}))
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """What `write` wrote.
+
+        Raises:
+            SchemaError: It is damaged, or no such file.
+            NewerFormat: A newer version wrote it.
+        """
+        data = read_sealed(path, "recording", newest=FORMAT, since=1)
+        with reading(path, "recording"):
+            require_form(FORM, data)
+            return cls._of(data)
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Self:
+        rewards, behaviour, seed = tuple(data["rewards"]), tuple(data["behaviour"]), data["seed"]
+        if data["trained_with"] not in rewards:
+            raise ValueError(f"it was trained with {data['trained_with']!r}, which is none of its rewards")
+        if len({*rewards}) < len(rewards) or len({*behaviour}) < len(behaviour):
+            raise ValueError("a name stands twice")
+        return cls(
+            rewards=rewards,
+            trained_with=data["trained_with"],
+            behaviour=behaviour,
+            lower_is_better=tuple(data["lower_is_better"]),
+            evaluation=data["evaluation"],
+            num_envs=data["num_envs"],
+            seed=tuple(seed) if isinstance(seed, list) else seed,
+            env=data["env"],
+            versions=data["versions"],
+            sources={column: Source(**source) for column, source in data["sources"].items()},
+            failures=tuple(Failure(**failure) for failure in data["failures"]),
+            paid_otherwise=data["paid_otherwise"],
+            closed=data["closed"],
+        )
+
+
+@with_config(EXACT)
+class SourceForm(TypedDict):
+    """See `Source`."""
+
+    sha256: Digest | Literal[""]
+    text: Annotated[str, Field(max_length=MOST_SOURCE)]
+
+
+@with_config(EXACT)
+class FailureForm(TypedDict):
+    """See `Failure`."""
+
+    column: Name
+    env: Whole
+    episode: Whole
+    step: Whole
+    reason: Line
+
+
+@with_config(EXACT)
+class RecordingForm(TypedDict):
+    """See `TrainingFacts`."""
+
+    format: int
+    rewards: Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]
+    trained_with: Name
+    behaviour: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    lower_is_better: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    evaluation: bool
+    num_envs: Annotated[int, Field(gt=0, le=MOST_ENVS)]
+    seed: Whole | Annotated[list[Whole | None], Field(max_length=MOST_ENVS)] | None
+    env: dict[Name, Any]
+    versions: dict[Name, Line]
+    sources: dict[Name, SourceForm]
+    failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
+    paid_otherwise: Line
+    closed: bool
+
+
+FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -1,0 +1,211 @@
+"""Reads the folder of a recorded training."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.errors import SchemaError
+from harness.files.bounded import reading, require_regular
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+
+PART_ROWS = 65_536
+"""Of every part but a recorder's last."""
+PART_BYTES, MOST_PARTS, MOST_RECORDERS = 2**31, 100_000, 10_000
+"""Most that is read of a recording."""
+
+INTEGERS = ("env", "episode", "step")
+FLAGS = ("terminated", "truncated")
+
+_FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedTraining:
+    """One training whose steps several rewards have scored.
+
+    Rows stand in the order of time: rows of one batch together, by env. All arrays are (rows,).
+
+    Attributes:
+        facts: What is known of it beside its steps.
+        time: How often the envs had been stepped before, int64; rows of one batch share it.
+        env: Number of the env, int32.
+        episode: Counted from 0 in each env, int32.
+        step: Counted from 0 in each episode, int32.
+        rewards: By name of the reward: what it pays for each step. NaN from the step on in which it was given up,
+            see `TrainingFacts.failures`; never infinite.
+        behaviour: By name of the measure: what it was after each step. NaN from where it was given up, and in
+            steps that do not end an episode where the env told nothing.
+        terminated: Whether the step ended the episode.
+        truncated: Whether the episode was cut after the step.
+    """
+
+    facts: TrainingFacts
+    time: NDArray[np.int64]
+    env: NDArray[np.int32]
+    episode: NDArray[np.int32]
+    step: NDArray[np.int32]
+    rewards: Mapping[str, Float]
+    behaviour: Mapping[str, Float]
+    terminated: NDArray[np.bool_]
+    truncated: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+def is_recording(folder: Path) -> bool:
+    """Whether a folder holds a recorded training, whole or damaged."""
+    return (folder / facts_name(0)).is_file()
+
+
+def read_recording(folder: Path) -> RecordedTraining:
+    """Read a recorded training, one that is still going on too: as far as it was written.
+
+    Where several recorders wrote it, their envs are numbered on: those of recorder 1 follow those of recorder 0.
+
+    Raises:
+        SchemaError: It is damaged, is no recording, or its recorders were given different rewards.
+        NewerFormat: A newer version wrote it.
+    """
+    with reading(folder, "recording of a training"):
+        numbers = recorder_numbers(folder)
+        if not numbers:
+            raise SchemaError(
+                f"{folder} is no recording of a training: it has no {facts_name(0)}. harness.RecordRewards makes one"
+            )
+        facts = [TrainingFacts.read(folder / facts_name(number)) for number in numbers]
+        _require_alike(folder, numbers, facts)
+        tables = [read_steps(folder, number, one) for number, one in zip(numbers, facts, strict=True)]
+        return _united(facts, tables)
+
+
+def recorder_numbers(folder: Path) -> list[int]:
+    """Numbers of the recorders that wrote into a folder, in order."""
+    if not folder.is_dir():
+        return []
+    numbers = sorted(int(found[1]) for path in folder.iterdir() if (found := _FACTS.fullmatch(path.name)))
+    if len(numbers) > MOST_RECORDERS:
+        raise SchemaError(f"{folder} has {len(numbers):,} recorders, {MOST_RECORDERS:,} are allowed")
+    return numbers
+
+
+def facts_name(number: int) -> str:
+    """The file of a recorder's facts."""
+    return f"recording-{number}.json"
+
+
+def part_name(number: int, part: int) -> str:
+    """The file of a part of a recorder's steps."""
+    return f"steps-{number}-{part:05}.parquet"
+
+
+def part_schema(facts: TrainingFacts) -> pa.Schema:
+    """Columns and types of a part."""
+    integers = [("time", pa.int64()), *((name, pa.int32()) for name in INTEGERS)]
+    numbers = [(name, pa.float64()) for name in facts.numbers]
+    return pa.schema([*integers, *numbers, *((name, pa.bool_()) for name in FLAGS)])
+
+
+def read_steps(folder: Path, number: int, facts: TrainingFacts) -> dict[str, NDArray[Any]]:
+    """All steps of one recorder, by column.
+
+    Raises:
+        SchemaError: A part is damaged or missing.
+    """
+    schema = part_schema(facts)
+    parts = [read_part(folder / part_name(number, part), schema) for part in range(part_count(folder, number))]
+    for part, table in enumerate(parts[:-1]):
+        if len(table) != PART_ROWS:
+            raise SchemaError(f"{folder / part_name(number, part)} has {len(table):,} steps, not {PART_ROWS:,}")
+    whole = pa.concat_tables(parts) if parts else schema.empty_table()
+    columns = {name: np.asarray(whole.column(name).to_numpy()) for name in schema.names}
+    _require_sound(folder, facts, columns)
+    return columns
+
+
+def part_count(folder: Path, number: int) -> int:
+    """How many parts a recorder has written."""
+    count = sum(1 for _ in folder.glob(f"steps-{number}-*.parquet"))
+    if count > MOST_PARTS:
+        raise SchemaError(f"{folder} has {count:,} parts, {MOST_PARTS:,} are allowed")
+    return count
+
+
+def read_part(path: Path, schema: pa.Schema) -> pa.Table:
+    """A part, of the columns of `schema`.
+
+    Raises:
+        SchemaError: It is damaged, or has other columns.
+    """
+    with reading(path, "part of a recording"):
+        require_regular(path, PART_BYTES)
+        file = pq.ParquetFile(path, page_checksum_verification=True)
+        if not file.schema_arrow.equals(schema):
+            raise SchemaError(f"{path} has other columns than {facts_name(int(path.name.split('-')[1]))} tells")
+        if file.metadata.num_rows > PART_ROWS:
+            raise SchemaError(f"{path} has {file.metadata.num_rows:,} steps, {PART_ROWS:,} are allowed")
+        table = file.read()
+        if any(column.null_count for column in table.columns):
+            raise SchemaError(f"{path} has gaps")
+        return table
+
+
+def _require_sound(folder: Path, facts: TrainingFacts, columns: Mapping[str, NDArray[Any]]) -> None:
+    """Steps follow one another, of envs that are there; numbers are none but finite ones and NaN."""
+    if len(columns["time"]) == 0:
+        return
+    time, env = columns["time"], columns["env"]
+    if time[0] < 0 or (np.diff(time) < 0).any():
+        raise SchemaError(f"{folder}: its steps do not stand in the order of time")
+    if env.min() < 0 or env.max() >= facts.num_envs:
+        raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
+    if min(columns["episode"].min(), columns["step"].min()) < 0:
+        raise SchemaError(f"{folder} has a step or an episode below 0")
+    for name in facts.numbers:
+        if np.isinf(columns[name]).any():
+            raise SchemaError(f"{folder}: {name} is infinite")
+
+
+def _require_alike(folder: Path, numbers: Sequence[int], facts: Sequence[TrainingFacts]) -> None:
+    first = facts[0]
+    for number, other in zip(numbers, facts, strict=True):
+        if (other.numbers, other.trained_with) != (first.numbers, first.trained_with):
+            raise SchemaError(
+                f"{folder}: {facts_name(number)} and {facts_name(numbers[0])} tell of different rewards or measures; "
+                "they are not one training"
+            )
+
+
+def _united(facts: Sequence[TrainingFacts], tables: Sequence[Mapping[str, NDArray[Any]]]) -> RecordedTraining:
+    begins = np.cumsum([0, *(one.num_envs for one in facts)]).tolist()
+    env = np.concatenate([table["env"] + np.int32(begin) for begin, table in zip(begins, tables, strict=False)])
+    columns = {name: np.concatenate([table[name] for table in tables]) for name in tables[0] if name != "env"}
+    if len(tables) > 1:
+        order = np.lexsort((env, columns["time"]))
+        env, columns = env[order], {name: values[order] for name, values in columns.items()}
+    first = facts[0]
+    return RecordedTraining(
+        facts=replace(
+            first,
+            num_envs=begins[-1],
+            failures=tuple(
+                replace(failure, env=failure.env + begin)
+                for begin, one in zip(begins, facts, strict=False)
+                for failure in one.failures
+            ),
+            paid_otherwise=next((one.paid_otherwise for one in facts if one.paid_otherwise), ""),
+            closed=all(one.closed for one in facts),
+        ),
+        env=env,
+        rewards={name: columns[f"{REWARD}{name}"] for name in first.rewards},
+        behaviour={name: columns[f"{BEHAVIOUR}{name}"] for name in first.behaviour},
+        **{name: columns[name] for name in ("time", "episode", "step", *FLAGS)},
+    )

@@ -1,0 +1,205 @@
+"""Writes the folder of a recorded training while it goes on: a part at a time, the last one anew every few seconds."""
+
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from filelock import FileLock, Timeout
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.files.whole_file import whole_file
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+from harness.record.recording.recorded_training import (
+    FLAGS,
+    INTEGERS,
+    PART_ROWS,
+    RecordedTraining,
+    facts_name,
+    part_count,
+    part_name,
+    part_schema,
+    read_part,
+)
+
+Rows = Float | Sequence[Sequence[float]]
+WRITE_EVERY = 5.0
+"""A training that is killed loses the steps of so many seconds at most, [s]."""
+
+
+class RecordingWriter:
+    """Writes the steps of one recorder; the columns of a row stand in the order of `part_schema`.
+
+    Attributes:
+        facts: Written with the next part; replace them to tell more.
+        next_time: The time of the next row: 0, or what follows on the rows of a recording that goes on.
+        next_episodes: (num_envs,), the same of each env's episode.
+    """
+
+    def __init__(self, folder: Path, facts: TrainingFacts, number: int = 0, resume: bool = False) -> None:
+        """Start the recorder's files, or go on with them.
+
+        Args:
+            folder: Of the training; it is made.
+            facts: What is known of it.
+            number: Of this recorder in its training.
+            resume: Go on if the recorder has files here already; otherwise that is refused.
+
+        Raises:
+            UsageError: It has files here and `resume` is false, or they are those of another training; or another
+                recorder of the same number is at work.
+            SchemaError: What is there is damaged.
+            OSError: The folder cannot be written.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder, self.number, self.facts = folder, number, facts
+        self._lock = FileLock(folder / f"recording-{number}.lock")
+        self._process = os.getpid()
+        self._schema = part_schema(facts)
+        self._block = np.empty((PART_ROWS, len(self._schema)))
+        self._part = self._filled = self.next_time = 0
+        self.next_episodes = np.zeros(facts.num_envs, np.int64)
+        self._hold()
+        try:
+            self._begin(resume)
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def append(self, rows: Rows) -> None:
+        """Take rows, (n, columns), which may be used again.
+
+        Raises:
+            OSError: They cannot be written.
+        """
+        begin, count = 0, len(rows)
+        while self._filled + count - begin >= PART_ROWS:
+            end = begin + PART_ROWS - self._filled
+            self._block[self._filled :] = rows[begin:end]
+            self._filled, begin = PART_ROWS, end
+            self._write()
+            self._part, self._filled = self._part + 1, 0
+        if begin < count:
+            self._block[self._filled : self._filled + count - begin] = rows[begin:]
+            self._filled += count - begin
+        if time.monotonic() >= self._due:
+            self._write()
+
+    def close(self) -> None:
+        """Write what is left. Done twice, or in a fork of the process that began, it does nothing.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        if os.getpid() != self._process or not self._lock.is_locked:
+            return
+        self.facts = replace(self.facts, closed=True)
+        try:
+            self._write()
+        finally:
+            self._lock.release()
+
+    def _hold(self) -> None:
+        try:
+            self._lock.acquire(timeout=0)
+        except Timeout:
+            raise UsageError(
+                f"'{self.folder}' is being recorded by another env with number={self.number}: envs of one training "
+                "need numbers of their own, number=0, 1, 2 ...; another training needs another path"
+            ) from None
+
+    def _begin(self, resume: bool) -> None:
+        if not (self.folder / facts_name(self.number)).exists():
+            self._write()
+            return
+        if not resume:
+            raise UsageError(
+                f"'{self.folder}' holds a recording already: name another path, or go on with it by resume=True. "
+                "Envs of one training that record into one path need numbers of their own, number=0, 1, 2 ..."
+            )
+        self._go_on()
+
+    def _go_on(self) -> None:
+        before = TrainingFacts.read(self.folder / facts_name(self.number))
+        _require_same_training(self.folder, before, self.facts)
+        self.facts = replace(before, closed=False)
+        count = part_count(self.folder, self.number)
+        self._part = max(0, count - 1)
+        unseen = np.ones(self.facts.num_envs, bool)
+        for part in reversed(range(count)):
+            table = read_part(self.folder / part_name(self.number, part), self._schema)
+            rows = np.stack([table.column(name).to_numpy().astype(float) for name in self._schema.names], axis=1)
+            if part == count - 1 and len(rows):
+                self._filled, self.next_time = len(rows), int(rows[-1, 0]) + 1
+                self._block[: len(rows)] = rows
+            env, episode = rows[:, 1].astype(int), rows[:, 2].astype(np.int64)
+            last = np.zeros_like(self.next_episodes)
+            np.maximum.at(last, env, episode + 1)
+            self.next_episodes[unseen] = last[unseen]
+            unseen &= last == 0
+            if not unseen.any():
+                break
+        if self._filled == PART_ROWS:
+            self._part, self._filled = self._part + 1, 0
+        self._write()
+
+    def _write(self) -> None:
+        """The facts first: no reader finds NaN of which they do not tell."""
+        self.facts.write(self.folder / facts_name(self.number))
+        if self._filled:
+            with whole_file(self.folder / part_name(self.number, self._part)) as partial:
+                pq.write_table(
+                    _table(self._block[: self._filled], self._schema),
+                    partial,
+                    compression="zstd",
+                    use_dictionary=False,
+                    column_encoding={
+                        "time": "DELTA_BINARY_PACKED",
+                        **dict.fromkeys(INTEGERS, "DELTA_BINARY_PACKED"),
+                        **dict.fromkeys(self.facts.numbers, "BYTE_STREAM_SPLIT"),
+                    },
+                    write_page_checksum=True,
+                )
+        self._due = time.monotonic() + WRITE_EVERY
+
+
+def write_recording(folder: Path, training: RecordedTraining) -> None:
+    """Write a whole training at once, as one recorder of number 0 would have recorded it.
+
+    Raises:
+        UsageError: There is a recording in `folder` already.
+        OSError: It cannot be written.
+    """
+    numbers = {
+        **{f"{REWARD}{name}": training.rewards[name] for name in training.facts.rewards},
+        **{f"{BEHAVIOUR}{name}": training.behaviour[name] for name in training.facts.behaviour},
+    }
+    columns = {"time": training.time, **{name: getattr(training, name) for name in (*INTEGERS, *FLAGS)}, **numbers}
+    writer = RecordingWriter(folder, training.facts)
+    try:
+        writer.append(np.stack([columns[name] for name in part_schema(training.facts).names], axis=1).astype(float))
+    finally:
+        writer.close()
+
+
+def _table(rows: Float, schema: pa.Schema) -> pa.Table:
+    columns: list[NDArray[np.generic]] = [
+        np.ascontiguousarray(rows[:, index]).astype(field.type.to_pandas_dtype()) for index, field in enumerate(schema)
+    ]
+    return pa.Table.from_arrays([pa.array(column) for column in columns], schema=schema)
+
+
+def _require_same_training(folder: Path, before: TrainingFacts, now: TrainingFacts) -> None:
+    for what in ("trained_with", "rewards", "behaviour", "num_envs", "env", "sources"):
+        was, found = getattr(before, what), getattr(now, what)
+        if was != found:
+            shown = f": {was!r}, now {found!r}" if what != "sources" else ""
+            raise UsageError(
+                f"'{folder}' holds the recording of another training: its {what} differ{shown}. Name another path"
+            )

@@ -1,0 +1,84 @@
+"""`harness.evaluate_policy`: a finished policy acts, and what several rewards pay for it is recorded."""
+
+import os
+from collections.abc import Callable, Collection, Mapping
+from typing import Any
+
+import gymnasium
+
+from harness.errors import UsageError
+from harness.recorder.column import Given
+from harness.recorder.record_rewards import RecordRewards
+from harness.recorder.recorder import OnError
+
+EPISODES = 100
+FIRST_SEED = 1_000_000_007
+"""Of the first episode; the next one has the next. Trainings hardly ever use it."""
+
+
+def evaluate_policy(
+    policy: Callable[[Any], Any],
+    env: gymnasium.Env[Any, Any] | str,
+    path: str | os.PathLike[str],
+    *,
+    trained_with: str,
+    seed: int,
+    rewards: Mapping[str, Given],
+    behaviour: Mapping[str, Given] | None = None,
+    lower_is_better: Collection[str] = (),
+    episodes: int = EPISODES,
+    on_error: OnError = "warn",
+) -> None:
+    """Record whole episodes of a finished policy; ``harness report`` then judges by them, not by the training.
+
+    Every policy meets the same episodes: the env is reset with the same seeds.
+
+    Args:
+        policy: From an observation to an action; of stable-baselines3
+            ``lambda observation: model.predict(observation, deterministic=True)[0]``.
+        env: One that was made, which is left open, or the id of one. It has to end its episodes.
+        path: A folder for this evaluation, such as one inside that of the training.
+        trained_with: The reward that taught the policy.
+        seed: Of its training.
+        rewards: Those that the training recorded; `trained_with` is one of them.
+        behaviour: Its measures.
+        lower_is_better: Names of measures of which less is better.
+        episodes: How many.
+        on_error: As of `RecordRewards`.
+
+    Raises:
+        UsageError: Something of that cannot be used, there is no such env, or `path` holds another recording.
+        StorageError: The folder cannot be written.
+    """
+    if episodes < 1:
+        raise UsageError(f"episodes={episodes}: it takes one at least")
+    made = _make(env) if isinstance(env, str) else env
+    recorded = RecordRewards(
+        made,
+        path,
+        trained_with=trained_with,
+        rewards=rewards,
+        behaviour=behaviour,
+        lower_is_better=lower_is_better,
+        seed=seed,
+        evaluation=True,
+        on_error=on_error,
+    )
+    try:
+        for episode in range(episodes):
+            observation, _ = recorded.reset(seed=FIRST_SEED + episode)
+            ended = False
+            while not ended:
+                observation, _, terminated, truncated, _ = recorded.step(policy(observation))
+                ended = terminated or truncated
+    finally:
+        recorded.finish()
+        if made is not env:
+            made.close()
+
+
+def _make(name: str) -> gymnasium.Env[Any, Any]:
+    try:
+        return gymnasium.make(name)
+    except gymnasium.error.Error as error:
+        raise UsageError(f"env='{name}' cannot be made: {error}") from error

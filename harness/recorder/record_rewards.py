@@ -1,0 +1,190 @@
+"""`harness.RecordRewards`: for one Gymnasium environment."""
+
+import math
+import os
+import weakref
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, SupportsFloat, TypeVar
+
+import gymnasium
+from gymnasium.envs.registration import EnvSpec
+
+from harness.recorder.column import Column, Given, Untold, as_number
+from harness.recorder.recorder import OnError, Recorder, differs, kept
+
+Observation = TypeVar("Observation")
+Action = TypeVar("Action")
+
+NAN = float("nan")
+
+
+class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action]):
+    """Records what several rewards pay for each step of an env, and changes nothing of the env.
+
+    The learner is paid by the env itself; with `pay`, by the reward that it is trained with, in its place. A reward, or a measure of behaviour, is one of these:
+
+    * a function of (observation, action, next_observation, info) that returns one finite number. `observation` is what
+      the env returned before the step. Both observations are copies.
+    * an object that can be called so and has ``reset()``, for one with a memory: ``reset()`` is called when an episode
+      starts. The env gets a deep copy of its own.
+    * a key of `info`, as ``"distance"``. In a step that does not end an episode, a measure of behaviour may be missing
+      there; the step then has NaN.
+    * ``"own"``, what the env pays.
+
+    One that raises, returns something else than a finite number, or whose key is missing is given up: one warning names
+    it with episode and step, it is NaN from that step on, and everything else goes on.
+
+    Steps are written every 5 seconds, and when the env is closed, is garbage, or Python ends. The folder can be read at
+    any time, by `harness.record.recording.recorded_training.read_recording`.
+    """
+
+    def __init__(
+        self,
+        env: gymnasium.Env[Observation, Action],
+        path: str | os.PathLike[str],
+        *,
+        trained_with: str,
+        rewards: Mapping[str, Given],
+        behaviour: Mapping[str, Given] | None = None,
+        lower_is_better: Collection[str] = (),
+        seed: int | None = None,
+        evaluation: bool = False,
+        pay: bool = False,
+        number: int = 0,
+        resume: bool = False,
+        on_error: OnError = "warn",
+    ) -> None:
+        """Check what was given, and start the recording.
+
+        Args:
+            env: What the learner trains in.
+            path: A folder for this training; it is made.
+            trained_with: Name of the reward that the env pays, one of `rewards`; or ``"own"``, which is then recorded
+                beside them under this name.
+            rewards: By name, at least one.
+            behaviour: Measures of what the robot does, by name; reports judge it by the first.
+            lower_is_better: Names of measures of which less is better, such as a distance.
+            seed: Of the training: reports compare trainings of one seed. By default the first that the env is reset
+                with.
+            evaluation: A finished policy acts, and nothing is trained: `trained_with` and `seed` are then those of the
+                training that the policy comes from; see `harness.recorder.evaluate_policy`.
+            pay: Pay the learner the reward `trained_with`, and not what the env pays. Where it fails, that is an error.
+            number: Of this env among several that record one training into one path, each with a number of its own.
+            resume: Go on with the recording in `path`, if there is one, after what it has. Otherwise a path that
+                holds one is refused. Rewards, measures and env have to be the same as before.
+            on_error: ``"warn"``, or ``"raise"`` to stop the training where a reward or a measure fails.
+
+        Raises:
+            UsageError: Something of that cannot be used, or `path` holds another recording.
+            SchemaError: The recording to go on with is damaged.
+            StorageError: The folder cannot be written.
+        """
+        super().__init__(env)
+        self._recorder = Recorder(
+            env,
+            path,
+            trained_with=trained_with,
+            rewards=rewards,
+            behaviour=behaviour or {},
+            lower_is_better=lower_is_better,
+            seed=seed,
+            evaluation=evaluation,
+            pay=pay,
+            num_envs=1,
+            number=number,
+            resume=resume,
+            on_error=on_error,
+        )
+        self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
+        self._looks = any(column.measures for column in self._recorder.columns)
+        self._before: Any = None
+        self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
+        weakref.finalize(self, self._recorder.close)
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override] # a property there too, behind a declaration
+        """The env's own: an env that is made of it is not recorded."""
+        return self.env.spec
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Start an episode."""
+        observation, info = self.env.reset(seed=seed, options=options)
+        self._recorder.note_seed(seed)
+        self._before = kept(observation) if self._looks else None
+        self._episode, self._step = self._episode + (self._step > 0), 0
+        for column, _ in self._columns:
+            if column.remembers and not column.given_up:
+                try:
+                    column.measures[0].reset()  # type: ignore[attr-defined] # it remembers
+                except Exception as error:  # whatever rewards of users raise
+                    self._recorder.give_up(column, 0, self._episode, 0, error)
+        return observation, info
+
+    def step(self, action: Action) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Take a step, and record it."""
+        observation, paid, terminated, truncated, info = self.env.step(action)
+        numbers = self._record(action, observation, paid, terminated, truncated, info)
+        if self._recorder.pays is not None:
+            paid = numbers[self._recorder.pays]
+        return observation, paid, terminated, truncated, info
+
+    def close(self) -> None:
+        """Write what is left, and close the env."""
+        try:
+            self.finish()
+        finally:
+            super().close()
+
+    def finish(self) -> None:
+        """Write what is left, and leave the env open; what comes later is not recorded."""
+        self._recorder.close()
+
+    def _record(
+        self,
+        action: Action,
+        observation: Observation,
+        paid: SupportsFloat,
+        terminated: bool,
+        truncated: bool,
+        info: dict[str, Any],
+    ) -> list[float]:
+        """Record a step; returns its numbers, by column."""
+        after = kept(observation) if self._looks else None
+        row: list[float] = [self._time, 0, self._episode, self._step]
+        for column, measure in self._columns:
+            value = NAN
+            if not column.given_up:
+                try:
+                    value = measure(self._before, action, after, info, paid)
+                    if type(value) is not float or not math.isfinite(value):  # else a call less
+                        value = as_number(value)
+                except Exception as error:  # whatever rewards of users raise
+                    value = NAN
+                    if not (isinstance(error, Untold) and column.may_be_untold and not (terminated or truncated)):
+                        self._recorder.give_up(column, 0, self._episode, self._step, error)
+            row.append(value)
+        trained = self._recorder.trained
+        if trained is not None and differs(row[4 + trained], paid):
+            self._recorder.tell_paid_otherwise(row[4 + trained], float(paid), 0, self._episode, self._step)
+        self._recorder.write([[*row, terminated, truncated]])
+        self._before, self._time, self._step = after, self._time + 1, self._step + 1
+        return row[4:]
+
+
+def _measure_of(column: Column) -> Callable[[Any, Any, Any, Any, Any], Any]:
+    """How a column is measured, of (observation, action, next observation, info, payment)."""
+    if column.is_own:
+        return lambda before, action, after, info, paid: paid
+    if column.key is None:
+        measure = column.measures[0]
+        return lambda before, action, after, info, paid: measure(before, action, after, info)
+    key = column.key
+
+    def told(before: Any, action: Any, after: Any, info: Any, paid: Any) -> Any:
+        if key not in info:
+            raise Untold(key, [*info])
+        return info[key]
+
+    return told

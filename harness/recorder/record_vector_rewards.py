@@ -1,0 +1,238 @@
+"""`harness.RecordVectorRewards`: for a batch of Gymnasium environments."""
+
+import os
+import weakref
+from collections.abc import Callable, Collection, Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.recorder.batch import BatchStep, Mask
+from harness.recorder.column import Column, Given, Untold, as_number
+from harness.recorder.recorder import OnError, Recorder, differs, kept
+
+Array = NDArray[Any]
+
+
+class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
+    """Records what several rewards pay for each step of a batch of envs, and changes nothing of them.
+
+    It takes the three ways in which Gymnasium's vector envs start episodes (``AutoresetMode``): in each of them what is
+    measured is the step itself, with the last observation and info of an episode that ended. A call that only resets
+    an env (``NEXT_STEP``) is no step, and leaves no row.
+
+    A reward or a measure is what `harness.recorder.record_rewards.RecordRewards` takes: it is called for one env after
+    the other, with that env's observations, action and info. An object with ``reset()`` is copied for each env.
+
+    Those named in `batched` are called once for all envs instead, with the batch of observations, actions and next
+    observations and the infos as the env returned them, and return numbers of shape (num_envs,). What they return for
+    an env that was only reset is ignored. Theirs is ``reset(mask)``, (num_envs,): the envs that start an episode.
+    """
+
+    def __init__(
+        self,
+        env: VectorEnv[Any, Any, Any],
+        path: str | os.PathLike[str],
+        *,
+        trained_with: str,
+        rewards: Mapping[str, Given],
+        behaviour: Mapping[str, Given] | None = None,
+        lower_is_better: Collection[str] = (),
+        seed: int | None = None,
+        evaluation: bool = False,
+        pay: bool = False,
+        batched: Collection[str] = (),
+        number: int = 0,
+        resume: bool = False,
+        on_error: OnError = "warn",
+    ) -> None:
+        """Check what was given, and start the recording; see `harness.recorder.record_rewards.RecordRewards`.
+
+        Args:
+            env: What the learner trains in.
+            path: A folder for this training.
+            trained_with: Name of the reward that the env pays.
+            rewards: By name, at least one.
+            behaviour: Measures of what the robot does, by name; reports judge it by the first.
+            lower_is_better: Names of measures of which less is better, such as a distance.
+            seed: Of the training; by default the first that the envs are reset with.
+            evaluation: A finished policy acts, and nothing is trained.
+            pay: Pay the learner the reward `trained_with`, and not what the envs pay.
+            batched: Names of rewards and measures that take the whole batch.
+            number: Of this batch among several that record one training into one path.
+            resume: Go on with the recording in `path`, if there is one.
+            on_error: ``"warn"``, or ``"raise"`` to stop the training where a reward or a measure fails.
+
+        Raises:
+            UsageError: Something of that cannot be used, or `path` holds another recording.
+            SchemaError: The recording to go on with is damaged.
+            StorageError: The folder cannot be written.
+        """
+        super().__init__(env)
+        self._mode = env.metadata.get("autoreset_mode")
+        if not isinstance(self._mode, AutoresetMode):
+            raise UsageError(
+                f"{env} does not tell how it starts episodes: its metadata need 'autoreset_mode', one of "
+                f"{', '.join(f'AutoresetMode.{mode.name}' for mode in AutoresetMode)}"
+            )
+        self._recorder = Recorder(
+            env,
+            path,
+            trained_with=trained_with,
+            rewards=rewards,
+            behaviour=behaviour or {},
+            lower_is_better=lower_is_better,
+            seed=seed,
+            evaluation=evaluation,
+            pay=pay,
+            num_envs=env.num_envs,
+            number=number,
+            resume=resume,
+            on_error=on_error,
+            batched=batched,
+        )
+        self._looks = any(column.measures for column in self._recorder.columns)
+        self._before: Any = None
+        self._time = self._recorder.next_time
+        self._episodes = self._recorder.next_episodes.copy()
+        self._steps = np.zeros(env.num_envs, np.int64)
+        self._is_reset_next = np.zeros(env.num_envs, bool)
+        weakref.finalize(self, self._recorder.close)
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override] # a plain attribute there
+        """The env's own."""
+        return self.env.spec
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start episodes, of all envs or of those in ``options["reset_mask"]``."""
+        everywhere = np.ones(self.num_envs, bool)
+        mask = np.array((options or {}).get("reset_mask", everywhere))  # the env takes it out of the options
+        observations, infos = self.env.reset(seed=seed, options=options)  # type: ignore[arg-type] # a list is allowed
+        self._recorder.note_seed(seed)
+        self._begin(mask)
+        self._before = kept(observations) if self._looks else None
+        self._is_reset_next &= ~mask
+        return observations, infos
+
+    def step(self, actions: Any) -> tuple[Any, Array, Array, Array, dict[str, Any]]:
+        """Take a step in every env, and record it."""
+        observations, paid, terminated, truncated, infos = self.env.step(actions)
+        numbers = self._record(actions, observations, paid, terminated, truncated, infos)
+        if self._recorder.pays is not None:
+            paid = np.nan_to_num(numbers[:, self._recorder.pays])  # an env that was only reset pays 0
+        return observations, paid, terminated, truncated, infos
+
+    def close(self, **kwargs: Any) -> None:
+        """Write what is left, and close the envs."""
+        try:
+            self._recorder.close()
+        finally:
+            super().close(**kwargs)
+
+    def _record(
+        self, actions: Any, observations: Any, paid: Any, terminated: Any, truncated: Any, infos: dict[str, Any]
+    ) -> Float:
+        """Record a step; returns its numbers, (num_envs, columns), NaN for an env that was only reset."""
+        terminated, truncated = np.asarray(terminated, bool), np.asarray(truncated, bool)
+        ended, live = terminated | truncated, ~self._is_reset_next
+        at_once = self._mode == AutoresetMode.SAME_STEP
+        step = BatchStep(
+            self.env, self._before, actions, observations, np.asarray(paid, float), ended, live, infos, at_once
+        )
+        numbers = self._write(step, terminated, truncated)
+        self._steps[live] += 1
+        self._time += 1
+        self._begin(ended if at_once else ~live)
+        self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
+        self._before = kept(observations) if self._looks else None
+        return numbers
+
+    def _begin(self, mask: Mask) -> None:
+        """Start an episode in these envs."""
+        if not mask.any():
+            return
+        self._episodes[mask & (self._steps > 0)] += 1
+        self._steps[mask] = 0
+        for column in self._recorder.columns:
+            if column.remembers and not column.given_up:
+                self._restart(column, mask)
+
+    def _restart(self, column: Column, mask: Mask) -> None:
+        env = int(np.flatnonzero(mask)[0])
+        try:
+            if column.batched:
+                column.measures[0].reset(mask.copy())  # type: ignore[attr-defined] # it remembers
+            else:
+                for number in np.flatnonzero(mask):
+                    env = int(number)
+                    column.measures[env].reset()  # type: ignore[attr-defined]
+        except Exception as error:  # whatever rewards of users raise
+            self._recorder.give_up(column, env, self._episodes[env], 0, error)
+
+    def _write(self, step: BatchStep, terminated: Mask, truncated: Mask) -> Float:
+        numbers = np.full((self.num_envs, len(self._recorder.columns)), np.nan)
+        if not step.live.any():
+            return numbers
+        for index, column in enumerate(self._recorder.columns):
+            if not column.given_up:
+                self._measure(column, step, numbers[:, index])
+        if self._recorder.trained is not None:
+            self._require_paid(numbers[:, self._recorder.trained], step)
+        envs = np.arange(self.num_envs)
+        time = np.full(self.num_envs, self._time)
+        rows = np.column_stack([time, envs, self._episodes, self._steps, numbers, terminated, truncated])
+        self._recorder.write(rows[step.live])
+        return numbers
+
+    def _measure(self, column: Column, step: BatchStep, numbers: Float) -> None:
+        """Fill in what a column says of the envs, (num_envs,); where it fails it is given up, the rest is NaN."""
+        env = int(np.flatnonzero(step.live)[0])
+        try:
+            values, told, one = _ways_to_measure(column, step)
+            at_once = step.live & told & np.isfinite(values)
+            numbers[at_once] = values[at_once]
+            for number in np.flatnonzero(step.live & ~at_once):
+                env = int(number)
+                try:
+                    numbers[env] = as_number(one(env))
+                except Untold:
+                    if step.ended[env] or not column.may_be_untold:
+                        raise
+        except Exception as error:  # whatever rewards of users raise
+            numbers[env:] = np.nan
+            self._recorder.give_up(column, env, self._episodes[env], self._steps[env], error)
+
+    def _require_paid(self, numbers: Float, step: BatchStep) -> None:
+        apart = np.flatnonzero(step.live & differs(numbers, step.paid))
+        if len(apart):
+            env = int(apart[0])
+            self._recorder.tell_paid_otherwise(numbers[env], step.paid[env], env, self._episodes[env], self._steps[env])
+
+
+def _ways_to_measure(column: Column, step: BatchStep) -> tuple[Float, Mask, Callable[[int], Any]]:
+    """What a column says of all envs at once, of which of them it does, and how it is asked of a single one."""
+    count = len(step.live)
+    if column.is_own:
+        return step.paid, step.live, step.paid.__getitem__
+    if column.batched:
+        values = np.asarray(column.measures[0](step.before, step.actions, step.after, step.infos), float)
+        if values.shape != (count,):
+            raise ValueError(f"it is an array of shape {values.shape}, not {(count,)}")
+        return values, step.live, values.__getitem__
+    key = column.key
+    if key is not None:
+        return *step.told_numbers(key), lambda env: step.told(key, env)
+
+    def call(env: int) -> Any:
+        measure = column.measures[env]
+        return measure(step.each_before[env], step.each_action[env], step.each_after[env], step.info(env))
+
+    return np.zeros(count), np.zeros(count, bool), call

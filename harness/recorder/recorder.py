@@ -1,0 +1,178 @@
+"""What both wrappers share: the columns, what is done when one fails, and the files."""
+
+import copy
+import os
+import warnings
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from harness.errors import StorageError, UsageError, one_line
+from harness.record.recording.facts import REWARD, Failure, TrainingFacts
+from harness.record.recording.recording_writer import RecordingWriter, Rows
+from harness.recorder.column import OWN, Column, Given, columns_of, source_of
+from harness.recorder.env_facts import env_facts, versions_of
+
+OnError = Literal["warn", "raise"]
+
+
+class Recorder:
+    """Takes steps of an env and writes them.
+
+    Attributes:
+        columns: The numbers of a row, in order.
+        pays: Index of the column that the learner is paid; None where it is paid by the env.
+        trained: Index of the column that the env should pay; None where the column is what the env pays, or differed.
+    """
+
+    def __init__(
+        self,
+        env: Any,
+        path: str | os.PathLike[str],
+        *,
+        trained_with: str,
+        rewards: Mapping[str, Given],
+        behaviour: Mapping[str, Given],
+        lower_is_better: Collection[str],
+        seed: int | None,
+        evaluation: bool,
+        pay: bool,
+        num_envs: int,
+        number: int,
+        resume: bool,
+        on_error: OnError,
+        batched: Collection[str] = (),
+    ) -> None:
+        """Check what was given, then start the files; see `harness.recorder.record_rewards.RecordRewards`.
+
+        Raises:
+            UsageError: What was given cannot be used.
+            StorageError: The files cannot be written.
+        """
+        if on_error not in {"warn", "raise"}:
+            raise UsageError(f"on_error={on_error!r}: it is 'warn' or 'raise'")
+        if not isinstance(number, int) or number < 0:
+            raise UsageError(f"number={number!r}: recorders of one training are numbered 0, 1, 2 ...")
+        for name in lower_is_better:
+            if name not in behaviour:
+                raise UsageError(f"lower_is_better names {name!r}, which is none of the measures {sorted(behaviour)}")
+        rewards = _with_own(rewards, trained_with)
+        self.columns = columns_of(rewards, behaviour, num_envs, frozenset(batched))
+        index = [column.name for column in self.columns].index(f"{REWARD}{trained_with}")
+        self.trained = None if evaluation or pay or self.columns[index].is_own else index
+        self.pays = index if pay else None
+        self._path, self._on_error, self._stopped = Path(path), on_error, False
+        facts = TrainingFacts(
+            rewards=tuple(rewards),
+            trained_with=trained_with,
+            behaviour=tuple(behaviour),
+            lower_is_better=tuple(name for name in behaviour if name in lower_is_better),
+            evaluation=evaluation,
+            seed=seed,
+            num_envs=num_envs,
+            env=env_facts(env),
+            versions=versions_of(env),
+            sources={column.name: source_of(column.given) for column in self.columns},
+        )
+        try:
+            self._writer = RecordingWriter(self._path, facts, number, resume)
+        except OSError as error:
+            raise StorageError(f"'{path}' cannot be written: {error.strerror or error}") from error
+        failed = {failure.column for failure in self._writer.facts.failures}
+        for column in self.columns:
+            column.given_up = column.name in failed
+            if column.given_up and pay and column is self.columns[index]:
+                self._writer.close()
+                raise UsageError(f"'{path}': {column.noun} failed before, and pays the learner: name another path")
+        self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
+
+    def note_seed(self, seed: Any) -> None:
+        """Keep the first seed that the env was reset with."""
+        if seed is not None and self._writer.facts.seed is None:
+            several = isinstance(seed, (list, tuple, np.ndarray))
+            kept = tuple(None if one is None else int(one) for one in seed) if several else int(seed)
+            self._writer.facts = replace(self._writer.facts, seed=kept)
+
+    def give_up(self, column: Column, env: int, episode: int, step: int, error: Exception) -> None:
+        """Note that a column has failed, and tell it.
+
+        Raises:
+            UsageError: The user wants errors raised, or the learner is paid by this reward.
+        """
+        column.given_up = True
+        failure = Failure(column.name, int(env), int(episode), int(step), one_line(error))
+        self._writer.facts = replace(self._writer.facts, failures=(*self._writer.facts.failures, failure))
+        where = f"{column.noun} failed in env {env}, episode {episode}, step {step}: {one_line(error)}"
+        if self.pays is not None and column is self.columns[self.pays]:
+            raise UsageError(f"{where}. It pays the learner, so the training cannot go on") from error
+        self._tell(where, "The training goes on; from this step on it is recorded as NaN", error)
+
+    def tell_paid_otherwise(self, value: float, paid: float, env: int, episode: int, step: int) -> None:
+        """Note the first step in which the env paid something else than the reward named `trained_with`, and tell it.
+
+        Raises:
+            UsageError: The user wants errors raised.
+        """
+        name, self.trained = self._writer.facts.trained_with, None
+        where = f"env {env}, episode {episode}, step {step}: the env paid {paid:.9g}, {name!r} {value:.9g}"
+        self._writer.facts = replace(self._writer.facts, paid_otherwise=where)
+        self._tell(
+            f"the learner is not paid by trained_with={name!r}: {where}",
+            f'What it is paid can be recorded too: rewards={{..., "{OWN}": "{OWN}"}}, trained_with="{OWN}"',
+        )
+
+    def write(self, rows: Rows) -> None:
+        """Write rows.
+
+        Raises:
+            StorageError: They cannot be written, and the user wants errors raised.
+        """
+        if self._stopped:
+            return
+        try:
+            self._writer.append(rows)
+        except OSError as error:
+            self._stopped = True
+            self._tell(
+                f"'{self._path}' cannot be written: {error.strerror or error}", "Nothing more is recorded", error
+            )
+
+    def close(self) -> None:
+        """Write what is left; what comes later is not recorded.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        self._stopped = True
+        self._writer.close()
+
+    def _tell(self, problem: str, rest: str, error: Exception | None = None) -> None:
+        if self._on_error == "raise":
+            kind = StorageError if isinstance(error, OSError) else UsageError
+            raise kind(problem) from error
+        warnings.warn(f"{problem}. {rest}", stacklevel=5)
+
+
+def _with_own(rewards: Mapping[str, Given], trained_with: str) -> dict[str, Given]:
+    """The rewards, and under the name ``own`` what the env pays where the learner is trained with that."""
+    if trained_with in rewards:
+        return dict(rewards)
+    if trained_with == OWN:
+        return {**rewards, OWN: OWN}
+    raise UsageError(
+        f"trained_with={trained_with!r} is none of the rewards {sorted(rewards)}: name one of them, or record what the "
+        f'env pays under this name, rewards={{..., "{trained_with}": "{OWN}"}}'
+    )
+
+
+def differs(value: Any, paid: Any) -> Any:
+    """Whether a reward is another number than what the env paid, by more than float32 loses; not where it is NaN."""
+    return abs(value - paid) > 1e-6 + 1e-5 * abs(paid)
+
+
+def kept(observation: Any) -> Any:
+    """A copy: envs may write the next observation into the same place."""
+    return observation.copy() if isinstance(observation, np.ndarray) else copy.deepcopy(observation)

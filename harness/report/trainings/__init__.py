@@ -1,0 +1,1 @@
+"""What recorded trainings in any env say, as a terminal and a page show it."""

@@ -1,0 +1,129 @@
+"""A study of recorded trainings, as a terminal shows it."""
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from harness.eta.scored_sums import BB, KK
+from harness.report.grid_table import show_grid
+from harness.report.overview_table import STYLES
+from harness.report.rows import (
+    SPLIT,
+    Grid,
+    answer_text,
+    format_number,
+    index_grid,
+    ratio_grid,
+    ratio_text,
+    split_grid,
+    sum_grid,
+)
+from harness.report.trainings.rows import (
+    READING,
+    RETURNS,
+    SCALES,
+    TABLE,
+    TESTS,
+    behaviour_grid,
+    claims_text,
+    paid_grid,
+    pair_text,
+    return_splits,
+    returns_grid,
+    study_text,
+    text_of,
+)
+from harness.results.overview import NOTHING
+from harness.trainings.comparison import Comparison
+from harness.trainings.study import Study
+
+HEADINGS = ("", "the agent", "return", "eta", "ruler", "behaviour")
+OVERVIEW = (
+    "return: baseline > proposed, each training paid by its own reward. eta = ruler x behaviour is the ratio of both; the "
+    "ruler is what comes from counting the same episodes otherwise."
+)
+
+
+def study_overview(study: Study, details: str) -> RenderableType:
+    """A line per comparison, the full table of returns, and of a single comparison the answers in sentences.
+
+    Args:
+        study: What is told.
+        details: The command that shows all that this rests on.
+    """
+    comparisons = study.comparisons
+    parts: list[RenderableType] = [Text(study_text(study), style="bold"), *_notes(study)]
+    parts += show_grid(paid_grid(study, _first_manner(study)))
+    headings = (*HEADINGS, *(name.replace("_", " ") for name in study.runs.measures[:1]))
+    parts += show_grid(Grid(headings, [_line(it) for it in comparisons], []), STYLES)
+    parts += [Text(), Text(OVERVIEW, style="dim")]
+    if len(comparisons) == 1:
+        parts += [part for line in _sentences(comparisons[0]) for part in (Text(), Text(line))]
+    else:
+        parts += [Text(), *(Text(line) for line in dict.fromkeys(it.basis for it in comparisons if it.basis))]
+    return Group(*parts, Text(), Text(f"Everything that this rests on: {details}"))
+
+
+def study_table(study: Study) -> RenderableType:
+    """All of every comparison: returns first, then how they split, then what the agent did."""
+    parts: list[RenderableType] = [Text(study_text(study), style="bold"), *_notes(study), Text()]
+    for comparison in study.comparisons:
+        parts += _block(study, comparison)
+    parts.append(Text(" ".join([SCALES, SPLIT, READING, TESTS])))
+    for manner in study.tables:
+        parts += show_grid(paid_grid(study, manner))
+    return Group(*parts, Text(TABLE))
+
+
+def _block(study: Study, comparison: Comparison) -> list[RenderableType]:
+    headline = comparison.headline
+    parts: list[RenderableType] = [Text(pair_text(comparison), style="bold")]
+    if not comparison.seeds:
+        return [*parts, Text(headline.robot), Text()]
+    seeds = ", ".join(map(str, comparison.seeds))
+    parts += [Text(f"Seeds {seeds} compared"), *show_grid(returns_grid(comparison)._replace(title=RETURNS))]
+    parts += [Text(), Text("The number", style="bold"), Text(comparison.number)]
+    returns = return_splits(comparison)
+    grids = [ratio_grid(returns), split_grid(returns)]
+    splits = comparison.splits
+    if splits and comparison.indices is not None:
+        grids += [
+            ratio_grid(splits)._replace(title="I_N and I_P of the summed reward: eta = proposed / baseline"),
+            split_grid(splits),
+            sum_grid(comparison.indices.total),
+            index_grid(comparison.indices, study.kind),
+        ]
+    for grid in grids:
+        parts += show_grid(grid)
+    parts += [Text(), Text(f"The agent: {answer_text(headline)}", style="bold"), Text(headline.robot)]
+    parts += [Text(comparison.basis), Text(claims_text(comparison))]
+    for manner in comparison.episodes:
+        parts += show_grid(behaviour_grid(comparison, manner))
+    return [*parts, Text()]
+
+
+def _notes(study: Study) -> list[RenderableType]:
+    return [Text(f"{line}.") for line in study.runs.notes]
+
+
+def _first_manner(study: Study) -> str:
+    """The one that verdicts look at."""
+    return next(iter(study.comparisons)).manner
+
+
+def _line(comparison: Comparison) -> tuple[str, ...]:
+    """What stands under `HEADINGS`."""
+    main, change = comparison.main, comparison.decisive
+    measures = [] if comparison.deciding is None else [NOTHING]
+    if change is not None:
+        text = text_of(change)
+        measures = [f"{text(change.baseline)} > {text(change.proposed)}"]
+    returns, ratios = NOTHING, (NOTHING,) * 3
+    if main is not None:
+        returns = f"{format_number(main.returns[BB].mean)} > {format_number(main.returns[KK].mean)}"
+        ratios = tuple(map(ratio_text, (main.ratio.eta, main.ratio.ruler, main.ratio.behaviour)))
+    return (pair_text(comparison), answer_text(comparison.headline), returns, *ratios, *measures)
+
+
+def _sentences(comparison: Comparison) -> list[str]:
+    headline = comparison.headline
+    return [line for line in (headline.robot, comparison.basis, headline.number) if line]

@@ -1,0 +1,108 @@
+"""A recorded training by its finished episodes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.record.recording.facts import BEHAVIOUR, OWN_SOURCE, REWARD
+from harness.record.recording.recorded_training import RecordedTraining
+
+
+UNKNOWN = "not a number in some episodes"
+
+
+class Part(NamedTuple):
+    """What the episodes of a stretch of a training come to: means over these episodes."""
+
+    episodes: int
+    returns: Mapping[str, float | None]
+    """By reward; None where there is none."""
+    behaviour: Mapping[str, float | None]
+    """By measure."""
+    reasons: Mapping[str, str]
+    """Why there is none, by the names of both."""
+
+
+@dataclass(frozen=True, eq=False)
+class Episodes:
+    """The finished episodes of a recording, in the order in which they ended. All arrays are (episodes,).
+
+    Attributes:
+        last: Row of the last step of each, counted from 0.
+        returns: By reward, the sum over the episode; NaN where the reward was given up.
+        behaviour: By measure, the value in its last step; NaN where the measure was given up.
+        reasons: By column of a reward or a measure that is not known: why.
+    """
+
+    last: NDArray[np.int64]
+    returns: Mapping[str, Float]
+    behaviour: Mapping[str, Float]
+    reasons: Mapping[str, str]
+
+    def part(self, begin: int, end: int) -> Part:
+        """The episodes that ended in the rows from `begin` to `end`, the latter not included."""
+        inside = slice(*np.searchsorted(self.last, [begin, end]).tolist())
+        count = len(self.last[inside])
+        sides = ({name: _mean(values[inside]) for name, values in side.items()} for side in (self.returns, self.behaviour))
+        returns, behaviour = sides
+        missing = [*((REWARD, it) for it in returns if returns[it] is None)]
+        missing += [(BEHAVIOUR, it) for it in behaviour if behaviour[it] is None]
+        reasons = {
+            name: self.reasons.get(f"{kind}{name}", UNKNOWN) if count else "no episode ended" for kind, name in missing
+        }
+        return Part(count, returns, behaviour, reasons)
+
+    def is_flag(self, measure: str) -> bool:
+        """Whether a measure is 0 or 1 in every episode: its mean is a share of episodes."""
+        return bool(np.isin(self.behaviour[measure], (0.0, 1.0)).all())
+
+
+def episodes_of(recording: RecordedTraining) -> Episodes:
+    """The episodes of a recording; one that had not ended is left out."""
+    ended = np.flatnonzero(recording.terminated | recording.truncated)
+    most = int(recording.episode.max(initial=0)) + 1
+    _, numbers = np.unique(recording.env.astype(np.int64) * most + recording.episode, return_inverse=True)
+    mistaken = _mistaken(recording)
+    returns = {
+        name: np.full(len(ended), np.nan) if name in mistaken else np.bincount(numbers, values)[numbers[ended]]
+        for name, values in recording.rewards.items()
+    }
+    given_up = {
+        failure.column: f"given up in step {failure.step:,} of episode {failure.episode:,}: {failure.reason}"
+        for failure in recording.facts.failures
+    }
+    paid = f"recorded as what the env pays, and that was {recording.facts.trained_with} here"
+    return Episodes(
+        ended,
+        returns,
+        {name: values[ended] for name, values in recording.behaviour.items()},
+        {**given_up, **{f"{REWARD}{name}": paid for name in mistaken}},
+    )
+
+
+def _mistaken(recording: RecordedTraining) -> list[str]:
+    """Rewards recorded as what the env pays where the env paid the reward that the learner was trained with.
+
+    Under their names other trainings have another reward.
+    """
+    facts = recording.facts
+    trained = recording.rewards[facts.trained_with]
+    return [
+        name
+        for name, values in recording.rewards.items()
+        if name != facts.trained_with
+        and f"{REWARD}{name}" in facts.sources
+        and facts.sources[f"{REWARD}{name}"].text == OWN_SOURCE
+        and np.allclose(values, trained, rtol=1e-5, atol=1e-6)
+    ]
+
+
+def _mean(values: Float) -> float | None:
+    """None without any, and where one is not known."""
+    if not len(values) or np.isnan(values).any():
+        return None
+    return float(values.mean())

@@ -1,0 +1,244 @@
+"""The recorded trainings below a folder, read once, and what makes them one study."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+from harness.arrays import Float
+from harness.errors import SchemaError, UsageError
+from harness.record.recording.facts import TrainingFacts
+from harness.record.recording.recorded_training import facts_name, read_recording
+from harness.trainings.episodes import Episodes, Part, episodes_of
+
+LAST_SHARE = 0.2
+"""The last part of a training, as a share of its steps."""
+TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evaluations"
+"""Where episodes are taken from."""
+MANNERS = (EVALUATION, LAST, TRAINING)
+"""What says most about the final policies comes first."""
+NO_NAME = "an env without a name"
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One recorded training, its steps left in their files.
+
+    Attributes:
+        path: Its folder.
+        facts: What is known beside its steps.
+        seed: Of the training, or the number that it was given.
+        steps: How many environment steps are recorded.
+        episodes: All that ended.
+        evaluation: Those of its final policy, where they were recorded.
+    """
+
+    path: Path
+    facts: TrainingFacts
+    seed: int
+    steps: int
+    episodes: Episodes
+    evaluation: "Run | None" = None
+
+    @property
+    def reward(self) -> str:
+        """That it was trained with."""
+        return self.facts.trained_with
+
+    def parts(self, steps: int) -> dict[str, Part]:
+        """By manner, the training cut to so many steps."""
+        found = {
+            LAST: self.episodes.part(round((1.0 - LAST_SHARE) * steps), steps),
+            TRAINING: self.episodes.part(0, steps),
+        }
+        if self.evaluation is None:
+            return found
+        return {EVALUATION: self.evaluation.episodes.part(0, self.evaluation.steps), **found}
+
+    def paid_by(self, reward: str) -> Float:
+        """What a reward pays for each step, read from the files, (steps,)."""
+        return read_recording(self.path).rewards[reward]
+
+
+class Runs(NamedTuple):
+    """Trainings in one env that can be compared."""
+
+    env: str
+    rewards: tuple[str, ...]
+    """That scored them, in the order that they were given in."""
+    trained: tuple[str, ...]
+    """Those that taught a policy; the first one is the baseline."""
+    measures: tuple[str, ...]
+    """Of behaviour, in the order that they were given in; the first one decides."""
+    lower_is_better: frozenset[str]
+    members: Mapping[tuple[str, int], Run]
+    """By reward and seed."""
+    steps: int
+    """Of the shortest: all are cut to it."""
+    notes: tuple[str, ...]
+    """What to keep in mind, a line each."""
+    damaged: tuple[str, ...]
+    """What could not be read, a line each."""
+
+    def of(self, reward: str) -> list[Run]:
+        """Trainings with a reward, by seed."""
+        return [self.members[key] for key in sorted(self.members) if key[0] == reward]
+
+    def better(self, measure: str) -> str:
+        """``higher`` or ``lower``."""
+        return "lower" if measure in self.lower_is_better else "higher"
+
+    def is_flag(self, measure: str) -> bool:
+        """Whether it is 0 or 1 in every episode of every training."""
+        recorded = [run for run in self.members.values() if measure in run.facts.behaviour]
+        everything = [*recorded, *(run.evaluation for run in recorded if run.evaluation is not None)]
+        return all(run.episodes.is_flag(measure) for run in everything)
+
+
+def has_recordings(folder: Path) -> bool:
+    """Whether a recorded training lies somewhere in a folder."""
+    return next(_found(folder), None) is not None
+
+
+def read_runs(folder: Path) -> Runs:
+    """All recorded trainings in a folder, at any depth.
+
+    Raises:
+        UsageError: There are none, or none that can be compared.
+    """
+    everything, damaged = _read_all(folder)
+    if not everything:
+        told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
+        raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
+    env, env_notes = _env_of(folder, everything)
+    seeds, seed_notes = _with_seeds([it for it in everything if not it.facts.evaluation])
+    evaluations, evaluation_notes = _evaluations(folder, [it for it in everything if it.facts.evaluation], seeds)
+    members = {key: replace(run, evaluation=evaluations.get(key)) for key, run in _by_key(seeds).items() if run.steps}
+    empty = [f"'{run.path}' is left out: it has no steps" for run in seeds if not run.steps]
+    rewards = _in_order(run.facts.rewards for run in members.values())
+    trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
+    if len(trained) < 2:
+        told = f"all trainings in it were trained with {trained[0]}" if trained else "no training in it has a step"
+        raise UsageError(
+            f"'{folder}' has nothing to compare: {told}. Train with another of its rewards too, and record that beside"
+        )
+    shortest = min(run.steps for run in members.values())
+    notes = [*env_notes, *seed_notes, *evaluation_notes, *empty, *_cut_notes(members.values(), shortest)]
+    notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
+    return Runs(
+        env,
+        rewards,
+        trained,
+        _in_order(run.facts.behaviour for run in members.values()),
+        frozenset(name for run in members.values() for name in run.facts.lower_is_better),
+        members,
+        shortest,
+        tuple(notes),
+        tuple(damaged),
+    )
+
+
+def _found(folder: Path) -> Iterator[Path]:
+    return (path.parent for path in folder.rglob(facts_name(0)))
+
+
+def _read_all(folder: Path) -> tuple[list[Run], list[str]]:
+    runs, damaged = [], []
+    for path in sorted(_found(folder)):
+        try:
+            recording = read_recording(path)
+        except SchemaError as error:
+            damaged.append(str(error))
+            continue
+        seed = _seed_of(recording.facts)
+        runs.append(Run(path, recording.facts, -1 if seed is None else seed, len(recording), episodes_of(recording)))
+    return runs, damaged
+
+
+def _seed_of(facts: TrainingFacts) -> int | None:
+    seeds = facts.seed if isinstance(facts.seed, tuple) else (facts.seed,)
+    return next((seed for seed in seeds if seed is not None), None)
+
+
+def _env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
+    """The one env of all."""
+    names: dict[str, Path] = {}
+    for run in runs:
+        names.setdefault(str(run.facts.env.get("id") or NO_NAME), run.path)
+    if len(names) > 1:
+        told = ", ".join(f"{name} ('{path}')" for name, path in names.items())
+        raise UsageError(f"'{folder}' mixes trainings in several envs: {told}. Name a folder of one env")
+    given = {str(run.facts.env.get("kwargs") or {}) for run in runs}
+    notes = [f"The env was made with different arguments: {' and '.join(sorted(given))}"] if len(given) > 1 else []
+    return next(iter(names)), notes
+
+
+def _with_seeds(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
+    """Whoever has no seed gets the lowest number that is free: any pairs do that do not depend on what came out."""
+    taken: dict[str, set[int]] = {}
+    for run in runs:
+        taken.setdefault(run.reward, set()).add(run.seed)
+    found, numbered = [], 0
+    for run in runs:
+        number = run.seed
+        if number < 0:
+            numbered += 1
+            number = next(free for free in range(len(runs) + 1) if free not in taken[run.reward])
+            taken[run.reward].add(number)
+        found.append(replace(run, seed=number))
+    told = f"{_count(numbered, 'training')} recorded without a seed: numbered in the order of their folders"
+    return found, [told] if numbered else []
+
+
+def _by_key(runs: Iterable[Run]) -> dict[tuple[str, int], Run]:
+    found: dict[tuple[str, int], Run] = {}
+    for run in runs:
+        other = found.setdefault((run.reward, run.seed), run)
+        if other is not run:
+            raise UsageError(
+                f"'{other.path}' and '{run.path}' were both trained with {run.reward} and seed {run.seed}: keep one, "
+                "or give every training a seed of its own"
+            )
+    return found
+
+
+def _evaluations(
+    folder: Path, runs: Sequence[Run], trainings: Sequence[Run]
+) -> tuple[dict[tuple[str, int], Run], list[str]]:
+    """Of the final policies, by reward and seed of their trainings."""
+    found = _by_key(_with_seeds(runs)[0])
+    known = {(run.reward, run.seed) for run in trainings}
+    lost = [run for key, run in found.items() if key not in known]
+    notes = [
+        f"'{run.path}' is left out: it evaluates {run.reward} of seed {run.seed}, whose training is not in '{folder}'"
+        for run in lost
+    ]
+    missing = len(known - found.keys())
+    if 0 < missing < len(known):
+        notes.append(f"{missing} of {_count(len(known), 'training')} have no evaluation beside them")
+    return {key: run for key, run in found.items() if key in known}, notes
+
+
+def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for some in names for name in some))
+
+
+def _cut_notes(runs: Iterable[Run], shortest: int) -> list[str]:
+    longer = [run for run in runs if run.steps > shortest]
+    last = next(run for run in runs if run.steps == shortest)
+    notes = [
+        f"All are cut to the {shortest:,} steps of the shortest, '{last.path}': {_count(len(longer), 'training')} went "
+        f"on, for {max(run.steps for run in longer):,} steps at most"
+    ] if longer else []
+    going = [run for run in runs if not run.facts.closed]
+    if going:
+        notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")
+    return notes
+
+
+def _quoted(run: Run) -> str:
+    return f"'{run.path}'"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number:,} {noun}" + "s" * (number != 1)

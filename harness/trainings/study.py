@@ -1,0 +1,113 @@
+"""All recorded trainings of a folder, compared."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+from harness.eta.curve import Kind
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.swaps import corrected_p, swaps_of
+from harness.trainings.comparison import Comparison, compare
+from harness.trainings.runs import MANNERS, Runs, read_runs
+
+Table = Mapping[tuple[str, str], SeedMean]
+"""R_r(q) over all seeds, by (r, q): who pays, and whose trainings are paid."""
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What the recorded trainings in a folder say.
+
+    Attributes:
+        folder: Where they lie.
+        runs: The trainings.
+        comparisons: Every reward that taught a policy against every one before it.
+        tables: By manner, the full table of mean returns.
+        kind: Which curves I_N and I_P are read from.
+    """
+
+    folder: Path
+    runs: Runs
+    comparisons: tuple[Comparison, ...]
+    tables: Mapping[str, Table]
+    kind: Kind
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        runs = self.runs
+        return {
+            "env": runs.env,
+            "rewards": list(runs.rewards),
+            "trained": list(runs.trained),
+            "steps": runs.steps,
+            "curve": self.kind,
+            "notes": list(runs.notes),
+            "damaged": list(runs.damaged),
+            "comparisons": [comparison.to_json() for comparison in self.comparisons],
+            "returns": {
+                manner: [
+                    {"paid_by": payer, "trained_by": trained, **mean.to_json()}
+                    for (payer, trained), mean in table.items()
+                ]
+                for manner, table in self.tables.items()
+            },
+            "trainings": [
+                {
+                    "folder": run.path.relative_to(self.folder).as_posix(),
+                    "trained_by": run.reward,
+                    "seed": run.seed,
+                    "steps": run.steps,
+                    "parts": {manner: part._asdict() for manner, part in run.parts(runs.steps).items()},
+                }
+                for run in runs.members.values()
+            ],
+        }
+
+
+def load_study(folder: str | Path, kind: Kind = "accumulated") -> Study:
+    """The recorded trainings in a folder, at any depth, compared.
+
+    Args:
+        folder: Where they lie.
+        kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
+
+    Raises:
+        UsageError: There are none, or none that can be compared.
+    """
+    runs = read_runs(Path(folder))
+    swaps = swaps_of(sorted({seed for _, seed in runs.members}))
+    found = [compare(runs, *pair, swaps, kind) for pair in combinations(runs.trained, 2)]
+    return Study(Path(folder), runs, _corrected(found), _tables(runs), kind)
+
+
+def _corrected(family: list[Comparison]) -> tuple[Comparison, ...]:
+    """With p-values that hold for all of their claims together."""
+    claims = [outcomes for comparison in family for outcomes in comparison.outcomes]
+    corrected = iter(corrected_p([outcomes for outcomes in claims if outcomes is not None]))
+    p_values = iter([None if outcomes is None else next(corrected) for outcomes in claims])
+    count = sum(outcomes is not None for outcomes in claims)
+    return tuple(comparison.with_corrected(p_values, count) for comparison in family)
+
+
+def _tables(runs: Runs) -> dict[str, Table]:
+    parts = {key: run.parts(runs.steps) for key, run in runs.members.items()}
+    there = [manner for manner in MANNERS if any(manner in found for found in parts.values())]
+    return {
+        manner: {
+            (payer, trained): _mean(runs, parts, manner, payer, trained)
+            for payer in runs.rewards
+            for trained in runs.trained
+        }
+        for manner in there
+    }
+
+
+def _mean(runs: Runs, parts: Mapping[tuple[str, int], Any], manner: str, payer: str, trained: str) -> SeedMean:
+    members = [found[manner] for (name, _), found in parts.items() if name == trained and manner in found]
+    known = [part.returns[payer] for part in members if part.returns.get(payer) is not None]
+    seeds = len(runs.of(trained))
+    reasons = (part.reasons.get(payer, "not recorded") for part in members if part.returns.get(payer) is None)
+    why = next(reasons, "not recorded")
+    return mean_over_seeds(known, f"{seeds - len(known)} of {seeds} seeds have none: {why}" if len(known) < seeds else None)

@@ -1,0 +1,261 @@
+"""The folder of a recorded training: what is written is read, and what is damaged is named."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from harness.errors import NewerFormat, SchemaError, UsageError
+from harness.files.sealed import seal, unseal
+from harness.record.recording import recorded_training
+from harness.record.recording.facts import Failure, Source, TrainingFacts
+from harness.record.recording.recorded_training import (
+    RecordedTraining,
+    facts_name,
+    is_recording,
+    part_name,
+    read_recording,
+)
+from harness.record.recording.recording_writer import RecordingWriter, write_recording
+
+FACTS = TrainingFacts(
+    rewards=("v1", "v2"),
+    trained_with="v2",
+    behaviour=("success",),
+    num_envs=2,
+    seed=7,
+    env={"id": "Some-v0", "kwargs": {"gravity": 9.81}},
+    versions={"gymnasium": "1.2"},
+    sources={"reward_v1": Source("a" * 64, "def v1(): ..."), "reward_v2": Source("", "what the env pays")},
+    failures=(Failure("reward_v1", env=1, episode=3, step=0, reason="ValueError: no"),),
+)
+
+
+def _training(calls: int, facts: TrainingFacts = FACTS) -> RecordedTraining:
+    """Two envs, episodes of five steps."""
+    time = np.repeat(np.arange(calls), 2)
+    numbers = np.random.default_rng(0).normal(size=(3, len(time)))
+    return RecordedTraining(
+        facts=facts,
+        time=time,
+        env=np.tile(np.arange(2, dtype=np.int32), calls),
+        episode=(time // 5).astype(np.int32),
+        step=(time % 5).astype(np.int32),
+        rewards={"v1": numbers[0], "v2": numbers[1]},
+        behaviour={"success": numbers[2]},
+        terminated=time % 5 == 4,
+        truncated=np.zeros(len(time), bool),
+    )
+
+
+@pytest.fixture
+def small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Parts of seven steps."""
+    for module in ("recorded_training", "recording_writer"):
+        monkeypatch.setattr(f"harness.record.recording.{module}.PART_ROWS", 7)
+
+
+def _require_same(found: RecordedTraining, expected: RecordedTraining) -> None:
+    for name in ("time", "env", "episode", "step", "terminated", "truncated"):
+        one, other = getattr(found, name), getattr(expected, name)
+        assert one.dtype == other.dtype
+        assert np.array_equal(one, other), name
+    for one, other in ((found.rewards, expected.rewards), (found.behaviour, expected.behaviour)):
+        assert list(one) == list(other)
+        assert all(np.array_equal(one[name], other[name], equal_nan=True) for name in one)
+
+
+@pytest.mark.parametrize("calls", [0, 3, 7, 20])
+@pytest.mark.usefixtures("small_parts")
+def test_what_is_written_is_read(tmp_path: Path, calls: int):
+    """To the last bit, whether parts are full or not; and the facts."""
+    write_recording(tmp_path / "run", _training(calls))
+    found = read_recording(tmp_path / "run")
+    _require_same(found, _training(calls))
+    assert found.facts == replace(FACTS, closed=True)
+    assert len(found) == 2 * calls
+    assert len(list((tmp_path / "run").glob("steps-0-*.parquet"))) == -(-2 * calls // 7)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, small_parts: None) -> Path:
+    """A recording of 20 steps in three parts."""
+    write_recording(tmp_path / "run", _training(10))
+    return tmp_path / "run"
+
+
+def test_recording_is_told_from_other_folders(folder: Path):
+    """By its file of facts."""
+    assert is_recording(folder)
+    assert not is_recording(folder.parent)
+    with pytest.raises(SchemaError, match=r"is no recording of a training: it has no recording-0\.json"):
+        read_recording(folder.parent)
+
+
+def test_envs_of_several_recorders_are_numbered_on(folder: Path):
+    """Rows stand in the order of time, and so do the failures' envs."""
+    expected = _training(10)
+    writer = RecordingWriter(folder, replace(FACTS, num_envs=1, seed=8, paid_otherwise="here"), number=3)
+    writer.append([[4, 0, 0, 0, 10.0, 20.0, 30.0, True, False]])
+    assert len(read_recording(folder)) == len(expected)  # the writer has not written its step yet
+    writer.close()
+    found = read_recording(folder)
+    assert found.env[8:11].tolist() == [0, 1, 2]
+    assert found.time[8:11].tolist() == [4, 4, 4]
+    assert found.rewards["v2"][10] == 20.0
+    assert (len(found), found.facts.num_envs, found.facts.seed) == (len(expected) + 1, 3, 7)
+    assert [failure.env for failure in found.facts.failures] == [1, 3]
+    assert found.facts.paid_otherwise == "here"
+
+
+def test_recording_is_closed_when_all_its_recorders_are(folder: Path):
+    """One that still records, or was killed, leaves it open."""
+    writer = RecordingWriter(folder, replace(FACTS, num_envs=1), number=1)
+    assert not read_recording(folder).facts.closed
+    writer.close()
+    assert read_recording(folder).facts.closed
+
+
+def test_recorders_of_other_rewards_are_not_one_training(folder: Path):
+    """The message names both files."""
+    RecordingWriter(folder, replace(FACTS, trained_with="v1"), number=1).close()
+    with pytest.raises(SchemaError, match=r"recording-1\.json and recording-0\.json tell of different rewards"):
+        read_recording(folder)
+
+
+@pytest.mark.usefixtures("small_parts")
+@pytest.mark.parametrize("calls", [2, 7, 9])
+def test_recording_goes_on_as_if_it_had_not_stopped(tmp_path: Path, calls: int):
+    """Behind a part that is full or not."""
+    whole = _training(12)
+    rows = np.stack([whole.time, whole.env, whole.episode, whole.step, *whole.rewards.values(),
+                     *whole.behaviour.values(), whole.terminated, whole.truncated], axis=1)  # fmt: skip
+    for part in (rows[: 2 * calls], rows[2 * calls :]):
+        writer = RecordingWriter(tmp_path, FACTS, resume=True)
+        writer.append(part)
+        writer.close()
+    _require_same(read_recording(tmp_path), whole)
+
+
+@pytest.mark.usefixtures("small_parts")
+def test_episodes_go_on_where_each_env_was(tmp_path: Path):
+    """Even of an env whose last step stands in an earlier part."""
+    facts = replace(FACTS, num_envs=3)
+    writer = RecordingWriter(tmp_path, facts)
+    writer.append([[0, 1, 5, 0, 0, 0, 0, False, False]] + [[t, 0, t, 0, 0, 0, 0, False, False] for t in range(1, 20)])
+    writer.close()
+    again = RecordingWriter(tmp_path, facts, resume=True)
+    assert (again.next_time, again.next_episodes.tolist()) == (20, [20, 6, 0])
+    again.close()
+
+
+def test_fork_does_not_close_the_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A process that inherited the writer writes nothing."""
+    writer = RecordingWriter(tmp_path, FACTS)
+    with monkeypatch.context() as patch:
+        patch.setattr("os.getpid", lambda: -1)
+        writer.close()
+    assert not read_recording(tmp_path).facts.closed
+    writer.close()
+    assert read_recording(tmp_path).facts.closed
+
+
+def _change_facts(folder: Path, **change: object) -> None:
+    path = folder / facts_name(0)
+    path.write_bytes(seal({**unseal(path.read_bytes()), **change}))
+
+
+def _write_part(folder: Path, part: int, **change: object) -> None:
+    path = folder / part_name(0, part)
+    table = pq.read_table(path)
+    for name, value in change.items():
+        values = table.column(name).to_numpy().copy()
+        values[0] = value
+        table = table.set_column(table.schema.get_field_index(name), table.schema.field(name), pa.array(values))
+    pq.write_table(table, path)
+
+
+def _flip(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[len(content) // 3] ^= 0xFF
+    path.write_bytes(content)
+
+
+DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
+    "facts flipped": (lambda folder: _flip(folder / facts_name(0)), "recording-0.json"),
+    "facts of another form": (lambda folder: _change_facts(folder, num_envs="two"), "num_envs: Input should be"),
+    "trained with none of them": (lambda folder: _change_facts(folder, trained_with="v3"), "'v3', which is none of"),
+    "a name twice": (lambda folder: _change_facts(folder, rewards=["v2", "v2"]), "a name stands twice"),
+    "other columns": (lambda folder: _change_facts(folder, behaviour=["x"]), "has other columns than recording-0.json"),
+    "part flipped": (lambda folder: _flip(folder / part_name(0, 1)), "steps-0-00001.parquet"),
+    "part missing": (lambda folder: (folder / part_name(0, 1)).unlink(), "steps-0-00001.parquet"),
+    "part short": (lambda folder: _copy(folder, 2, 1), "steps-0-00001.parquet has 6 steps, not 7"),
+    "time back": (lambda folder: _write_part(folder, 1, time=0), "do not stand in the order of time"),
+    "env beyond": (lambda folder: _write_part(folder, 1, env=2), "steps of an env beyond its 2"),
+    "step below 0": (lambda folder: _write_part(folder, 1, step=-1), "a step or an episode below 0"),
+    "infinite": (lambda folder: _write_part(folder, 1, reward_v1=np.inf), "reward_v1 is infinite"),
+}
+
+
+def _copy(folder: Path, part: int, over: int) -> None:
+    (folder / part_name(0, over)).write_bytes((folder / part_name(0, part)).read_bytes())
+
+
+@pytest.mark.parametrize(("damage", "message"), DAMAGES.values(), ids=DAMAGES)
+def test_damage_is_named(folder: Path, damage: Callable[[Path], object], message: str):
+    """One line that names the file, or what is wrong with the whole."""
+    damage(folder)
+    with pytest.raises(SchemaError, match=re.escape(message)):
+        read_recording(folder)
+
+
+def test_newer_recording_is_named(folder: Path):
+    """It is not called damaged."""
+    _change_facts(folder, format=2)
+    with pytest.raises(NewerFormat, match="has format 2, this version reads up to 1"):
+        read_recording(folder)
+
+
+def test_bounds_are_held(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    """Of parts, their rows, and recorders."""
+    for name, message in (
+        ("MOST_PARTS", "3 parts, 2 are"),
+        ("PART_ROWS", "7 steps, 2 are"),
+        ("MOST_RECORDERS", "1 rec"),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(recorded_training, name, 2 if name != "MOST_RECORDERS" else 0)
+            with pytest.raises(SchemaError, match=message):
+                read_recording(folder)
+
+
+def test_whole_recording_is_not_written_over(folder: Path):
+    """What is there stays."""
+    with pytest.raises(UsageError, match="holds a recording already"):
+        write_recording(folder, _training(1))
+    assert len(read_recording(folder)) == 20
+
+
+def test_million_steps_take_30_megabytes(tmp_path: Path):
+    """At most, with two rewards and two measures whose digits nothing repeats; told by a tenth of them."""
+    count = 100_000
+    time = np.arange(count)
+    numbers = np.random.default_rng(0).normal(size=(3, count))
+    training = RecordedTraining(
+        facts=TrainingFacts(rewards=("v1", "v2"), trained_with="v1", behaviour=("distance", "success")),
+        time=time,
+        env=np.zeros(count, np.int32),
+        episode=(time // 200).astype(np.int32),
+        step=(time % 200).astype(np.int32),
+        rewards={"v1": numbers[0], "v2": numbers[1]},
+        behaviour={"distance": numbers[2], "success": (time % 200 > 150).astype(float)},
+        terminated=time % 200 == 199,
+        truncated=np.zeros(count, bool),
+    )
+    write_recording(tmp_path, training)
+    assert sum(path.stat().st_size for path in tmp_path.iterdir()) <= 3_000_000

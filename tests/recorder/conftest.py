@@ -1,0 +1,46 @@
+"""An env that counts, so that every recorded number is known."""
+
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.spaces import Box
+
+
+class Counting(gymnasium.Env[Any, Any]):
+    """Observes how many steps its episode has had, pays that number, and terminates after `length` steps."""
+
+    observation_space = Box(0, np.inf, (1,), np.float32)
+    action_space = Box(-1, 1, (1,), np.float32)
+    metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium declares it so)
+
+    def __init__(self, length: int = 3, fresh: bool = False) -> None:
+        self.length, self.count, self._fresh = length, 0, fresh
+        self._place = np.zeros(1, np.float32)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Count from 0; nothing is told yet."""
+        super().reset(seed=seed)
+        self.count = 0
+        return self._observed(), {}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Count on. `final` is told at the end alone, `other` never in the second step."""
+        self.count += 1
+        ended = self.count == self.length
+        info: dict[str, Any] = {"left": self.length - self.count, "words": "none"}
+        info |= {"final": True} if ended else {}
+        info |= {"other": 1.0} if self.count != 2 else {}
+        return self._observed(), float(self.count), ended, False, info
+
+    def _observed(self) -> Any:
+        self._place[0] = self.count  # the same array each time, as some envs do; Gymnasium's batches forbid it
+        return self._place.copy() if self._fresh else self._place
+
+
+@pytest.fixture
+def counting() -> Callable[..., Counting]:
+    """The env; its length can be given."""
+    return Counting

@@ -1,0 +1,125 @@
+import gymnasium
+import numpy as np
+import pytest
+
+import harness
+from harness.errors import UsageError
+from harness.record.recording.recorded_training import read_recording
+
+GIVEN = {"trained_with": "count", "seed": 3, "rewards": {"count": lambda before, action, after, info: float(after[0])}}
+
+
+def still(observation):
+    """A policy that does nothing."""
+    return np.zeros(1, np.float32)
+
+
+def test_whole_episodes_of_a_policy_are_recorded(counting, tmp_path):
+    """As many as asked for, marked as an evaluation of the training's seed."""
+    harness.evaluate_policy(still, counting(), tmp_path, episodes=4, behaviour={"left": "left"}, **GIVEN)
+    found = read_recording(tmp_path)
+    assert (found.facts.evaluation, found.facts.seed, found.facts.closed) == (True, 3, True)
+    assert found.terminated.sum() == 4
+    assert found.rewards["count"].tolist() == [1.0, 2.0, 3.0] * 4
+
+
+def test_every_policy_meets_the_same_episodes(counting, tmp_path):
+    """The env is reset with the same seeds, each once."""
+    seeds = []
+
+    class Told(counting):
+        def reset(self, *, seed=None, options=None):
+            seeds.append(seed)
+            return super().reset(seed=seed, options=options)
+
+    for name in "ab":
+        harness.evaluate_policy(still, Told(), tmp_path / name, episodes=3, **GIVEN)
+    assert seeds[:3] == seeds[3:]
+    assert len(set(seeds)) == 3
+
+
+def test_an_env_may_be_an_id(tmp_path):
+    """It is made, and closed."""
+    given = {**GIVEN, "rewards": {"count": lambda *step: 1.0}}
+    harness.evaluate_policy(lambda seen: 0, "CartPole-v1", tmp_path, episodes=1, **given)
+    assert read_recording(tmp_path).facts.env["id"] == "CartPole-v1"
+
+
+def test_an_env_that_was_given_stays_open(counting, tmp_path):
+    """Another policy may use it."""
+    env = counting()
+    env.close = lambda: pytest.fail("it was closed")
+    harness.evaluate_policy(still, env, tmp_path, episodes=1, **GIVEN)
+
+
+def test_what_the_env_pays_needs_not_be_what_taught(counting, tmp_path, recwarn):
+    """Nothing learns from it: nobody is warned."""
+    given = {**GIVEN, "rewards": {"count": lambda *step: -1.0}}
+    harness.evaluate_policy(still, counting(), tmp_path, episodes=1, **given)
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"episodes": 0}, "episodes=0: it takes one at least"),
+        ({"env": "Nowhere-v0"}, "env='Nowhere-v0' cannot be made: "),
+        ({"lower_is_better": ["left"]}, "lower_is_better names 'left', which is none of the measures"),
+    ],
+)
+def test_what_cannot_be_used_is_refused(counting, tmp_path, given, told):
+    """In a line, before anything is recorded."""
+    with pytest.raises(UsageError, match=told.replace("[", r"\[")):
+        harness.evaluate_policy(still, given.pop("env", counting()), tmp_path / "new", **{**GIVEN, **given})
+    assert not (tmp_path / "new").exists()
+
+
+def test_the_training_tells_its_seed(counting, tmp_path):
+    """Where it is given, the first reset does not change it."""
+    env = harness.RecordRewards(counting(), tmp_path, **GIVEN)
+    env.reset(seed=77)
+    env.close()
+    assert read_recording(tmp_path).facts.seed == 3
+
+
+def test_measures_of_which_less_is_better_are_recorded(counting, tmp_path):
+    """In the order of the measures."""
+    behaviour = {"left": "left", "speed": lambda *step: 1.0, "success": lambda *step: 0.0}
+    env = gymnasium.Wrapper(counting())
+    harness.RecordRewards(env, tmp_path, behaviour=behaviour, lower_is_better={"speed", "left"}, **GIVEN).close()
+    assert read_recording(tmp_path).facts.lower_is_better == ("left", "speed")
+
+
+def test_the_learner_can_be_paid_by_a_recorded_reward(counting, tmp_path):
+    """In place of what the env pays, which is recorded beside it."""
+    given = {**GIVEN, "rewards": {"count": lambda before, action, after, info: -float(after[0]), "own": "own"}}
+    env = harness.RecordRewards(counting(), tmp_path, pay=True, **given)
+    env.reset()
+    assert [env.step(still(None))[1] for _ in range(3)] == [-1.0, -2.0, -3.0]
+    env.close()
+    found = read_recording(tmp_path)
+    assert found.rewards["own"].tolist() == [1.0, 2.0, 3.0]
+    assert (found.facts.paid_otherwise, found.facts.failures) == ("", ())
+
+
+def test_a_batch_of_learners_can_be_paid_so(tmp_path):
+    """An env that was only reset pays 0."""
+    rewards = {"count": lambda before, action, after, info: -2.0}
+    envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync", max_episode_steps=2)
+    envs = harness.RecordVectorRewards(envs, tmp_path, trained_with="count", rewards=rewards, pay=True)
+    envs.reset(seed=0)
+    paid = [envs.step(envs.action_space.sample())[1].tolist() for _ in range(3)]
+    envs.close()
+    assert paid == [[-2.0, -2.0], [-2.0, -2.0], [0.0, 0.0]]
+
+
+def test_a_reward_that_pays_the_learner_may_not_fail(counting, tmp_path):
+    """There is nothing that could be paid in its place."""
+    given = {**GIVEN, "rewards": {"count": lambda *step: 1 / 0}}
+    env = harness.RecordRewards(counting(), tmp_path, pay=True, **given)
+    env.reset()
+    with pytest.raises(UsageError, match="division by zero. It pays the learner, so the training cannot go on"):
+        env.step(still(None))
+    env.close()
+    with pytest.raises(UsageError, match="failed before, and pays the learner: name another path"):
+        harness.RecordRewards(counting(), tmp_path, pay=True, resume=True, **given)

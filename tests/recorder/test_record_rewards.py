@@ -1,0 +1,429 @@
+"""`harness.RecordRewards`: what it records, and what it leaves alone."""
+
+import copy
+import gc
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import harness
+from harness.errors import SchemaError, StorageError, UsageError
+from harness.record.recording.recorded_training import RecordedTraining, read_recording
+
+ACTION = np.array([0.5], np.float32)
+
+
+def gain(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """How far the count went, and the action."""
+    return float(next_observation[0] - observation[0] + action[0])
+
+
+class Memory:
+    """Counts its own calls in an episode."""
+
+    def __init__(self) -> None:
+        self.calls = 100
+
+    def reset(self) -> None:
+        """Count from 0."""
+        self.calls = 0
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> int:
+        """How often it was called."""
+        self.calls += 1
+        return self.calls
+
+
+@pytest.fixture
+def record(counting: Callable[..., Any], tmp_path: Path) -> Callable[..., Any]:
+    """A recorded env; ``own`` trains unless something else is said."""
+
+    def make(**given: Any) -> Any:
+        env = given.pop("env", None) or counting()
+        return harness.RecordRewards(
+            env, given.pop("path", tmp_path / "run"), **{"trained_with": "own", "rewards": {"gain": gain}, **given}
+        )
+
+    return make
+
+
+def _act(env: Any, steps: int, seed: int | None = None) -> None:
+    """Reset, and take steps; episodes that end are followed by the next."""
+    env.reset(seed=seed)
+    for _ in range(steps):
+        if any(env.step(ACTION)[2:4]):
+            env.reset()
+
+
+def _recorded(env: Any, steps: int, tmp_path: Path, seed: int | None = None) -> RecordedTraining:
+    _act(env, steps, seed)
+    env.close()
+    return read_recording(tmp_path / "run")
+
+
+def test_steps_are_recorded(record: Callable[..., Any], tmp_path: Path):
+    """Each with its time, its place in the episode, what every reward pays, and how it ended."""
+    found = _recorded(record(behaviour={"left": "left"}), 5, tmp_path)
+    assert found.time.tolist() == [0, 1, 2, 3, 4]
+    assert found.episode.tolist() == [0, 0, 0, 1, 1]
+    assert found.step.tolist() == [0, 1, 2, 0, 1]
+    assert found.rewards["own"].tolist() == [1, 2, 3, 1, 2]
+    assert found.rewards["gain"].tolist() == [1.5] * 5
+    assert found.behaviour["left"].tolist() == [2, 1, 0, 2, 1]
+    assert found.terminated.tolist() == [False, False, True, False, False]
+    assert not found.truncated.any()
+    assert not found.env.any()
+
+
+def test_truncation_is_recorded(record: Callable[..., Any], counting: Callable[..., Any], tmp_path: Path):
+    """Apart from termination."""
+    found = _recorded(record(env=gymnasium.wrappers.TimeLimit(counting(), 2)), 3, tmp_path)
+    assert found.truncated.tolist() == [False, True, False]
+    assert not found.terminated.any()
+
+
+def test_abandoned_episode_is_an_episode_of_its_own(record: Callable[..., Any], tmp_path: Path):
+    """A reset in its middle begins the next; a reset without a step before it does not."""
+    env = record()
+    for steps in (1, 0, 2):
+        _act(env, steps)
+    env.close()
+    assert read_recording(tmp_path / "run").episode.tolist() == [0, 1, 1]
+
+
+def test_memory_is_restarted_with_each_episode(record: Callable[..., Any], tmp_path: Path):
+    """And is a copy: the object that was given stays as it was."""
+    memory = Memory()
+    found = _recorded(record(rewards={"calls": memory}), 5, tmp_path)
+    assert found.rewards["calls"].tolist() == [1, 2, 3, 1, 2]
+    assert memory.calls == 100
+
+
+def test_reward_that_trained_may_be_a_function_of_the_steps(record: Callable[..., Any], tmp_path: Path):
+    """Where the env pays the same."""
+    count = {"count": lambda before, action, after, info: after[0]}
+    found = _recorded(record(trained_with="count", rewards=count), 3, tmp_path)
+    assert (found.facts.trained_with, found.facts.rewards, found.facts.paid_otherwise) == ("count", ("count",), "")
+
+
+def test_env_that_pays_something_else_is_told(record: Callable[..., Any], tmp_path: Path):
+    """Once, with the first step in which it does."""
+    env = record(trained_with="gain")
+    with pytest.warns(
+        UserWarning, match="is not paid by trained_with='gain': env 0, episode 0, step 0: the env paid 1"
+    ):
+        env.reset(), env.step(ACTION)
+    found = _recorded(env, 3, tmp_path)
+    assert found.facts.paid_otherwise == "env 0, episode 0, step 0: the env paid 1, 'gain' 1.5"
+
+
+def test_env_is_left_as_it_is(record: Callable[..., Any], counting: Callable[..., Any]):
+    """The same observations, payments, ends and infos, objects and all."""
+    bare, recorded = counting(), record()
+    assert recorded.reset(seed=1)[1] == bare.reset(seed=1)[1]
+    for _ in range(3):
+        one, other = recorded.step(ACTION), bare.step(ACTION)
+        assert one == other
+        assert one[0] is recorded.unwrapped._place
+    assert recorded.np_random.random() == bare.np_random.random()
+
+
+def test_reward_cannot_change_what_the_learner_sees(record: Callable[..., Any]):
+    """One that writes into an observation writes into a copy."""
+
+    def spoil(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+        next_observation[:] = 99
+        return 0.0
+
+    env = record(rewards={"spoil": spoil})
+    env.reset()
+    assert env.step(ACTION)[0].tolist() == [1]
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning:gymnasium")
+def test_check_env_passes(record: Callable[..., Any]):
+    """With a registered env; the spec is the env's own, of which `make` makes an env that is not recorded."""
+    bare = gymnasium.make("Pendulum-v1")
+    env = record(env=bare, rewards={"height": lambda before, action, after, info: after[0]})
+    assert env.spec is bare.spec
+    check_env(env, skip_render_check=True)
+    env.close()
+
+
+def test_seed_and_env_are_written_down(record: Callable[..., Any], tmp_path: Path):
+    """The first seed; the spec with its arguments; the versions."""
+    facts = _recorded(record(env=gymnasium.make("Pendulum-v1", g=9.0)), 2, tmp_path, seed=5).facts
+    assert facts.seed == 5
+    assert (facts.env["id"], facts.env["kwargs"], facts.env["max_episode_steps"]) == ("Pendulum-v1", {"g": 9.0}, 200)
+    assert facts.versions["gymnasium"] == gymnasium.__version__
+
+
+def test_nothing_of_the_machine_is_written_down(record: Callable[..., Any], tmp_path: Path):
+    """Neither its name nor a place on its disk."""
+    _recorded(record(), 1, tmp_path)
+    text = (tmp_path / "run" / "recording-0.json").read_text()
+    assert os.uname().nodename not in text
+    assert str(tmp_path) not in text
+    assert str(Path.home()) not in text
+
+
+FAILURES: dict[str, tuple[Any, str]] = {
+    "raises": (lambda before, action, after, info: 1 / (after[0] - 2) if after[0] != 2 else 1 / 0, "ZeroDivisionError"),
+    "nan": (lambda before, action, after, info: float("nan") if after[0] == 2 else 0.0, "ValueError: it is nan"),
+    "infinite": (lambda before, action, after, info: np.inf if after[0] == 2 else 0.0, "ValueError: it is inf"),
+    "shape": (lambda before, action, after, info: after if after[0] == 2 else 0.0, r"an array of shape \(1,\)"),
+    "none": (lambda before, action, after, info: None if after[0] == 2 else 0.0, "it is None, no number"),
+    "key": ("other", "info has no 'other'; it has 'left', 'words'"),
+}
+
+
+@pytest.mark.parametrize(("given", "reason"), FAILURES.values(), ids=FAILURES)
+def test_reward_that_fails_is_given_up(record: Callable[..., Any], tmp_path: Path, given: Any, reason: str):
+    """From its step on it is NaN, in later episodes too; what was recorded stays, and the others go on."""
+    env = record(rewards={"bad": given, "gain": gain})
+    with pytest.warns(UserWarning, match=f"^reward 'bad' failed in env 0, episode 0, step 1: .*{reason}") as warned:
+        found = _recorded(env, 5, tmp_path)
+    assert len(warned) == 1
+    assert np.isnan(found.rewards["bad"]).tolist() == [False, True, True, True, True]
+    assert found.rewards["gain"].tolist() == [1.5] * 5
+    (failure,) = found.facts.failures
+    assert (failure.column, failure.env, failure.episode, failure.step) == ("reward_bad", 0, 0, 1)
+
+
+@pytest.mark.parametrize(("given", "reason"), FAILURES.values(), ids=FAILURES)
+def test_reward_that_fails_can_stop_the_training(record: Callable[..., Any], given: Any, reason: str):
+    """With on_error="raise"."""
+    env = record(rewards={"bad": given}, on_error="raise")
+    env.reset()
+    env.step(ACTION)
+    with pytest.raises(UsageError, match=f"reward 'bad' failed in env 0, episode 0, step 1: .*{reason}"):
+        env.step(ACTION)
+
+
+def test_memory_that_cannot_restart_is_given_up(record: Callable[..., Any], tmp_path: Path):
+    """As if its first step had failed."""
+
+    class Stuck(Memory):
+        def reset(self) -> None:
+            raise RuntimeError("stuck")
+
+    with pytest.warns(UserWarning, match="episode 0, step 0: RuntimeError: stuck"):
+        found = _recorded(record(rewards={"bad": Stuck()}), 2, tmp_path)
+    assert np.isnan(found.rewards["bad"]).all()
+
+
+def test_behaviour_may_be_told_at_the_end_alone(record: Callable[..., Any], tmp_path: Path):
+    """Steps before it have NaN, and nothing is given up."""
+    found = _recorded(record(behaviour={"final": "final"}), 4, tmp_path)
+    assert np.isnan(found.behaviour["final"]).tolist() == [True, True, False, True]
+    assert found.facts.failures == ()
+
+
+def test_behaviour_that_is_missing_at_the_end_is_given_up(record: Callable[..., Any], tmp_path: Path):
+    """It would be missing for good."""
+    with pytest.warns(UserWarning, match="behaviour 'never' failed in env 0, episode 0, step 2: .*info has no 'never'"):
+        _recorded(record(behaviour={"never": "never"}), 3, tmp_path)
+
+
+UNUSABLE: dict[str, tuple[dict[str, Any], str]] = {
+    "unknown trained_with": ({"trained_with": "v3"}, "trained_with='v3' is none of the rewards"),
+    "no function": ({"rewards": {"v1": 3}}, "reward 'v1' is 3: it has to be a function of"),
+    "class": ({"rewards": {"v1": Memory}}, "reward 'v1' is <class"),
+    "too few arguments": ({"rewards": {"v1": lambda a, b: 0}}, r"reward 'v1' takes \(a, b\): it has to take"),
+    "name": ({"behaviour": {"": "x"}}, "behaviour '': a name is a text"),
+    "on_error": ({"on_error": "stop"}, "on_error='stop': it is 'warn' or 'raise'"),
+    "number": ({"number": -1}, "number=-1"),
+}
+
+
+@pytest.mark.parametrize(("given", "message"), UNUSABLE.values(), ids=UNUSABLE)
+def test_what_cannot_be_used_is_refused(
+    record: Callable[..., Any], tmp_path: Path, given: dict[str, Any], message: str
+):
+    """Before anything is written."""
+    with pytest.raises(UsageError, match=message):
+        record(**given)
+    assert not (tmp_path / "run").exists()
+
+
+def test_path_that_cannot_be_a_folder_is_refused(record: Callable[..., Any], tmp_path: Path):
+    """A file stands there."""
+    (tmp_path / "run").write_text("mine")
+    with pytest.raises(StorageError, match="cannot be written"):
+        record()
+
+
+def test_recording_is_not_written_over(record: Callable[..., Any], tmp_path: Path):
+    """A path that holds one is refused, and stays."""
+    before = _recorded(record(), 4, tmp_path)
+    with pytest.raises(UsageError, match=r"holds a recording already: .*resume=True"):
+        record()
+    assert len(read_recording(tmp_path / "run")) == len(before)
+
+
+def test_recording_goes_on(record: Callable[..., Any], tmp_path: Path):
+    """With resume=True: time and episodes go on where they were."""
+    _recorded(record(resume=True), 4, tmp_path)
+    found = _recorded(record(resume=True), 2, tmp_path)
+    assert found.time.tolist() == [0, 1, 2, 3, 4, 5]
+    assert found.episode.tolist() == [0, 0, 0, 1, 2, 2]
+    assert found.facts.closed
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        ({"rewards": {"gain": lambda before, action, after, info: 0.0}}, "its sources differ"),
+        ({"rewards": {"gain": gain, "left": "left"}}, "its rewards differ"),
+        ({"trained_with": "gain"}, "its trained_with differ"),
+        ({"env": gymnasium.make("Pendulum-v1")}, "its env differ"),
+    ],
+)
+def test_another_training_does_not_go_on(record: Callable[..., Any], tmp_path: Path, change: dict[str, Any], what: str):
+    """The recording stays that of one training."""
+    _recorded(record(), 1, tmp_path)
+    with pytest.raises(UsageError, match=what):
+        record(resume=True, **change)
+
+
+def test_given_up_reward_stays_given_up_in_a_recording_that_goes_on(record: Callable[..., Any], tmp_path: Path):
+    """Its NaN has no gap."""
+    with pytest.warns(UserWarning, match="failed"):
+        _recorded(record(rewards={"bad": "other"}), 2, tmp_path)
+    found = _recorded(record(rewards={"bad": "other"}, resume=True), 1, tmp_path)
+    assert np.isnan(found.rewards["bad"]).tolist() == [False, True, True]
+
+
+def test_envs_of_one_training_record_beside_one_another(record: Callable[..., Any], tmp_path: Path):
+    """Each with a number; without one the second is refused."""
+    first = record()
+    with pytest.raises(UsageError, match="is being recorded by another env with number=0"):
+        record()
+    second = record(number=1)
+    _act(first, 2)
+    _act(second, 2)
+    first.close(), second.close()
+    found = read_recording(tmp_path / "run")
+    assert found.facts.num_envs == 2
+    assert found.time.tolist() == [0, 0, 1, 1]
+    assert found.env.tolist() == [0, 1, 0, 1]
+
+
+def test_recording_can_be_read_while_it_goes_on(
+    record: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """As far as it was written, which is every few seconds."""
+    monkeypatch.setattr("harness.record.recording.recording_writer.WRITE_EVERY", 0.0)
+    env = record()
+    for steps in (0, 2):
+        _act(env, steps)
+        assert len(read_recording(tmp_path / "run")) == steps
+    assert not read_recording(tmp_path / "run").facts.closed
+
+
+def test_garbage_is_written_first(record: Callable[..., Any], tmp_path: Path):
+    """An env that nobody closes leaves all its steps."""
+    env = record()
+    _act(env, 2)
+    del env
+    gc.collect()
+    found = read_recording(tmp_path / "run")
+    assert (len(found), found.facts.closed) == (2, True)
+
+
+def test_steps_after_close_are_not_recorded(record: Callable[..., Any], tmp_path: Path):
+    """Closing ends the recording; closing twice is nothing new."""
+    env = record()
+    found = _recorded(env, 2, tmp_path)
+    _act(env, 1)
+    env.close()
+    assert len(read_recording(tmp_path / "run")) == len(found) == 2
+
+
+def test_full_disk_ends_the_recording_and_not_the_training(
+    record: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """One warning; what was written stays."""
+
+    def refuse(*given: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    env = record()
+    monkeypatch.setattr("harness.record.recording.recording_writer.RecordingWriter.append", refuse)
+    with pytest.warns(
+        UserWarning, match=r"cannot be written: No space left on device\. Nothing more is recorded"
+    ) as told:
+        _act(env, 3)
+    assert len(told) == 1
+    assert len(read_recording(tmp_path / "run")) == 0
+
+
+KILLED = """
+import sys, gymnasium, harness
+import harness.record.recording.recording_writer as writer
+if sys.argv[2] == "kill":
+    writer.WRITE_EVERY = 0.05
+env = harness.RecordRewards(gymnasium.make("Pendulum-v1"), sys.argv[1], trained_with="own", rewards={})
+env.reset(seed=0)
+for step in range(200 if sys.argv[2] == "kill" else 7):
+    env.step(env.action_space.sample())
+if sys.argv[2] == "kill":
+    import time
+    time.sleep(0.1)
+    env.step(env.action_space.sample())
+    print("now", flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize("way", ["kill", "exit"])
+def test_process_that_ends_leaves_its_steps(tmp_path: Path, way: str):
+    """Killed without a warning, all but those of the last moments; ended by itself without `close`, all."""
+    with subprocess.Popen([sys.executable, "-c", KILLED, str(tmp_path), way], stdout=subprocess.PIPE) as process:
+        if way == "kill":
+            assert process.stdout is not None
+            assert process.stdout.readline() == b"now\n"
+            process.send_signal(signal.SIGKILL)
+    found = read_recording(tmp_path)
+    assert (len(found), found.facts.closed) == ((201, False) if way == "kill" else (7, True))
+
+
+def test_killed_recording_goes_on(record: Callable[..., Any], tmp_path: Path):
+    """Nothing that a kill leaves stands in the way."""
+    import shutil
+
+    env = record(path=tmp_path / "living")
+    shutil.copytree(tmp_path / "living", tmp_path / "run")  # as it is while nobody has closed it
+    assert not read_recording(tmp_path / "run").facts.closed
+    assert len(_recorded(record(resume=True), 2, tmp_path)) == 2
+    env.close()
+
+
+def test_damaged_recording_does_not_go_on(record: Callable[..., Any], tmp_path: Path):
+    """It is named, and left alone."""
+    _recorded(record(), 1, tmp_path)
+    path = tmp_path / "run" / "recording-0.json"
+    path.write_bytes(path.read_bytes().replace(b'"own"', b'"owm"', 1))
+    with pytest.raises(SchemaError, match="it is not what was written"):
+        record(resume=True)
+
+
+def test_recorded_env_in_a_copy_of_the_observation(record: Callable[..., Any]):
+    """Observations that are no arrays are copied too."""
+    env = record(
+        env=gymnasium.wrappers.TransformObservation(
+            gymnasium.make("Pendulum-v1"), lambda observed: {"seen": copy.copy(observed)}, None
+        ),
+        rewards={"cosine": lambda before, action, after, info: after["seen"][0]},
+    )
+    env.reset(seed=0)
+    assert env.step(ACTION)[0]["seen"].shape == (3,)

@@ -1,0 +1,276 @@
+"""`harness.RecordVectorRewards`: what it records is what single envs record, in each way of starting episodes."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+import harness
+from harness.errors import UsageError
+from harness.record.recording.recorded_training import RecordedTraining, read_recording
+
+LENGTHS = (3, 2)
+CALLS = 9
+MODES = [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED]
+
+
+class Remembering:
+    """Sums what happens in an episode."""
+
+    def __init__(self) -> None:
+        self.sum = np.nan
+
+    def reset(self) -> None:
+        """Begin."""
+        self.sum = 0.0
+
+    def __call__(self, before: Any, action: Any, after: Any, info: dict[str, Any]) -> float:
+        """Both observations, the action and the info are in it."""
+        seen = [*map(float, (before[0], after[0], action[0])), info["left"], "final" in info]
+        self.sum += float(np.dot([100, 10, 1, 0.001, 0.0001], seen))
+        return self.sum
+
+
+class RememberingBatch:
+    """The same of all envs at once, of what a batch has of it."""
+
+    def __init__(self) -> None:
+        self.sums = np.full(len(LENGTHS), np.nan)
+
+    def reset(self, mask: Any) -> None:
+        """Begin in some envs."""
+        self.sums[mask] = 0
+
+    def __call__(self, before: Any, actions: Any, after: Any, infos: dict[str, Any]) -> Any:
+        """Observations and actions."""
+        self.sums += 100 * before[:, 0] + 10 * after[:, 0] + actions[:, 0]
+        return self.sums
+
+
+GIVEN: dict[str, Any] = {
+    "trained_with": "own",
+    "rewards": {"sum": Remembering()},
+    "behaviour": {"left": "left", "final": "final"},
+}
+
+
+def _action(env: int, call: int) -> float:
+    return 0.01 * env + 0.1 * (call % 7)
+
+
+@pytest.fixture
+def make_batch(counting: Callable[..., Any]) -> Callable[..., Any]:
+    """Two counting envs, of other lengths."""
+
+    def make(mode: AutoresetMode) -> Any:
+        return SyncVectorEnv(
+            [lambda length=length: counting(length, fresh=True) for length in LENGTHS], autoreset_mode=mode
+        )
+
+    return make
+
+
+def _act(envs: Any, mode: AutoresetMode, calls: int = CALLS) -> None:
+    """Take steps in all envs; those that have to be told to start an episode are told."""
+    envs.reset(seed=3)
+    for call in range(calls):
+        actions = np.array([[_action(env, call)] for env in range(len(LENGTHS))], np.float32)
+        _, _, terminated, truncated, _ = envs.step(actions)
+        ended = terminated | truncated
+        if mode == AutoresetMode.DISABLED and ended.any():
+            envs.reset(options={"reset_mask": ended})
+
+
+def _single(counting: Callable[..., Any], path: Path, env: int, calls: list[int]) -> RecordedTraining:
+    """What one env alone records, of the actions of these calls."""
+    alone = harness.RecordRewards(counting(LENGTHS[env]), path, **GIVEN)
+    alone.reset()
+    for call in calls:
+        if alone.step(np.array([_action(env, call)], np.float32))[2]:
+            alone.reset()
+    alone.close()
+    return read_recording(path)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_batch_records_what_its_envs_record_alone(
+    counting: Callable[..., Any], make_batch: Callable[..., Any], tmp_path: Path, mode: AutoresetMode
+):
+    """Every column of every env, with the last observation and info of an episode that ended."""
+    envs = harness.RecordVectorRewards(make_batch(mode), tmp_path / "batch", **GIVEN)
+    _act(envs, mode)
+    envs.close()
+    found = read_recording(tmp_path / "batch")
+    assert (found.facts.num_envs, found.facts.seed, found.facts.closed) == (2, 3, True)
+    for env, length in enumerate(LENGTHS):
+        rows = found.env == env
+        only_reset = range(length, CALLS, length + 1) if mode == AutoresetMode.NEXT_STEP else ()
+        calls = [call for call in range(CALLS) if call not in only_reset]
+        alone = _single(counting, tmp_path / str(env), env, calls)
+        assert found.time[rows].tolist() == calls
+        for name in ("episode", "step", "terminated", "truncated"):
+            assert np.array_equal(getattr(found, name)[rows], getattr(alone, name)), name
+        for name in ("own", "sum"):
+            assert np.array_equal(found.rewards[name][rows], alone.rewards[name]), name
+        for name in ("left", "final"):
+            assert np.array_equal(found.behaviour[name][rows], alone.behaviour[name], equal_nan=True), name
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_batched_reward_is_that_of_single_envs(make_batch: Callable[..., Any], tmp_path: Path, mode: AutoresetMode):
+    """Called once for all envs, with the observations of the step, and restarted in those that start an episode."""
+    rewards = {"all": RememberingBatch(), "each": lambda *given: given[1][0] + 10 * given[2][0] + 100 * given[0][0]}
+    envs = harness.RecordVectorRewards(
+        make_batch(mode), tmp_path, trained_with="own", rewards=rewards, batched=["all"], behaviour={}
+    )
+    _act(envs, mode)
+    envs.close()
+    found = read_recording(tmp_path)
+    for env in range(len(LENGTHS)):
+        for episode in range(3):
+            rows = (found.env == env) & (found.episode == episode)
+            np.testing.assert_allclose(found.rewards["all"][rows], np.cumsum(found.rewards["each"][rows]), rtol=1e-6)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_envs_are_left_as_they_are(make_batch: Callable[..., Any], tmp_path: Path, mode: AutoresetMode):
+    """The same observations, payments, ends and infos."""
+    bare, recorded = make_batch(mode), harness.RecordVectorRewards(make_batch(mode), tmp_path, **GIVEN)
+    assert np.array_equal(bare.reset(seed=1)[0], recorded.reset(seed=1)[0])
+    actions = np.zeros((2, 1), np.float32)
+    for _ in range(2):  # no episode has ended before the second step
+        one, other = bare.step(actions), recorded.step(actions)
+        assert str(one) == str(other)
+    assert recorded.spec is recorded.env.spec
+    recorded.close()
+
+
+def test_observations_of_several_parts(tmp_path: Path):
+    """A reward of one env is given that env's dict, at an episode's end the last one."""
+
+    class Parts(gymnasium.Env[Any, Any]):
+        observation_space = gymnasium.spaces.Dict(
+            {"a": gymnasium.spaces.Box(0, 9, (2,)), "b": gymnasium.spaces.Tuple([gymnasium.spaces.Discrete(9)])}
+        )
+        action_space = gymnasium.spaces.Dict({"go": gymnasium.spaces.Discrete(2)})
+        count = 0
+
+        def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
+            super().reset(seed=seed)
+            self.count = 0
+            return self._seen(), {}
+
+        def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+            self.count += 1
+            return self._seen(), 0.0, self.count == 2, False, {"nested": {"deep": self.count}}
+
+        def _seen(self) -> Any:
+            return {"a": np.full(2, self.count, np.float32), "b": (self.count,)}
+
+    def seen(before: Any, action: Any, after: Any, info: Any) -> float:
+        return 1000 * action["go"] + 100 * info["nested"]["deep"] + 10 * after["a"][1] + after["b"][0] - before["b"][0]
+
+    envs = harness.RecordVectorRewards(
+        SyncVectorEnv([Parts, Parts], autoreset_mode=AutoresetMode.SAME_STEP),
+        tmp_path,
+        trained_with="own",
+        rewards={"seen": seen},
+    )
+    envs.reset(seed=0)
+    for _ in range(3):
+        envs.step({"go": np.array([0, 1])})
+    envs.close()
+    found = read_recording(tmp_path)
+    assert found.rewards["seen"][found.env == 0].tolist() == [111, 221, 111]
+    assert found.rewards["seen"][found.env == 1].tolist() == [1111, 1221, 1111]
+
+
+def _fail_in_second_env(before: Any, action: Any, after: Any, info: Any) -> float:
+    if after[0] == 2 and info["left"] == 0:
+        raise ValueError("at the end of the shorter")
+    return 1.0
+
+
+def _fail_in_batch(before: Any, actions: Any, after: Any, infos: Any) -> Any:
+    return np.where(after[:, 0] == [9, 2], np.nan, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "batched", "reason"),
+    [
+        (_fail_in_second_env, (), "ValueError: at the end of the shorter"),
+        (_fail_in_batch, ("bad",), "ValueError: it is nan"),
+        ("other", (), "info has no 'other'; it has 'left', 'words'"),
+        ("words", (), "it is 'none', no number"),
+    ],
+)
+def test_reward_that_fails_is_given_up_with_env_and_step(
+    make_batch: Callable[..., Any], tmp_path: Path, given: Any, batched: tuple[str, ...], reason: str
+):
+    """From there on it is NaN in all envs; other rewards go on."""
+    mode = AutoresetMode.SAME_STEP
+    envs = harness.RecordVectorRewards(
+        make_batch(mode), tmp_path, trained_with="own", rewards={"bad": given}, batched=batched
+    )
+    with pytest.warns(UserWarning, match=f"^reward 'bad' failed in env .*{reason}") as told:
+        _act(envs, mode)
+    envs.close()
+    assert len(told) == 1
+    found = read_recording(tmp_path)
+    (failure,) = found.facts.failures
+    bad = np.flatnonzero((found.env == failure.env) & (found.episode == failure.episode) & (found.step == failure.step))
+    assert np.isnan(found.rewards["bad"]).tolist() == [row >= bad[0] for row in range(2 * CALLS)]
+    assert not np.isnan(found.rewards["own"]).any()
+
+
+def test_batched_reward_of_a_wrong_shape_is_given_up(make_batch: Callable[..., Any], tmp_path: Path):
+    """It names both shapes."""
+    mode = AutoresetMode.NEXT_STEP
+    envs = harness.RecordVectorRewards(
+        make_batch(mode), tmp_path, trained_with="own", rewards={"bad": lambda *given: 0.0}, batched=["bad"]
+    )
+    with pytest.warns(UserWarning, match=r"an array of shape \(\), not \(2,\)"):
+        _act(envs, mode)
+    envs.close()
+
+
+def test_envs_that_pay_something_else_are_told(make_batch: Callable[..., Any], tmp_path: Path):
+    """With the first env and step."""
+    rewards = {"mine": lambda before, action, after, info: float(after[0]) + (after[0] == 3)}
+    mode = AutoresetMode.SAME_STEP
+    envs = harness.RecordVectorRewards(make_batch(mode), tmp_path, trained_with="mine", rewards=rewards)
+    with pytest.warns(UserWarning, match="env 0, episode 0, step 2: the env paid 3, 'mine' 4") as told:
+        _act(envs, mode)
+    envs.close()
+    assert len(told) == 1
+
+
+def test_batch_goes_on(make_batch: Callable[..., Any], tmp_path: Path):
+    """Episodes of each env go on where they were."""
+    mode = AutoresetMode.SAME_STEP
+    for _ in range(2):
+        envs = harness.RecordVectorRewards(make_batch(mode), tmp_path, resume=True, **GIVEN)
+        _act(envs, mode, calls=4)
+        envs.close()
+    found = read_recording(tmp_path)
+    assert found.time.tolist() == sorted([*range(8), *range(8)])
+    assert found.episode[found.env == 0].tolist() == [0, 0, 0, 1, 2, 2, 2, 3]
+    assert found.episode[found.env == 1].tolist() == [0, 0, 1, 1, 2, 2, 3, 3]
+
+
+def test_env_that_does_not_tell_how_it_starts_episodes_is_refused(make_batch: Callable[..., Any], tmp_path: Path):
+    """The message says what its metadata need."""
+    envs = make_batch(AutoresetMode.SAME_STEP)
+    envs.metadata = {}
+    with pytest.raises(UsageError, match=r"metadata need 'autoreset_mode', one of AutoresetMode\.NEXT_STEP"):
+        harness.RecordVectorRewards(envs, tmp_path, **GIVEN)
+
+
+def test_batched_names_are_names(make_batch: Callable[..., Any], tmp_path: Path):
+    """Of rewards or of behaviour."""
+    with pytest.raises(UsageError, match="names 'nome', which is no reward and no behaviour"):
+        harness.RecordVectorRewards(make_batch(AutoresetMode.SAME_STEP), tmp_path, batched=["nome"], **GIVEN)

@@ -1,0 +1,129 @@
+"""The examples of docs/your-environment.md: each is run as it stands there, with fewer steps."""
+
+import os
+import re
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import pytest
+
+from harness.record.recording.recorded_training import read_recording
+
+PAGE = (Path(__file__).parents[1] / "docs" / "your-environment.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+STEPS = 64
+
+
+def _run(folder: Path, monkeypatch: pytest.MonkeyPatch, needle: str) -> dict[str, Any]:
+    """Run the one example that holds `needle`, in `folder`; rollouts of PPO are as short as its training."""
+    (example,) = [text for text in EXAMPLES if needle in text]
+    short = example.replace("20_000", str(STEPS)).replace('PPO("MlpPolicy", env,', 'PPO("MlpPolicy", env, n_steps=64,')
+    monkeypatch.chdir(folder)
+    (folder / "example.py").write_text(short.replace("n_steps=512", "n_steps=16"), encoding="utf-8")
+    return runpy.run_path("example.py")
+
+
+def _recorded(folder: Path, path: str) -> Any:
+    training = read_recording(folder / path)
+    assert (training.facts.failures, training.facts.paid_otherwise, training.facts.closed) == ((), "", True)
+    return training
+
+
+def test_every_example_is_run():
+    """None is forgotten here."""
+    assert len(EXAMPLES) == 8
+
+
+def test_first_example_is_short():
+    """A training is recorded in few lines."""
+    assert len([line for line in EXAMPLES[0].splitlines() if line.strip()]) <= 17
+
+
+def test_first_training_is_recorded_and_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    """By stable-baselines3; the next example reads it."""
+    pytest.importorskip("stable_baselines3")
+    _run(tmp_path, monkeypatch, 'runs/own-0",\n')
+    training = _recorded(tmp_path, "runs/own-0")
+    assert len(training) == STEPS
+    assert training.facts.rewards == ("upright", "own")
+    assert "return float(next_observation[0])" in training.facts.sources["reward_upright"].text
+    _run(tmp_path, monkeypatch, "print(training.facts.rewards")
+    assert capsys.readouterr().out.startswith("('upright', 'own') own 0\n")
+
+
+def test_trainings_with_both_rewards_are_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Each env pays the reward that its training is named for."""
+    pytest.importorskip("stable_baselines3")
+    _run(tmp_path, monkeypatch, "class Pays")
+    for trained_with in ("v1", "v2"):
+        for seed in range(3):
+            training = _recorded(tmp_path, f"runs/{trained_with}-{seed}")
+            assert (training.facts.trained_with, training.facts.seed, len(training)) == (trained_with, seed, STEPS)
+
+
+def test_memory_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """What it pays in an episode comes to its highest cosine above -1."""
+    _run(tmp_path, monkeypatch, "class Progress")
+    assert 0 < _recorded(tmp_path, "runs/memory").rewards["progress"].sum() <= 2
+
+
+def test_four_envs_of_stable_baselines3_are_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """As one training."""
+    pytest.importorskip("stable_baselines3")
+    _run(tmp_path, monkeypatch, "DummyVecEnv([")
+    training = _recorded(tmp_path, "runs/four")
+    assert (training.facts.num_envs, len(training), training.facts.seed) == (4, STEPS, 0)
+    assert sorted(set(training.env.tolist())) == [0, 1, 2, 3]
+
+
+def test_training_of_sbx_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Where it is installed."""
+    pytest.importorskip("sbx")
+    _run(tmp_path, monkeypatch, "from sbx")
+    assert len(_recorded(tmp_path, "runs/sbx")) == STEPS
+
+
+def test_batch_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """By both kinds of functions."""
+    _run(tmp_path, monkeypatch, "RecordVectorRewards(")
+    training = _recorded(tmp_path, "runs/batch")
+    assert len(training) == STEPS
+    assert (training.rewards["calm"] <= 0).all()
+
+
+def test_env_of_rllib_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """What RLlib is given makes an env that records under its worker's number."""
+
+    class Context(dict[str, Any]):
+        worker_index = 2
+
+    names = _run(tmp_path, monkeypatch, "make_recorded")
+    for context in (names["env_config"], Context(names["env_config"])):
+        env = names["make_recorded"](context)
+        assert isinstance(env, gymnasium.Env)
+        env.reset(seed=0)
+        env.step(env.action_space.sample())
+        env.close()
+    assert len(_recorded(tmp_path, "runs/rllib")) == 2
+
+
+@pytest.mark.slow
+def test_rllib_trains(tmp_path: Path):
+    """With an env of the page, where RLlib is installed."""
+    pytest.importorskip("ray.rllib", exc_type=ImportError)
+    (example,) = [text for text in EXAMPLES if "make_recorded" in text]
+    script = example + (
+        "from ray.rllib.algorithms.ppo import PPOConfig\nfrom ray.tune import register_env\n"
+        "register_env('recorded', make_recorded)\n"
+        "config = PPOConfig().environment('recorded', env_config=env_config).env_runners(num_env_runners=1)\n"
+        "algorithm = config.training(train_batch_size=200, minibatch_size=100).build_algo()\n"
+        "algorithm.train()\nalgorithm.stop()\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, cwd=tmp_path, env={**os.environ, "RAY_DEDUP_LOGS": "0"})
+    assert len(read_recording(tmp_path / "runs" / "rllib")) >= 200

@@ -1,0 +1,90 @@
+"""Recorded trainings of a bandit whose learner's actions are fixed sequences, so that ruler and behaviour are known."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.record.recording.facts import Failure, TrainingFacts
+from harness.record.recording.recorded_training import RecordedTraining
+from harness.record.recording.recording_writer import write_recording
+
+PAYS: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {"plain": lambda arms: arms + 1.0, "thrice": lambda a: 3.0 * a + 6.0}
+"""What pulling an arm, a number from 0 to 1, is paid: `thrice` counts every pull as 3 (arm + 2)."""
+PULLS = 5
+"""Of an episode."""
+
+Record = Callable[..., Path]
+
+
+def record(
+    folder: Path,
+    trained_with: str,
+    seed: int | None,
+    arms: Sequence[float],
+    *,
+    pays: Mapping[str, Callable[[np.ndarray], np.ndarray]] = PAYS,
+    failures: Mapping[str, int] = {},
+    behaviour: Mapping[str, Callable[[np.ndarray], np.ndarray]] | None = None,
+    **facts: Any,
+) -> Path:
+    """A training that pulls one arm throughout each episode.
+
+    Args:
+        folder: To write.
+        trained_with: The reward that taught it.
+        seed: Of the training.
+        arms: Of each episode.
+        pays: Rewards by name, of the arms of all steps.
+        failures: By column, from which step on it is given up.
+        behaviour: By name, of the arms of all steps; by default `arm`, and `success`, whether it is above 0.5.
+        facts: Others than the usual ones.
+    """
+    pulled = np.repeat(np.asarray(arms, float), PULLS)
+    measured = {"success": lambda a: (a > 0.5) * 1.0, "arm": lambda a: a} if behaviour is None else behaviour
+    steps, ended = np.arange(len(pulled)), np.arange(len(pulled)) % PULLS == PULLS - 1
+    given_up = tuple(
+        Failure(column, 0, step // PULLS, step % PULLS, "ZeroDivisionError: division by zero")
+        for column, step in failures.items()
+    )
+
+    def values(kind: str, functions: Mapping[str, Callable[[np.ndarray], np.ndarray]]) -> dict[str, np.ndarray]:
+        return {
+            name: np.where(steps >= failures.get(f"{kind}_{name}", len(steps)), np.nan, function(pulled))
+            for name, function in functions.items()
+        }
+
+    known = {"env": {"id": "Bandit-v0"}, "lower_is_better": (), "closed": True, **facts}
+    write_recording(
+        folder,
+        RecordedTraining(
+            TrainingFacts(
+                rewards=tuple(pays),
+                trained_with=trained_with,
+                behaviour=tuple(measured),
+                seed=seed,
+                failures=given_up,
+                **known,
+            ),
+            steps,
+            np.zeros(len(steps), np.int32),
+            (steps // PULLS).astype(np.int32),
+            (steps % PULLS).astype(np.int32),
+            values("reward", pays),
+            values("behaviour", measured),
+            np.zeros(len(steps), bool),
+            ended,
+        ),
+    )
+    return folder
+
+
+@pytest.fixture
+def study_folder(tmp_path: Path) -> Path:
+    """Six seeds of two rewards: `thrice` teaches to pull better arms."""
+    for seed in range(6):
+        record(tmp_path / f"plain-{seed}", "plain", seed, np.linspace(0.0, 0.4 + 0.01 * seed, 40))
+        record(tmp_path / f"thrice-{seed}", "thrice", seed, np.linspace(0.0, 0.9 + 0.01 * seed, 40))
+    return tmp_path

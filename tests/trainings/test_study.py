@@ -1,0 +1,308 @@
+from dataclasses import replace
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.eta.scored_sums import BB, KK
+from harness.record.recording.facts import OWN_SOURCE, Source, TrainingFacts
+from harness.record.recording.recorded_training import RecordedTraining
+from harness.trainings import load_study
+from harness.trainings.episodes import episodes_of
+from harness.trainings.learning import STRETCHES, learning_of, return_name
+from harness.trainings.runs import EVALUATION, LAST, TRAINING
+from tests.trainings.conftest import PAYS, PULLS, record
+
+RISING = np.linspace(0.0, 1.0, 20)
+
+
+def two(folder: Path, seeds: int = 2, **facts) -> Path:
+    """Trainings with two rewards."""
+    for seed in range(seeds):
+        for reward in ("plain", "thrice"):
+            record(folder / f"{reward}-{seed}", reward, seed, RISING + 0.01 * seed, **facts)
+    return folder
+
+
+def test_a_reward_helps_by_a_corrected_test(study_folder):
+    """All six seeds end with success under one reward and with none under the other."""
+    (comparison,) = load_study(study_folder).comparisons
+    assert comparison.headline.answer.value == "helps"
+    assert comparison.headline.decided_by == "success"
+    assert comparison.decisive.corrected == pytest.approx(2 / 2**6)
+
+
+def test_without_evaluations_the_verdict_says_that_it_rests_on_training(study_folder):
+    """On its last part, and how to do better."""
+    (comparison,) = load_study(study_folder).comparisons
+    assert comparison.manner == LAST
+    assert "rests on the training itself" in comparison.basis
+    assert "harness.evaluate_policy" in comparison.basis
+
+
+def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
+    """One of twelve is told, and the training decides."""
+    record(study_folder / "plain-0" / "evaluation", "plain", 0, [0.2, 0.3], evaluation=True)
+    study = load_study(study_folder)
+    assert study.comparisons[0].manner == LAST
+    assert "11 of 12 trainings have no evaluation beside them" in study.runs.notes
+    assert study.tables[EVALUATION]["plain", "plain"].mean == pytest.approx(PULLS * 1.25)
+
+
+def test_an_evaluation_without_its_training_is_left_out(tmp_path):
+    """It is told, and nothing else changes."""
+    record(two(tmp_path) / "lost", "plain", 7, [0.1], evaluation=True)
+    (note,) = load_study(tmp_path).runs.notes
+    assert "it evaluates plain of seed 7, whose training is not in" in note
+
+
+def test_returns_are_means_over_episodes_then_over_seeds(study_folder):
+    """Of the last fifth: those of its episodes alone."""
+    split = load_study(study_folder).comparisons[0].returns[LAST]
+    arms = [np.linspace(0.0, 0.4 + 0.01 * seed, 40)[-8:].mean() for seed in range(6)]
+    assert split.returns[BB].mean == pytest.approx(np.mean([PULLS * (arm + 1.0) for arm in arms]))
+    assert split.returns[KK].low < split.returns[KK].mean < split.returns[KK].high
+
+
+def test_an_unfinished_episode_does_not_count(tmp_path):
+    """A training that is cut in the middle of an episode has the mean of those before."""
+    study = load_study(two(tmp_path))
+    assert study.runs.members["plain", 0].parts(PULLS * 2 + 3)[TRAINING].episodes == 2
+
+
+@pytest.mark.parametrize("shift", [-3.0, 0.0])
+def test_a_ratio_takes_positive_returns(tmp_path, shift):
+    """Otherwise the reason stands in its place, the difference is split all the same, and words tell that."""
+    pays = {"plain": lambda arm: arm + shift, "thrice": lambda arm: 3.0 * arm + shift}
+    (comparison,) = load_study(two(tmp_path, pays=pays)).comparisons
+    split = comparison.returns[TRAINING]
+    assert (split.ratio.eta.value is None) == (shift < 0.0)
+    assert split.total.change.mean == pytest.approx(split.total.ruler.mean + split.total.behaviour.mean)
+    if shift:
+        assert "is not above 0" in split.ratio.eta.note
+        assert "because thrice counts the same runs otherwise (ruler)" in comparison.number
+
+
+def test_signs_of_the_summed_curve_decide_which_indices_there_are(tmp_path):
+    """A sum that is always negative has I_N alone."""
+    pays = {"plain": lambda arm: arm - 2.0, "thrice": lambda arm: arm - 4.0}
+    (comparison,) = load_study(two(tmp_path, pays=pays)).comparisons
+    assert list(comparison.splits) == ["eta_N"]
+
+
+def test_more_rewards_are_compared_in_pairs(tmp_path):
+    """Each against every one before it, and all claims are corrected together."""
+    pays = {**PAYS, "half": lambda arm: arm / 2.0}
+    for reward in pays:
+        for seed in range(2):
+            record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, pays=pays)
+    study = load_study(tmp_path)
+    assert [it.names for it in study.comparisons] == [("plain", "thrice"), ("plain", "half"), ("thrice", "half")]
+    assert len(study.tables[TRAINING]) == 9
+    assert len({it.claims for it in study.comparisons}) == 1
+
+
+def test_a_reward_that_taught_nobody_pays_all_the_same(tmp_path):
+    """It is a row of the full table, and no comparison."""
+    study = load_study(two(tmp_path, pays={**PAYS, "other": lambda arm: arm}))
+    assert len(study.comparisons) == 1
+    assert ("other", "plain") in study.tables[TRAINING]
+
+
+def test_a_measure_of_which_less_is_better(tmp_path):
+    """As it was recorded."""
+    (comparison,) = load_study(two(tmp_path, lower_is_better=("arm",))).comparisons
+    assert {it.name: it.measure.better for it in comparison.changes} == {"success": "higher", "arm": "lower"}
+
+
+def test_a_measure_of_zeros_and_ones_is_a_share(tmp_path):
+    """Its interval knows of the episodes, any other's does not."""
+    (comparison,) = load_study(two(tmp_path)).comparisons
+    assert {it.name: it.measure.episodes for it in comparison.changes_in(LAST)} == {"success": 4, "arm": None}
+
+
+def test_without_behaviour_rewards_alone_decide_nothing(tmp_path):
+    """The number is told, the agent is not judged."""
+    headline = load_study(two(tmp_path, behaviour={})).comparisons[0].headline
+    assert headline.answer.value == "cannot tell"
+    assert headline.robot.startswith("No behaviour was recorded")
+    assert "times that with plain" in headline.number
+
+
+def test_one_seed_has_values_and_no_interval(tmp_path):
+    """And nothing can be told from it."""
+    (comparison,) = load_study(two(tmp_path, seeds=1)).comparisons
+    ratio = comparison.returns[TRAINING].ratio
+    assert (ratio.eta.low, ratio.p) == (None, None)
+    assert ratio.eta.value is not None
+    assert "one seed: no interval below 3 seeds" in ratio.eta.notes
+    assert comparison.headline.answer.value == "cannot tell"
+
+
+def test_longer_trainings_are_cut_to_the_shortest(tmp_path):
+    """It is told which that is."""
+    record(two(tmp_path) / "short-plain", "plain", 9, RISING[:10])
+    record(tmp_path / "long-thrice", "thrice", 9, RISING)
+    study = load_study(tmp_path)
+    assert study.runs.steps == 10 * PULLS
+    assert study.runs.members["thrice", 9].parts(study.runs.steps)[TRAINING].episodes == 10
+    assert any("cut to the 50 steps of the shortest" in note and "short-plain" in note for note in study.runs.notes)
+
+
+def test_a_reward_that_was_given_up_is_not_known_in_that_training(tmp_path):
+    """No split, with the reason; each training's own return is there."""
+    record(two(tmp_path) / "odd", "plain", 2, RISING, failures={"reward_thrice": 12})
+    record(tmp_path / "even", "thrice", 2, RISING)
+    study = load_study(tmp_path)
+    split = study.comparisons[0].returns[TRAINING]
+    assert not split.is_split
+    assert "given up in step 2 of episode 2: ZeroDivisionError" in split.ratio.ruler.note
+    assert split.ratio.eta.value is not None
+    assert "1 of 3 seeds have none" in study.tables[TRAINING]["thrice", "plain"].note
+
+
+def test_an_own_reward_that_was_given_up_leaves_no_return(tmp_path):
+    """The reason stands in place of the number; the behaviour is judged all the same."""
+    record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"reward_thrice": 12})
+    record(tmp_path / "even", "plain", 2, RISING)
+    (comparison,) = load_study(tmp_path).comparisons
+    assert (comparison.returns, comparison.indices) == ({}, None)
+    assert "given up" in comparison.number
+    assert comparison.decisive.seeds == 3
+
+
+def test_a_reward_that_one_training_did_not_record(tmp_path):
+    """It cannot pay that one."""
+    record(two(tmp_path) / "odd", "plain", 2, RISING, pays={"plain": PAYS["plain"]})
+    record(tmp_path / "even", "thrice", 2, RISING)
+    assert "odd': not recorded" in load_study(tmp_path).comparisons[0].returns[TRAINING].ratio.ruler.note
+
+
+def test_what_the_env_pays_is_another_reward_in_another_training(tmp_path):
+    """Recorded as ``own`` where the env paid another one, it is not taken for the reward of that name."""
+    pays = {"plain": PAYS["thrice"], "thrice": PAYS["thrice"]}
+    sources = {"reward_plain": Source("", OWN_SOURCE)}
+    for seed in range(2):
+        record(tmp_path / f"plain-{seed}", "plain", seed, RISING, sources=sources)
+        record(tmp_path / f"thrice-{seed}", "thrice", seed, RISING, pays=pays, sources=sources)
+    (comparison,) = load_study(tmp_path).comparisons
+    assert not comparison.returns[TRAINING].is_split
+    assert "that was thrice here" in comparison.returns[TRAINING].ratio.ruler.note
+
+
+def test_seeds_that_only_one_reward_has_are_not_compared(tmp_path):
+    """They stay in the table."""
+    record(two(tmp_path) / "more", "plain", 8, RISING)
+    study = load_study(tmp_path)
+    assert study.comparisons[0].seeds == (0, 1)
+    assert study.tables[TRAINING]["plain", "plain"].seeds == 3
+
+
+def test_no_seed_in_common(tmp_path):
+    """Nothing is compared, and that is said."""
+    record(tmp_path / "one", "plain", 0, RISING)
+    record(tmp_path / "other", "thrice", 1, RISING)
+    (comparison,) = load_study(tmp_path).comparisons
+    assert "no seed was trained with both plain and thrice" in comparison.headline.robot
+
+
+def test_trainings_without_a_seed_are_numbered(tmp_path):
+    """In the order of their folders."""
+    for name, reward in zip("abcd", ("plain", "thrice") * 2, strict=True):
+        record(tmp_path / name, reward, None, RISING)
+    study = load_study(tmp_path)
+    assert sorted(study.runs.members) == [("plain", 0), ("plain", 1), ("thrice", 0), ("thrice", 1)]
+    assert "4 trainings recorded without a seed" in study.runs.notes[0]
+
+
+def test_two_trainings_of_one_seed_are_refused(tmp_path):
+    """Both folders are named."""
+    record(two(tmp_path) / "again", "plain", 1, RISING)
+    with pytest.raises(UsageError, match=r"again' and '.*plain-1' were both trained with plain and seed 1"):
+        load_study(tmp_path)
+
+
+def test_several_envs_are_refused(tmp_path):
+    """Each is named, with a folder of it."""
+    record(two(tmp_path) / "other", "plain", 5, RISING, env={"id": "Other-v1"})
+    with pytest.raises(UsageError, match=r"mixes trainings in several envs: Other-v1 .*Bandit-v0"):
+        load_study(tmp_path)
+
+
+def test_an_env_made_with_other_arguments_is_told(tmp_path):
+    """It may be how rewards are chosen, so nothing is refused."""
+    record(two(tmp_path) / "other", "plain", 5, RISING, env={"id": "Bandit-v0", "kwargs": {"reward": "plain"}})
+    assert "different arguments: {'reward': 'plain'} and {}" in load_study(tmp_path).runs.notes[0]
+
+
+def test_one_reward_alone_is_refused(tmp_path):
+    """There is nothing to compare it with."""
+    record(tmp_path / "one", "plain", 0, RISING)
+    with pytest.raises(UsageError, match="all trainings in it were trained with plain"):
+        load_study(tmp_path)
+
+
+def test_a_folder_without_recordings_is_refused(tmp_path):
+    """What makes one is said."""
+    with pytest.raises(UsageError, match="no recorded training: harness.RecordRewards makes one"):
+        load_study(tmp_path)
+
+
+def test_a_damaged_recording_is_left_out(tmp_path):
+    """The others are compared."""
+    (two(tmp_path) / "plain-1" / "recording-0.json").write_text("{}")
+    study = load_study(tmp_path)
+    assert study.comparisons[0].seeds == (0,)
+    (line,) = study.runs.damaged
+    assert "plain-1" in line
+
+
+def test_an_empty_recording_cuts_nobody(tmp_path):
+    """It is left out."""
+    record(two(tmp_path) / "empty", "plain", 5, [])
+    study = load_study(tmp_path)
+    assert study.runs.steps == len(RISING) * PULLS
+    assert any("empty' is left out: it has no steps" in note for note in study.runs.notes)
+
+
+def test_a_training_that_goes_on_is_told(tmp_path):
+    """Its recording was not closed."""
+    facts = tmp_path / "plain-0" / "recording-0.json"
+    two(tmp_path)
+    replace(TrainingFacts.read(facts), closed=False).write(facts)
+    assert any(note.startswith("Still going on") and "plain-0" in note for note in load_study(tmp_path).runs.notes)
+
+
+def test_learning_curves_of_every_measure_and_every_reward(study_folder):
+    """Twenty points each, the mean over the episodes that ended in a stretch."""
+    study = load_study(study_folder)
+    learning = learning_of(study.runs, study.comparisons[0])
+    assert list(learning.random) == ["success", "arm", return_name("plain"), return_name("thrice")]
+    points = learning.proposed.points["arm"]
+    assert [point.steps for point in points] == [10 * (place + 1) for place in range(STRETCHES)]
+    assert points[0].value.mean == pytest.approx(np.mean([np.linspace(0.0, 0.9 + 0.01 * s, 40)[:2].mean() for s in range(6)]))
+    assert points[-1].value.low is not None
+
+
+def test_batches_of_envs_have_episodes_of_their_own(tmp_path):
+    """Two envs in turns: an episode is that of one env."""
+    order = count()
+    rows = [(next(order) // 2, env, 0, step) for step in range(3) for env in range(2)]
+    time, env, episode, step = (np.array(column) for column in zip(*rows, strict=True))
+    found = episodes_of(
+        RecordedTraining(
+            TrainingFacts(rewards=("plain",), trained_with="plain", num_envs=2),
+            time,
+            env,
+            episode,
+            step,
+            {"plain": np.array([1.0, 10.0, 2.0, 20.0, 3.0, 30.0])},
+            {},
+            (step == 2) & (env == 0),
+            (step == 2) & (env == 1),
+        )
+    )
+    assert found.returns["plain"].tolist() == [6.0, 60.0]
+    assert found.last.tolist() == [4, 5]
