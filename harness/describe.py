@@ -172,8 +172,7 @@ def _describe_drives(robot: Robot) -> str:
     parts = get_args(Part)
     numbers = np.array([getattr(servo, part) for part in parts]).T
     rows = [
-        (name, *(f"{number:g}" for number in values))
-        for name, values in zip(robot.joint_names, numbers, strict=True)
+        (name, *(f"{number:g}" for number in values)) for name, values in zip(robot.joint_names, numbers, strict=True)
     ]
     head = ("joint", *(part.replace("_", " ") for part in parts))
     weight = "compensated" if servo.gravity_compensated else "not compensated"
