@@ -59,11 +59,10 @@ def test_tip_is_that_of_mujoco():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", ["franka_panda/panda.urdf", "kuka_iiwa/model.urdf"])
-def test_arms_with_meshes_move_as_in_mujoco(path: str):
-    """Masses, joints and meshes of arms that others published are read as `mujoco` reads them."""
+def test_arm_with_meshes_moves_as_in_mujoco():
+    """Masses, joints and meshes of an arm that others published are read as `mujoco` reads them."""
     data = pytest.importorskip("pybullet_data")
-    assert largest_difference(harness.load_robot(str(Path(data.getDataPath(), path))), 20) < 1e-9
+    assert largest_difference(harness.load_robot(str(Path(data.getDataPath(), "kuka_iiwa/model.urdf"))), 20) < 1e-9
 
 
 def test_ground_holds_the_arm_up(open_arms: Call, home: Call, fallen: np.ndarray):
