@@ -153,11 +153,12 @@ class Comparison:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the curves left out."""
+        headline = {"agent" if name == "robot" else name: told for name, told in self.headline.to_json().items()}
         return {
             "baseline": self.baseline,
             "proposed": self.proposed,
             "seeds": list(self.seeds),
-            "headline": self.headline.to_json(),
+            "headline": headline,
             "rests_on": self.basis,
             "decided_in": self.manner,
             "deciding_measure": self.deciding,
