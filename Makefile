@@ -14,9 +14,9 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 
 # What install and dev set up, of pyproject.toml's extras.
 RUN_EXTRAS := mujoco sb3 report
-DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev
+DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev docs
 
-.PHONY: install dev lock run reference test slow plugins examples browser bench check format clean
+.PHONY: install dev lock run reference test slow plugins examples browser bench check docs wheel format clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
@@ -63,6 +63,20 @@ check: dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# The site, into build/site: a warning is an error.
+docs: dev
+	$(BIN)/python -m sphinx --builder html --fail-on-warning --keep-going --quiet docs build/site
+
+# What people install: built, checked, and used without any extra, in a new environment outside this folder.
+wheel: dev
+	rm -rf dist build/wheel-env
+	$(BIN)/python -m build --no-isolation --quiet
+	$(BIN)/twine check --strict dist/*
+	$(PYTHON) -m venv build/wheel-env
+	build/wheel-env/bin/python -m pip --disable-pip-version-check install --quiet dist/*.whl
+	cd build/wheel-env && bin/harness run --sim kinematic --algo sac-fast,ik,random --reward dense --seeds 1 \
+		--steps 500 --evaluation-episodes 5 --out first
 
 format: dev
 	$(BIN)/ruff check --fix .

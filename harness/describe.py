@@ -3,11 +3,12 @@
 import inspect
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from harness.env.arm_observation import ArmObservation
+from harness.env.goal_observation import GoalObservation
 from harness.hookspecs import NOUNS
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
@@ -15,8 +16,10 @@ from harness.registry.parameters import parameters_of, values_of
 from harness.registry.registry import Registry
 from harness.robot import Robot
 from harness.robot.load import load_robot
+from harness.robot.servo import Part
+from harness.robot.settings import FILE, SERVO
 from harness.simulator import family_of
-from harness.task import Task
+from harness.task import Task, goal_of
 
 
 def describe_name(registry: Registry, kind: str, given: str, robot: str | None) -> str:
@@ -55,7 +58,8 @@ def _states(task: Task, robot: Robot) -> str:
     note = "\nTable I gives angles as 0 .. 350 deg; the published joint ranges differ and are used."
     return (
         f"{head} NOTE Table I for each joint, and where the target is; all angles stand first, then all speeds, then "
-        f"all accelerations.\n{_table(_arm_states(robot))}{note if robot.name == 'fd100' else ''}"
+        f"all accelerations.\n{_table([*_arm_states(robot), *_goal_states(observation)])}"
+        f"{note if robot.name == 'fd100' else ''}"
     )
 
 
@@ -73,8 +77,16 @@ def _arm_states(robot: Robot) -> list[tuple[str, str, str]]:
         ("target", "3 numbers", "world frame, m"),
         ("end effector", "3 numbers", "world frame, m"),
         ("offset", "3 numbers", "target - end effector, m"),
-        ("distance", "1 number", "length of the offset, NOTE eq. 14, m"),
     ]
+
+
+def _goal_states(observation: ArmObservation) -> list[tuple[str, str, str]]:
+    """How far the target is, and what else is asked for."""
+    if not isinstance(observation, GoalObservation):
+        return [("distance", "1 number", "length of the offset, NOTE eq. 14, m")]
+    goal, count = observation.goal, len(observation.goal.bounds()[0])
+    more = [("goal", f"{count} number{'s' * (count > 1)}", goal.observed)] if count else []
+    return [("error", "1 number", f"the {goal.error}, {goal.unit or 'without a unit'}"), *more]
 
 
 def _unit_of(robot: Robot, joint: int) -> tuple[float, str]:
@@ -102,7 +114,11 @@ def _actions(task: Task, robot: Robot) -> str:
 
 
 def _transition(task: Task, robot: Robot) -> str:
+    goal = goal_of(task, robot)
     reached = f"the end effector is within epsilon = {task.epsilon:g} m of the target (NOTE eq. 20)"
+    if goal is not None:
+        steps = f" for {goal.steps_within} steps in a row" if goal.steps_within > 1 else ""
+        reached = f"the {goal.error} is at most epsilon = {task.epsilon:g} {goal.unit}".rstrip() + steps
     decision = f"{task.decision_period} steps under one action, a reward on each"
     rows = [
         ("step", f"{task.control_period:g} s, in the simulator's dynamics unless the action sets the joints"),
@@ -144,7 +160,25 @@ def _describe_robot(robot: Robot) -> str:
     head = ("joint", "type", "lower", "upper", "home", "speed /s", "acceleration /s^2", "unit")
     tip = f"end effector {robot.end_effector_link}, reach {robot.reach:.3f} m, files in {robot.folder}"
     origins = [(f"{quantity.replace('_', ' ')}:", origin) for quantity, origin in robot.origins.items()]
-    return f"robot {robot.name}: {robot.dof} joints, {tip}\n{_table([head, *rows])}\n\nFrom\n{_table(origins)}"
+    told = f"robot {robot.name}: {robot.dof} joints, {tip}\n{_table([head, *rows])}\n\nFrom\n{_table(origins)}"
+    return f"{told}\n\n{_describe_drives(robot)}"
+
+
+def _describe_drives(robot: Robot) -> str:
+    """The drives of simulators with drive=servo, in N m, or N where a joint slides, rad or m, kg, m and s."""
+    servo = robot.servo
+    if servo is None:
+        return f"No drives for drive=servo: {FILE} has no table [{SERVO}]."
+    parts = get_args(Part)
+    numbers = np.array([getattr(servo, part) for part in parts]).T
+    rows = [
+        (name, *(f"{number:g}" for number in values))
+        for name, values in zip(robot.joint_names, numbers, strict=True)
+    ]
+    head = ("joint", *(part.replace("_", " ") for part in parts))
+    weight = "compensated" if servo.gravity_compensated else "not compensated"
+    told = f"Drives for drive=servo, in N m, rad, kg m^2 and s, where a joint slides in N, m, kg and s; {FILE}"
+    return f"{told}\n{_table([head, *rows])}\n  latency {servo.latency:g} s, weight {weight}"
 
 
 def _describe_parameters(target: Any, values: dict[str, Any]) -> str:

@@ -1,15 +1,19 @@
 """Every error that this project raises on purpose.
 
-HarnessError
-├── UsageError            what the user gave cannot be used: one line, exit status 2, nothing written
-├── PluginError           a plugin is broken: names the plugin, its distribution and the target
-├── SimulationDiverged    a simulation or a reward left the finite numbers: the cell fails, the plan goes on
-├── ContractViolation     a plugin breaks its interface's contract: names the check
-├── StorageError          a results folder cannot be written: the disk is full, or fails; what was done stays
-├── Unscored              a reward cannot pay recorded runs again: the rest of a report stands
-├── Unmeasured            a metric cannot say anything of a trace: the rest of a report stands
-└── SchemaError           a results file is not what this version reads
-    └── NewerFormat       because a newer version wrote it
+::
+
+    HarnessError
+    ├── UsageError            what the user gave cannot be used: one line, exit status 2, nothing written
+    ├── PluginError           a plugin is broken: names the plugin, its distribution and the target
+    ├── SimulationDiverged    a simulation or a reward left the finite numbers: the cell fails, the plan goes on
+    ├── ContractViolation     a plugin breaks its interface's contract: names the check
+    ├── StorageError          a results folder cannot be written: the disk is full, or fails; what was done stays
+    ├── Unscored              a reward cannot pay recorded runs again: the rest of a report stands
+    ├── Unmeasured            a metric cannot say anything of a trace: the rest of a report stands
+    └── SchemaError           a results file is not what this version reads
+        └── NewerFormat       because a newer version wrote it
+
+Who catches `HarnessError` catches them all.
 """
 
 from harness.text import one_line_of

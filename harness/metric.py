@@ -10,6 +10,9 @@ class Metric(Protocol):
 
     A metric whose value is a mean over episodes of something between 0 and 1 says so by a class attribute ``is_share =
     True``: where nearly all episodes give 1, seeds do not tell how often one gives 0, and its interval allows for that.
+
+    One whose values are distances of the trace's column ``distance`` says ``is_error = True``. On a task with a goal of
+    its own, see `harness.task.Goal`, reports then show it with the name and the unit of the task's error.
     """
 
     @property
@@ -27,3 +30,8 @@ class Metric(Protocol):
 def is_share(metric: Metric) -> bool:
     """Whether a metric says that it is a share of episodes, or a mean over them of something between 0 and 1."""
     return bool(getattr(metric, "is_share", False))
+
+
+def is_error(metric: Metric) -> bool:
+    """Whether a metric says that its values are those of the task's error."""
+    return bool(getattr(metric, "is_error", False))

@@ -33,7 +33,7 @@ class Ring:
 
 
 TrainingState: TypeAlias = Mapping[str, Any]
-"""Everything that a training needs to go on, by name: numpy arrays of numbers, of any shape, and `Ring`s."""
+"""Everything that a training needs to go on, by name: numpy arrays of numbers, of any shape, and every `Ring`."""
 
 
 SUCCESS, RETURN, SPEED = "Training/Success Rate", "Training/Episode Return", "Training/Steps per Second"

@@ -9,11 +9,12 @@ from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
 from harness.env.arm_observation import ArmObservation
+from harness.env.goal_observation import GoalObservation
 from harness.errors import UsageError
 from harness.motion import Motion, Setting, build_motion
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
-from harness.task import Targets
+from harness.task import Situation, Targets, goal_of
 
 Positive = Annotated[float, Field(gt=0)]
 Metres3 = tuple[float, float, float]
@@ -69,7 +70,9 @@ class ReachTask:
 
     def observation(self, robot: Robot) -> ArmObservation:
         """See `harness.task.Task`."""
-        return ArmObservation(robot, self.control_period)
+        goal = goal_of(self, robot)
+        period = self.control_period
+        return ArmObservation(robot, period) if goal is None else GoalObservation(robot, period, goal)
 
     def target_rewards(self, robot: Robot, qpos: Float) -> Float:
         """`target_reward`, each time."""
@@ -85,10 +88,7 @@ class ReachTask:
     def check(self, robot: Robot) -> None:
         """See `harness.task.Task`; raises also where every start is at every target."""
         self.motion(robot)
-        rng = np.random.default_rng(0)
-        targets, _ = self.draw_targets(robot, rng, 64)
-        tips = robot.end_effector(np.stack([self.draw_start(robot, rng) for _ in targets]))
-        if (np.linalg.norm(targets - tips, axis=1) <= self.epsilon).all():
+        if (self._begin_errors(robot, np.random.default_rng(0)) <= self.epsilon).all():
             raise UsageError(f"epsilon={self.epsilon:g} m covers the targets from the start: choose less")
 
     def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
@@ -114,6 +114,17 @@ class ReachTask:
             f"The end effector of {robot.name} reaches next to no target in the box {_text(center)} +- {_text(half)} "
             "m: choose target_center and target_half_extent within its reach"
         )
+
+    def _begin_errors(self, robot: Robot, rng: np.random.Generator) -> Float:
+        """How far from their targets some episodes begin, (64,)."""
+        targets, _ = self.draw_targets(robot, rng, 64)
+        goal, none = goal_of(self, robot), np.zeros(len(targets))
+        numbers = np.zeros((len(targets), 0)) if goal is None else goal.draw(rng, targets)
+        starts = np.stack([self.draw_start(robot, rng) for _ in targets])
+        tips = robot.end_effector(starts)
+        if goal is None:
+            return np.asarray(np.linalg.norm(targets - tips, axis=1))
+        return goal.errors(Situation(starts, tips, targets, numbers, none, none))
 
     def start_in_words(self, robot: Robot) -> str:
         """See `harness.task.Task`."""

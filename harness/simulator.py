@@ -6,7 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.errors import UsageError
 from harness.robot import Robot
+from harness.robot.servo import Servo
+from harness.robot.settings import FILE, SERVO
 
 
 class State(NamedTuple):
@@ -92,3 +95,32 @@ def family_of(simulator: object) -> str | None:
     kind = simulator if isinstance(simulator, type) else type(simulator)
     family: str | None = getattr(kind, "family", kind.__name__)
     return family
+
+
+def require_drives(simulator: object, robot: Robot) -> None:
+    """See that an arm has the drives that a simulator moves it by, where its field ``drive`` says "servo".
+
+    Raises:
+        UsageError: As `servo_of`.
+    """
+    if drives_with_servo(simulator):
+        servo_of(robot)
+
+
+def drives_with_servo(simulator: object) -> bool:
+    """Whether a simulator is set to move an arm by the drives of its robot.toml, `harness.robot.servo.Servo`."""
+    return getattr(simulator, "drive", None) == "servo"
+
+
+def servo_of(robot: Robot) -> Servo:
+    """The drives of an arm, for a simulator that is told ``drive=servo``.
+
+    Raises:
+        UsageError: Its robot.toml describes none.
+    """
+    if robot.servo is None:
+        raise UsageError(
+            f"Robot '{robot.name}' has no drives to simulate: its {FILE} has no table [{SERVO}]. "
+            "Write one (docs/drives.md), or leave drive at ideal."
+        )
+    return robot.servo

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.errors import Unmeasured
 from harness.record.trace import Trace
 
 
@@ -25,7 +26,12 @@ def paths_to_target(trace: Trace) -> Float:
 
     Returns:
         Shape (episodes, 2), in the order of `Trace.episodes`; not a number where an episode reaches no target.
+
+    Raises:
+        Unmeasured: The target moves: where the line should lead is not known before it is reached.
     """
+    if trace.facts.target_moves:
+        raise Unmeasured("the target moves: no straight line is the shortest way to it")
     position = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
     lengths = np.full((len(trace.episodes), 2), np.nan)
     for episode, rows in enumerate(trace.episodes):

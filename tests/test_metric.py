@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.metric import is_share
+from harness.metric import is_error, is_share
 from harness.registry.choice import build_defaults
 from harness.registry.registry import load_registry
 
@@ -17,6 +17,13 @@ def test_shares_say_that_they_are(name: str, share: bool):
     assert is_share(build_defaults(load_registry(), "metrics")[name]) == share
 
 
+def test_those_of_the_distance_say_that_they_are_errors():
+    """All metrics in whose values the column `distance` stands, and no other."""
+    errors = {name for name, metric in build_defaults(load_registry(), "metrics").items() if is_error(metric)}
+    assert errors == {"closest_distance", "final_distance"}
+
+
 def test_a_metric_that_says_nothing_is_none():
     """Those of version 0.1 have no such attribute."""
+    assert not is_error(object())  # type: ignore[arg-type]
     assert not is_share(object())  # type: ignore[arg-type]

@@ -19,7 +19,12 @@ ROOT = Path(__file__).parent.parent
 HOMES = {"harness": ROOT / "harness", "harness_plugins": ROOT / "plugins", "harness_robots": ROOT / "robots"}
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
-    *(path for folder in ("docs", "examples", "robots") for path in sorted((ROOT / folder).rglob("*.md"))),
+    *(
+        path
+        for folder in ("docs", "examples", "robots")
+        for path in sorted((ROOT / folder).rglob("*.md"))
+        if "generated" not in path.parts  # made from what is read here
+    ),
 ]
 MODULES = [path for home in (*HOMES.values(), ROOT / "examples") for path in sorted(home.rglob("*.py"))]
 

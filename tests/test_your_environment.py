@@ -57,6 +57,10 @@ def test_first_training_is_recorded_and_read(
     assert "return float(next_observation[0])" in training.facts.sources["reward_upright"].text
     _run(tmp_path, monkeypatch, "print(training.facts.rewards")
     assert capsys.readouterr().out.startswith("('upright', 'own') own 0\n")
+    duckdb = pytest.importorskip("duckdb")
+    (query,) = re.findall(r'duckdb -c "([^"]*)"', PAGE)
+    (row,) = duckdb.sql(query).fetchall()
+    assert row == pytest.approx((0, *(training.rewards[name].sum() for name in ("own", "upright"))))
 
 
 def test_verdict_takes_15_lines():

@@ -9,11 +9,12 @@ from gymnasium.vector import AutoresetMode
 from harness.arrays import Float, Mask
 from harness.audit.scripted import SCRIPTS, plan_actions
 from harness.env import ReachVectorEnv
+from harness.errors import UsageError
 from harness.experiment.evaluate import EVALUATION_SEED
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.simulator import Simulator
-from harness.task import Task
+from harness.task import Task, goal_of
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,12 @@ def record_rollouts(simulator: Simulator, robot: Robot, task: Task, episodes: in
         SimulationDiverged: The engine left the finite numbers.
     """
     task.check(robot)
+    goal = goal_of(task, robot)
+    if goal is not None:
+        raise UsageError(
+            "The scripted policies of an audit go to points that stay, and the task asks for more (its error: "
+            f"{goal.error}). Audit the reward on fd100-reach: a reward sees the error alone"
+        )
     off = AutoresetMode.DISABLED
     env = ReachVectorEnv(simulator, robot, task, Unpaid(), episodes, autoreset_mode=off)
     try:

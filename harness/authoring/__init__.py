@@ -10,12 +10,14 @@ if TYPE_CHECKING:
     from harness.authoring.generator_state import pack_generator, restore_generator
     from harness.authoring.ground_contact import GroundContact
     from harness.authoring.layers import layer_weights
+    from harness.authoring.servo_track import ServoTrack
     from harness.authoring.substeps import Substeps
     from harness.authoring.wrapped_reward import WrappedReward
     from harness.experiment.jobs import events_of, order_of, run_job, run_jobs
     from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
     from harness.robot.inverse_kinematics import reach_position
     from harness.robot.kinematics import forward, link_frames
+    from harness.simulator import servo_of
 
 __all__ = [
     "Categorical",
@@ -24,6 +26,7 @@ __all__ = [
     "Greedy",
     "GroundContact",
     "Part",
+    "ServoTrack",
     "SquashedGaussian",
     "Substeps",
     "WrappedReward",
@@ -41,6 +44,7 @@ __all__ = [
     "restore_generator",
     "run_job",
     "run_jobs",
+    "servo_of",
 ]
 
 _HOMES = {
@@ -50,11 +54,13 @@ _HOMES = {
     **dict.fromkeys(("Part", "add_part", "add_parts", "parts_of"), "harness.authoring.folder_parts"),
     **dict.fromkeys(("pack_generator", "restore_generator"), "harness.authoring.generator_state"),
     "GroundContact": "harness.authoring.ground_contact",
+    "ServoTrack": "harness.authoring.servo_track",
     "Substeps": "harness.authoring.substeps",
     "WrappedReward": "harness.authoring.wrapped_reward",
     "act_for": "harness.authoring.act_without_learning",
     "layer_weights": "harness.authoring.layers",
     "reach_position": "harness.robot.inverse_kinematics",
+    "servo_of": "harness.simulator",
 }
 RENAMED: dict[str, Renamed] = {}
 """Names that were given up, for one minor version."""

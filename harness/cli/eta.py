@@ -63,7 +63,9 @@ def eta(
         return show_study(folder, curve, as_json=as_json, html=plot, details=True)
     if baseline is None or proposed is None:
         missing = next(flag for flag, given in groups.items() if given is None)
-        raise UsageError(f"Missing option '{missing}'; or name a folder of recorded trainings. Examples: harness eta --help")
+        raise UsageError(
+            f"Missing option '{missing}'; or name a folder of recorded trainings. Examples: harness eta --help"
+        )
     from harness.registry.registry import load_registry
     from harness.score.compare import compare_recordings
     from harness.score.open_recording import match_recordings

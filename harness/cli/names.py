@@ -25,9 +25,10 @@ def list_names(
     registry = load_registry(given=read_given(plugin))
     for shown in KINDS if kind is None else (kind,):
         typer.echo(f"{shown}:")
+        width = max(16, *map(len, registry.names(shown)), 0) + 2
         for name in registry.names(shown):
             spec = registry.get(shown, name)
             note = f" [missing {', '.join(spec.missing)}: {spec.remedy}]" if spec.missing else ""
-            typer.echo(f"  {name:<18}{spec.summary}{note}")
+            typer.echo(f"  {name:<{width}}{spec.summary}{note}")
     for line in registry.complaints():
         complain(line)

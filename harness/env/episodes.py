@@ -8,25 +8,26 @@ from harness.errors import SimulationDiverged
 from harness.record.trace import COLUMN, SCALARS
 from harness.reward import Sample
 from harness.simulator import State
+from harness.task import Goal, Situation
 
 
 class Episodes:
     """`num_envs` episodes side by side. Every array below is a view into `matrix`, which has a row per env.
 
     Attributes:
-        matrix: (num_envs, width): the row to record, then qvel, qvel_change and offset.
+        matrix: (num_envs, width): the row to record, then qvel, qvel_change and offset; with a goal also what it needs.
         record: The row to record, (num_envs, recorded width); columns as in `harness.record.trace`.
         episode: Number of the episode in its env, (num_envs,).
         step: Environment steps since its start.
         begin_distance: d(0), or the distance when the target was last set, [m].
         previous_best: The smallest distance since then, before this step, [m].
-        distance: d(t), [m].
+        distance: d(t), [m]; with a goal its error, in its unit, as all distances here.
         delta_distance: distance - previous_best, [m].
         shaped: The shaped reward of the step.
         events: What the events of the step paid, (num_envs, 2): ground, target.
         step_price: What each step pays, (num_envs,).
         flags: 0 or 1, (num_envs, 5): ground, reached, held, terminated, truncated.
-        target: (num_envs, 3), world frame, [m].
+        target: (num_envs, 3), world frame, [m]; where it is now.
         end_effector: The same.
         offset: target - end_effector, [m].
         qpos: (num_envs, dof), [rad].
@@ -34,12 +35,15 @@ class Episodes:
         qvel_change: Since the step before.
         action: (num_envs, action_size).
         sample: What rewards are given: the same arrays.
+        numbers: What belongs to the target beside its position, (num_envs, goal.numbers); (num_envs, 0) without a goal.
+        situation: What a goal is given: the same arrays; without a goal it tells nothing.
     """
 
-    def __init__(self, num_envs: int, dof: int, action_size: int) -> None:
+    def __init__(self, num_envs: int, dof: int, action_size: int, goal: Goal | None = None) -> None:
         width = len(SCALARS) + dof + action_size
-        self._places = _places(dof, action_size)
-        self.matrix = matrix = np.zeros((num_envs, width + 2 * dof + 3))
+        self.goal = goal
+        self._places = _places(dof, action_size, goal)
+        self.matrix = matrix = np.zeros((num_envs, max(end for _, end in self._places.values())))
         matrix[:, COLUMN["env"]] = np.arange(num_envs)
         matrix[:, COLUMN["episode"]] = -1
         self.record = matrix[:, :width]
@@ -60,25 +64,31 @@ class Episodes:
             self.delta_distance,
             self.step,
         )
+        self.numbers, self._set_at = self._part("numbers"), self._part("set_at")
+        self._since, self._within = (self._column(name) if goal else np.zeros(0) for name in ("since", "within"))
+        self.situation = Situation(self.qpos, self.end_effector, self.target, self.numbers, self._since, self._within)
 
     def columns(self, *names: str) -> NDArray[np.intp]:
         """Where in `matrix` the arrays of these names stand, one after the other."""
         return np.concatenate([np.arange(*self._places[name]) for name in names])
 
-    def start(self, mask: Mask, state: State, target: Float) -> None:
-        """Begin new episodes in the envs of `mask` with `target`, (num_envs, 3)."""
+    def start(self, mask: Mask, state: State, target: Float, numbers: Float | None = None) -> None:
+        """Begin new episodes in the envs of `mask` with `target`, (num_envs, 3), and the `numbers` of a goal."""
         self.qpos[mask], self.qvel[mask] = state.qpos[mask], state.qvel[mask]
         self.end_effector[mask] = state.end_effector[mask]
         self.step[mask] = self.shaped[mask] = self.step_price[mask] = 0.0
         self.qvel_change[mask] = self.events[mask] = self.flags[mask] = 0.0
         self.action[mask] = 0.0
-        self.set_target(mask, target)
+        self.set_target(mask, target, numbers)
 
-    def set_target(self, mask: Mask, target: Float) -> None:
+    def set_target(self, mask: Mask, target: Float, numbers: Float | None = None) -> None:
         """Give the envs of `mask` a target; their distances restart."""
         self.target[mask] = target[mask]
+        if self.goal and numbers is not None:
+            self.numbers[mask], self._set_at[mask] = numbers[mask], target[mask]
+            self._since[mask] = self._within[mask] = 0.0
         np.subtract(self.target, self.end_effector, out=self.offset)
-        distance = _length(self.offset)
+        distance = self._errors()
         self.require_finite(distance)
         for column in (self.begin_distance, self.previous_best, self.distance, self._previous_distance):
             column[mask] = distance[mask]
@@ -91,22 +101,41 @@ class Episodes:
             The distances, (num_envs,), a new array.
         """
         self.step += 1.0
+        if self.goal:
+            self._since += 1.0
+            if self.goal.moves:
+                self.target[...] = self._set_at + self.goal.displacement(self.numbers, self._since)
         self.end_effector[...] = state.end_effector
         self.qpos[...] = state.qpos
         np.subtract(state.qvel, self.qvel, out=self.qvel_change)
         self.qvel[...] = state.qvel
         np.subtract(self.target, state.end_effector, out=self.offset)
-        distance = _length(self.offset)
+        distance = self._errors()
         self._previous_distance[...] = self.distance
         self.distance[...] = distance
         np.subtract(distance, self.previous_best, out=self.delta_distance)
         return distance
+
+    def count_within(self, far: Mask) -> Mask:
+        """Where the error was not within epsilon for as many steps in a row as the goal asks, counting this one.
+
+        Args:
+            far: Where it is not within epsilon now, (num_envs,).
+        """
+        if self.goal is None:
+            return far
+        self._within[...] = np.where(far, 0.0, self._within + 1.0)
+        short: Mask = self._within < self.goal.steps_within
+        return short
 
     def require_finite(self, distance: Float) -> None:
         """Raises SimulationDiverged where an end effector is nowhere."""
         if not np.isfinite(distance).all():
             envs = np.flatnonzero(~np.isfinite(distance)).tolist()
             raise SimulationDiverged(f"the end effector of env {envs} is nowhere at step {self.step[envs[0]]:.0f}")
+
+    def _errors(self) -> Float:
+        return _length(self.offset) if self.goal is None else self.goal.errors(self.situation)
 
     def _column(self, name: str) -> Float:
         return self.matrix[:, self._places[name][0]]
@@ -115,7 +144,7 @@ class Episodes:
         return self.matrix[:, slice(*self._places[name])]
 
 
-def _places(dof: int, action_size: int) -> dict[str, tuple[int, int]]:
+def _places(dof: int, action_size: int, goal: Goal | None) -> dict[str, tuple[int, int]]:
     """First column of each array in the matrix, and the one after its last."""
     places = {name: (at, at + 1) for name, at in COLUMN.items()}
     groups = {
@@ -126,7 +155,9 @@ def _places(dof: int, action_size: int) -> dict[str, tuple[int, int]]:
     }
     places.update({name: (COLUMN[first], COLUMN[last] + 1) for name, (first, last) in groups.items()})
     at = len(SCALARS)
-    for name, size in (("qpos", dof), ("action", action_size), ("qvel", dof), ("qvel_change", dof), ("offset", 3)):
+    arm = (("qpos", dof), ("action", action_size), ("qvel", dof), ("qvel_change", dof), ("offset", 3))
+    sizes = (goal.numbers, 3, 1, 1) if goal else (0, 0, 0, 0)
+    for name, size in (*arm, *zip(("numbers", "set_at", "since", "within"), sizes, strict=True)):
         places[name] = (at, at + size)
         at += size
     return places

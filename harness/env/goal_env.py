@@ -181,13 +181,14 @@ def _require_one_goal(given: Given, registry: Registry) -> None:
     if not _has_one_goal(choice.build(registry, "tasks")):
         allowed = [name for name, task in build_defaults(registry, "tasks").items() if _has_one_goal(task)]
         raise UsageError(
-            f"Task '{choice.label}' sets several goals in an episode, or repeats an action for several steps: its "
-            f"steps cannot be paid again for another goal. Allowed: {', '.join(allowed)}"
+            f"Task '{choice.label}' sets several goals in an episode, repeats an action for several steps, or asks for "
+            "more than a point that stays: its steps cannot be paid again for another goal. "
+            f"Allowed: {', '.join(allowed)}"
         )
 
 
 def _has_one_goal(task: Task) -> bool:
-    return task.ends_at_target and task.decision_period == 1
+    return task.ends_at_target and task.decision_period == 1 and not hasattr(task, "goal")
 
 
 def _column(infos: Sequence[Mapping[str, Any]], name: str) -> Float:

@@ -6,7 +6,7 @@ from harness.env.arm_observation import ArmObservation
 from harness.motion import MoveJ, MoveJAbsolute, SetJoints
 from harness.policy import InverseKinematics
 from harness.robot import Robot
-from harness.task import Task
+from harness.task import Task, goal_of
 
 MODES: dict[type, str] = {MoveJ: "movej", MoveJAbsolute: "movej-absolute", SetJoints: "set-joints"}
 
@@ -18,6 +18,9 @@ def why_not_kinematics(task: Task, robot: Robot) -> str:
         return f"ik knows the action modes {', '.join(MODES.values())}, not that of the task: '{task.action}'"
     if not isinstance(task.observation(robot), ArmObservation):
         return "ik reads joint angles and target from the observation of fd100-reach, and the task has another"
+    goal = goal_of(task, robot)
+    if goal is not None and goal.aim is None:
+        return f"ik goes to a point or to a pose, and neither tells how to make the task's {goal.error} small"
     return ""
 
 
@@ -30,4 +33,6 @@ def kinematics_policy(task: Task, robot: Robot, algorithm: str = "") -> InverseK
         algorithm: For the reader of the policy's card.
     """
     motion = cast(MoveJ | MoveJAbsolute | SetJoints, task.motion(robot))
-    return InverseKinematics.of(robot, motion.limits, MODES[type(motion)], algorithm)
+    goal = goal_of(task, robot)
+    more, turns = (0, False) if goal is None else (len(goal.bounds()[0]), goal.aim == "pose")
+    return InverseKinematics.of(robot, motion.limits, MODES[type(motion)], algorithm, more, turns)

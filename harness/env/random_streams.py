@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.task import Task
+from harness.task import Situation, Task, goal_of
 
 Seed: TypeAlias = int | list[int] | None
 
@@ -24,17 +24,17 @@ class Streams:
 
     def __init__(self, task: Task, robot: Robot, num_envs: int, seed: Seed) -> None:
         """Two streams per env: targets are drawn ahead, and must not depend on how many starts came between."""
-        self._task, self._robot = task, robot
+        self._task, self._robot, self._goal = task, robot, goal_of(task, robot)
         seeds = seed if isinstance(seed, list) else [[seed, k] if seed is not None else None for k in range(num_envs)]
         pairs = [np.random.SeedSequence(entropy).spawn(2) for entropy in seeds]
         self._start_rngs = [np.random.default_rng(pair[0]) for pair in pairs]
         self._target_rngs = [np.random.default_rng(pair[1]) for pair in pairs]
-        self._ahead: list[list[tuple[Float, bool]]] = [[] for _ in range(num_envs)]
+        self._ahead: list[list[tuple[Float, bool, Float]]] = [[] for _ in range(num_envs)]
 
     def pack(self) -> NDArray[np.uint8]:
         """Where they stand, as the bytes of a JSON text."""
         rngs = [[rng.bit_generator.state for rng in pair] for pair in self._pairs()]
-        ahead = [[[position.tolist(), relative] for position, relative in drawn] for drawn in self._ahead]
+        ahead = [[[position.tolist(), relative, *numbers] for position, relative, numbers in d] for d in self._ahead]
         return np.frombuffer(json.dumps({"rngs": rngs, "ahead": ahead}).encode(), np.uint8)
 
     def unpack(self, packed: NDArray[Any]) -> None:
@@ -43,7 +43,10 @@ class Streams:
         for pair, states in zip(self._pairs(), stood["rngs"], strict=True):
             for rng, state in zip(pair, states, strict=True):
                 rng.bit_generator.state = state
-        self._ahead = [[(np.array(position), relative) for position, relative in drawn] for drawn in stood["ahead"]]
+        self._ahead = [
+            [(np.array(position), relative, np.array(numbers)) for position, relative, *numbers in drawn]
+            for drawn in stood["ahead"]
+        ]
 
     def _pairs(self) -> list[tuple[np.random.Generator, np.random.Generator]]:
         return list(zip(self._start_rngs, self._target_rngs, strict=True))
@@ -52,22 +55,39 @@ class Streams:
         """Joint positions to start an episode with, (dof,)."""
         return self._task.draw_start(self._robot, self._start_rngs[env])
 
-    def target(self, env: int, end_effector: Float) -> Float:
-        """The env's next target, (3,), for an end effector at `end_effector`."""
+    def target(self, env: int, end_effector: Float) -> tuple[Float, Float]:
+        """The env's next target, (3,), for an end effector at `end_effector`, and the numbers of a goal, else (0,)."""
         if not self._ahead[env]:
-            drawn = self._task.draw_targets(self._robot, self._target_rngs[env], AHEAD)
-            self._ahead[env] = [(at, bool(relative)) for at, relative in zip(*drawn, strict=True)][::-1]
-        position, relative = self._ahead[env].pop()
-        return end_effector + position if relative else position
+            self._ahead[env] = self._draw(self._target_rngs[env])[::-1]
+        position, relative, numbers = self._ahead[env].pop()
+        return end_effector + position if relative else position, numbers
 
-    def target_apart(self, env: int, end_effector: Float) -> Float:
-        """As `target`, but one that the end effector is not in already.
+    def target_apart(self, env: int, end_effector: Float, qpos: Float) -> tuple[Float, Float]:
+        """As `target`, but one that the arm is not at already.
+
+        Args:
+            env: Whose.
+            end_effector: Where it is, (3,), [m].
+            qpos: The joint positions, (dof,).
 
         Raises:
-            UsageError: All are.
+            UsageError: The arm is at all of them.
         """
         for _ in range(TRIES):
-            target = self.target(env, end_effector)
-            if np.linalg.norm(target - end_effector) > self._task.epsilon:
-                return target
-        raise UsageError(f"epsilon={self._task.epsilon} m covers the targets from the start: choose less")
+            target, numbers = self.target(env, end_effector)
+            if self._error(qpos, end_effector, target, numbers) > self._task.epsilon:
+                return target, numbers
+        unit = "m" if self._goal is None else self._goal.unit
+        raise UsageError(f"epsilon={self._task.epsilon} {unit} covers the targets from the start: choose less")
+
+    def _draw(self, rng: np.random.Generator) -> list[tuple[Float, bool, Float]]:
+        position, relative = self._task.draw_targets(self._robot, rng, AHEAD)
+        numbers = np.zeros((len(position), 0)) if self._goal is None else self._goal.draw(rng, position)
+        return [(at, bool(flag), more) for at, flag, more in zip(position, relative, numbers, strict=True)]
+
+    def _error(self, qpos: Float, end_effector: Float, target: Float, numbers: Float) -> float:
+        if self._goal is None:
+            return float(np.linalg.norm(target - end_effector))
+        arm, none = (part[None] for part in (qpos, end_effector, target, numbers)), np.zeros(1)
+        now = Situation(*arm, step=none, within=none)
+        return float(self._goal.errors(now)[0])

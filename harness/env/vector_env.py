@@ -19,7 +19,7 @@ from harness.record.trace import Recorder
 from harness.reward import Carry, Reward, replace_where
 from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State
-from harness.task import Task
+from harness.task import Task, goal_of
 
 Infos: TypeAlias = dict[str, Any]
 Actions: TypeAlias = NDArray[Any]
@@ -47,7 +47,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
     Each env has its own random stream: what env k meets depends on the seed and k alone, whatever the number of envs,
     the reward or the actions.
 
-    `infos` holds, for every env, ``distance`` [m], to the target that the step was made for, ``reward_shaped`` and
+    `infos` holds, for every env, ``distance`` [m], to the target that the step was made for (of a task with a
+    `harness.task.Goal` its error), ``reward_shaped`` and
     ``is_success``, whether that target was reached; in the autoreset mode SAME_STEP also ``final_obs``, (num_envs,
     observation_size), whose rows hold where ``_final_obs`` is True.
 
@@ -229,7 +230,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._period, self._duration, self._jumps = task.decision_period, task.control_period, self._motion.jumps
         self._horizon, self._epsilon, self._step_reward = task.horizon, task.epsilon, task.step_reward
         self._goes_on = not task.ends_at_target
-        self.episodes = Episodes(n, dof, self._motion.action_size)
+        self.episodes = Episodes(n, dof, self._motion.action_size, goal_of(task, self.robot))
         self._command = np.zeros((n, dof))
         self._command_speed = np.zeros((n, dof))
         self._inside = np.zeros(n, bool)  # where the end effector was in the target one step earlier
@@ -277,7 +278,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._carry, shaped = self.reward(self._carry, episodes.sample)
         episodes.shaped[...] = shaped
         paid = shaped + self._step_reward
-        far = distance > self._epsilon  # False also where the distance is no number
+        far = episodes.count_within(distance > self._epsilon)  # False also where the distance is no number
         reached = ~far
         if self._goes_on:
             reached, self._inside = reached & ~self._inside, reached
@@ -346,10 +347,10 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             self._command[k] = self._streams.start(k)
         self._command_speed[mask] = 0.0
         state = self.simulation.reset(self._command, mask)
-        target = episodes.target.copy()
+        target, numbers = episodes.target.copy(), episodes.numbers.copy()
         for k in envs:
-            target[k] = self._streams.target_apart(k, state.end_effector[k])
-        episodes.start(mask, state, target)
+            target[k], numbers[k] = self._streams.target_apart(k, state.end_effector[k], state.qpos[k])
+        episodes.start(mask, state, target, numbers)
         self._inside[mask] = False
         self._restart_reward(mask)
         # An episode that was left before its first step left no row: its number is free.
@@ -361,10 +362,10 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
     def _set_next_targets(self, mask: Mask) -> None:
         """Give the envs of `mask`, which reached their targets, the next ones."""
         episodes = self.episodes
-        target = episodes.target.copy()
+        target, numbers = episodes.target.copy(), episodes.numbers.copy()
         for k in np.flatnonzero(mask):
-            target[k] = self._streams.target(int(k), episodes.end_effector[k])
-        episodes.set_target(mask, target)
+            target[k], numbers[k] = self._streams.target(int(k), episodes.end_effector[k])
+        episodes.set_target(mask, target, numbers)
         # Where the end effector is in the next target already, it has to leave and enter it.
         self._inside[mask] = episodes.distance[mask] <= self._epsilon
         self._restart_reward(mask)

@@ -25,6 +25,8 @@ class Measure(NamedTuple):
     """How the policies acted, or when: ``deterministic``, ``stochastic``, ``while training``, ``while learning``."""
     episodes: int | None = None
     """Of so many episodes it is a share; None where it is not one."""
+    title: str = ""
+    """What readers are told in place of the name; empty: the name, with blanks."""
 
 
 @dataclass(frozen=True)

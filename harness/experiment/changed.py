@@ -4,10 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple, TypeAlias
 
 from harness.errors import UsageError
+from harness.experiment.provenance import robot_digest
 from harness.record.cell import Cell
 from harness.record.manifest import SHOWN_DIGITS
 from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
+from harness.robot import Robot
 from harness.robot.load import load_robot
 
 Changed: TypeAlias = Literal["refuse", "keep", "again"]
@@ -45,21 +47,25 @@ class _Installed:
     def __init__(self, registry: Registry) -> None:
         self._registry = registry
         self._hashes: dict[tuple[str, str], str] = {}
+        self._robots: dict[str, Robot] = {}
 
     def changes(self, cell: Cell, recorded: Sources) -> Iterator[Change]:
         """Of the plugins that made a cell, those that changed since; where no hash is recorded, nothing is known."""
         for kind, name in cell.plugins.items():
-            if kind in recorded and recorded[kind] != self._hash(kind, name):
-                yield Change(name, recorded[kind], self._hash(kind, name))
+            if kind in recorded and recorded[kind] != (now := self._hash(kind, name, cell)):
+                yield Change(name, recorded[kind], now)
 
-    def _hash(self, kind: str, name: str) -> str:
+    def _hash(self, kind: str, name: str, cell: Cell) -> str:
+        if kind == "robots":
+            return robot_digest(cell, self._robot(name))
         if (kind, name) not in self._hashes:
-            self._hashes[kind, name] = (
-                load_robot(name, self._registry).digest
-                if kind == "robots"
-                else source_hash(self._registry.get(kind, name).load())
-            )
+            self._hashes[kind, name] = source_hash(self._registry.get(kind, name).load())
         return self._hashes[kind, name]
+
+    def _robot(self, name: str) -> Robot:
+        if name not in self._robots:
+            self._robots[name] = load_robot(name, self._registry)
+        return self._robots[name]
 
 
 def changed_cells(done: Mapping[Cell, Sources], registry: Registry) -> dict[Cell, tuple[Change, ...]]:

@@ -16,7 +16,8 @@ from harness.experiment.work_meter import WorkMeter
 from harness.policy import Policy
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import TraceWriter
-from harness.task import Task
+from harness.robot import Robot
+from harness.task import Task, goal_of
 
 EVALUATION_SEED = 20_211_118
 """Of the starts and targets of every evaluation; not among the small numbers that people seed training with."""
@@ -45,7 +46,9 @@ def evaluate(
         on_step: Called after every step of the batch.
     """
     env = world.open(episodes, autoreset_mode=AutoresetMode.DISABLED)
-    facts = replace(facts_of(world.task), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes]))
+    facts = replace(
+        facts_of(world.task, world.robot), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes])
+    )
     try:
         with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1, facts=facts) as writer:
             env.recorder = meter = WorkMeter(writer, world)
@@ -61,9 +64,10 @@ def evaluate(
         env.close()
 
 
-def facts_of(task: Task) -> EpisodeFacts:
+def facts_of(task: Task, robot: Robot) -> EpisodeFacts:
     """What is known of the episodes of a task before there are any."""
-    return EpisodeFacts(horizon=task.horizon, control_period=task.control_period)
+    facts, goal = EpisodeFacts(horizon=task.horizon, control_period=task.control_period), goal_of(task, robot)
+    return facts if goal is None else replace(facts, error=goal.error, unit=goal.unit, target_moves=goal.moves)
 
 
 def act_of(policy: Policy, deterministic: bool) -> Act:

@@ -31,7 +31,7 @@ def ik_steps(world: World, episodes: int, seed: int) -> tuple[int | None, ...] |
     """
     if why_not_kinematics(world.task, world.robot):
         return None
-    parts = (fingerprint(world.simulator), fingerprint(world.task), world.robot.digest)
+    parts = (fingerprint(world.simulator), fingerprint(world.task), world.robot.driven_digest)
     return _answer(_Question(parts, episodes, seed, world))
 
 

@@ -24,6 +24,7 @@ from harness.registry.spec import PLANNED, blamed_on
 from harness.registry.toml_file import read_toml
 from harness.robot import Robot
 from harness.robot.load import load_robot
+from harness.simulator import require_drives
 
 Given: TypeAlias = str | dict[str, Any]
 
@@ -144,8 +145,8 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     An algorithm that takes discrete actions only gets a task with continuous ones in its discrete form.
 
     Raises:
-        UsageError: A name or parameter is unknown, a library is missing, the robot cannot do the task, or there are
-            more cells than `MOST_CELLS`.
+        UsageError: A name or parameter is unknown, a library is missing, the robot cannot do the task or has no drives
+            for ``drive=servo``, or there are more cells than `MOST_CELLS`.
         PluginError: A plugin is broken, or raises; says whose it is.
     """
     simulators = _choose_each(registry, "simulators", experiment.sim)
@@ -158,6 +159,8 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     arm = load_robot(robot, registry)
     with blamed_on(registry.get("tasks", task.name), PLANNED):
         built.check(arm)
+    for simulator in simulators:
+        require_drives(simulator.build(registry, "simulators"), arm)
     seeds = experiment.seed_list
     control = control_seeds(seeds) if baseline in rewards else {}
     paid = dict.fromkeys([baseline, *rewards])

@@ -3,6 +3,7 @@
 import importlib.metadata
 import os
 import platform
+import re
 import subprocess
 import sys
 import tomllib
@@ -40,8 +41,13 @@ def describe_environment(
         "machine": describe_machine(),
         "commit": source_commit(),
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
-        "sources": {**_source_hashes(specs), "robots": robot.digest},
+        "sources": {**_source_hashes(specs), "robots": robot_digest(cell, robot)},
     }
+
+
+def robot_digest(cell: Cell, robot: Robot) -> str:
+    """SHA-256 of what of a robot decides the cell's result: its drives only where the simulator drives with them."""
+    return robot.driven_digest if cell.drives_with_servo else robot.digest
 
 
 def versions_behind(specs: Iterable[Spec]) -> dict[str, str]:
@@ -58,10 +64,14 @@ def versions_behind(specs: Iterable[Spec]) -> dict[str, str]:
 
 
 def distribution_of(module: str) -> str:
-    """Name of the distribution that brings a module: mostly the module's own, as ``dm-control`` for ``dm_control``."""
+    """Name of the distribution that brings a module: mostly the module's own, as ``dm-control`` for ``dm_control``.
+
+    A module in a package may come by a distribution of its own, as ``mujoco.mjx`` by ``mujoco-mjx``.
+    """
     name = module.partition(".")[0].replace("_", "-")
-    if _version(name):
-        return name
+    for own in dict.fromkeys([re.sub(r"[._]", "-", module), name]):
+        if _version(own):
+            return own
     # To ask all distributions takes a fifth of a second, which every cell would wait for.
     found = importlib.metadata.packages_distributions().get(module.partition(".")[0], [name])
     return found[0]

@@ -107,6 +107,9 @@ class _Run:
         algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
         with closing(world.open(algorithm.num_envs, resumable=True)) as env:
             attempt = begin_attempt(cell, draft.partial, environment, self.options.checkpoint_every, env.restore)
+            goal = env.episodes.goal
+            if goal is not None:
+                draft.note(error=goal.error, unit=goal.unit)
             draft.note(resumed_from=attempt.begun_from, note=attempt.note)
             self.report(Word(attempt.begun_from))
             evaluations = CellEvaluations(cell, world, registry, attempt, self.options.tracked, self.report)
@@ -122,11 +125,11 @@ class _Run:
         self, algorithm: Algorithm, env: ReachVectorEnv, attempt: Attempt, evaluations: CellEvaluations
     ) -> Policy:
         """Train on `env`, which stands where the attempt begins, and close it."""
-        cell, watch = self.cell, self.watch
+        cell, watch, facts = self.cell, self.watch, facts_of(env.task, env.robot)
         env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
         try:
             with TraceParts(
-                attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], facts_of(env.task), attempt.parts
+                attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], facts, attempt.parts
             ) as parts:
                 env.recorder = learning = LearningSoFar(parts, attempt.begun_from)
                 if attempt.checkpoint is None:

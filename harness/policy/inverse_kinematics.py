@@ -14,8 +14,9 @@ from harness.policy.box import LARGEST
 from harness.policy.policy import Policy
 from harness.policy.uniform import Uniform
 from harness.robot import Robot
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot.inverse_kinematics import reach_pose, reach_position
 from harness.robot.kinematics import Chain, chain_length, end_effector_position, position_jacobian
+from harness.robot.rotations import rotation_of_axes
 from harness.robot.urdf import JointKind
 
 MODES = ("movej", "movej-absolute", "set-joints")
@@ -32,8 +33,10 @@ SHAPES = {"joints": (4, 4), "axes": (3,), "lower": (), "upper": (), "max_speed":
 class InverseKinematics(Policy):
     """Finds joint positions that bring the end effector to the target, and goes there as fast as the joints can.
 
-    Acts on the observations of `harness.env.arm_observation.ArmObservation`. All that it needs to know of the arm is in
-    its arrays: no robot's file is read, and a robot that has changed since changes nothing.
+    Acts on the observations of `harness.env.arm_observation.ArmObservation`, and of
+    `harness.env.goal_observation.GoalObservation`: it goes to where the target is now.
+
+    All that it needs to know of the arm is in its arrays: no robot's file is read, and a robot that has changed since changes nothing.
 
     Attributes:
         weights: ``joints`` (dof, 4, 4), ``axes`` (dof, 3) and ``tip`` (4, 4) of the `harness.robot.kinematics.Chain`;
@@ -43,6 +46,9 @@ class InverseKinematics(Policy):
         period: Control period, [s].
         robot: Name of the arm and the SHA-256 of its URDF, for the reader of the card.
         algorithm: The same.
+        more: How many numbers the observation has beside those of `ArmObservation`.
+        turns: Whether it also brings the end effector into the target's orientation, whose x and y axis are then the
+            first six of them.
     """
 
     kind: ClassVar[str] = "inverse-kinematics"
@@ -53,9 +59,13 @@ class InverseKinematics(Policy):
     period: float
     robot: Mapping[str, str]
     algorithm: str = ""
+    more: int = 0
+    turns: bool = False
 
     @classmethod
-    def of(cls, robot: Robot, limits: JointLimits, mode: str, algorithm: str = "") -> Self:
+    def of(
+        cls, robot: Robot, limits: JointLimits, mode: str, algorithm: str = "", more: int = 0, turns: bool = False
+    ) -> Self:
         """For an arm within the limits of a task."""
         chain = robot.chain
         numbers = {
@@ -69,7 +79,7 @@ class InverseKinematics(Policy):
         }
         named = {"name": robot.name, "urdf_sha256": hashlib.sha256(robot.urdf.encode()).hexdigest()}
         weights = {name: array.astype(np.float32) for name, array in numbers.items()}
-        return cls(weights, tuple(chain.kinds), mode, limits.period, named, algorithm)
+        return cls(weights, tuple(chain.kinds), mode, limits.period, named, algorithm, more, turns)
 
     def act(self, observation: Float32, rng: np.random.Generator | None = None) -> Float32:
         """See `harness.policy.policy.Policy.act`; there is one action for each observation, drawn or not."""
@@ -77,7 +87,11 @@ class InverseKinematics(Policy):
         seen = np.asarray(observation, np.float64)
         qpos = limits.position(seen[:, :dof])
         # An arm that has no such pose goes as near as the search came.
-        goal, _ = reach_position(self._arm, seen[:, 3 * dof : 3 * dof + 3], qpos)
+        place, axes = seen[:, 3 * dof : 3 * dof + 3], seen[:, 3 * dof + 10 : 3 * dof + 16]
+        if self.turns:
+            goal, _ = reach_pose(self._arm, place, rotation_of_axes(axes), qpos)
+        else:
+            goal, _ = reach_position(self._arm, place, qpos)
         action = self._speed(goal - qpos) / limits.max_speed if self.mode == "movej" else limits.normalised(goal)
         clipped: Float32 = np.clip(action, -1.0, 1.0).astype(np.float32)
         return clipped
@@ -90,7 +104,8 @@ class InverseKinematics(Policy):
         """See `harness.policy.policy.Policy.card`."""
         dof = len(self.joint_kinds)
         return {
-            "observation": {"size": 3 * dof + 10},
+            "observation": {"size": 3 * dof + 10 + self.more},
+            **({"turns": True} if self.turns else {}),
             "action": {"type": "continuous", "low": [-1.0] * dof, "high": [1.0] * dof},
             "joint_kinds": list(self.joint_kinds),
             "mode": self.mode,
@@ -116,7 +131,10 @@ class InverseKinematics(Policy):
         if not ((lower <= upper) & (speed > 0.0) & (change > 0.0)).all():
             raise ValueError("a joint has no range, no speed or no acceleration")
         robot = {str(key): str(value) for key, value in card["robot"].items()}
-        return cls(weights, kinds, card["mode"], period, robot, card["algorithm"])
+        more, turns = int(card["observation"]["size"]) - (3 * len(kinds) + 10), bool(card.get("turns", False))
+        if more < (6 if turns else 0):
+            raise ValueError(f"an observation of {card['observation']['size']} numbers tells no target of this arm")
+        return cls(weights, kinds, card["mode"], period, robot, card["algorithm"], more, turns)
 
     def _speed(self, room: Float) -> Float:
         """Speeds, (n, dof), that end the way `room` in this period, or are as high as stopping at its end allows."""

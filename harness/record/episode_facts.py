@@ -4,6 +4,9 @@ import json
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
+OF_A_GOAL = ("error", "unit", "target_moves")
+"""Left out of the file where there is nothing to tell: it is, byte for byte, as it was before there were goals."""
+
 
 @dataclass(frozen=True)
 class EpisodeFacts:
@@ -17,16 +20,24 @@ class EpisodeFacts:
             cannot act, see `harness.env.known_arm`.
         work: Of an evaluation: the mechanical work of each env's episode, see `harness.robot.energy`, [J]. None where
             the arm jumps from pose to pose or its links have no mass.
+        error: What the columns of distances hold, of a task that asks for more than a point that stays, as ``pose
+            error``; None of one that does not: the distance from end effector to target, in metres.
+        unit: Of the error.
+        target_moves: True of a task whose target moves.
     """
 
     horizon: int | None = None
     control_period: float | None = None
     ik_steps: tuple[int | None, ...] | None = None
     work: tuple[float, ...] | None = None
+    error: str | None = None
+    unit: str | None = None
+    target_moves: bool | None = None
 
     def to_bytes(self) -> bytes:
         """For a file; `from_bytes` gives the same facts back."""
-        return json.dumps(asdict(self)).encode()
+        told = {name: value for name, value in asdict(self).items() if value is not None or name not in OF_A_GOAL}
+        return json.dumps(told).encode()
 
     @classmethod
     def from_bytes(cls, text: bytes) -> Self:

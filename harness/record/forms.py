@@ -103,6 +103,8 @@ class ManifestForm(EndingForm):
     resumed_from: NotRequired[Whole]
     note: NotRequired[Line]
     peak_memory: NotRequired[Whole]
+    error: NotRequired[Line]
+    unit: NotRequired[Line]
 
 
 @with_config(EXACT)

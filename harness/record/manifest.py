@@ -20,6 +20,8 @@ SEALED_SINCE = 2
 """The first format of manifests, those of transfers included, that names the digests of its folder's files."""
 SHOWN_DIGITS = 8
 """Of a hash of sources, where people read it."""
+OF_A_GOAL = ("error", "unit")
+"""Left out of the file where the task has none: it is as it was before there were any."""
 Told = TypeVar("Told")
 
 
@@ -71,6 +73,9 @@ class Manifest(Ending):
         resumed_from: Environment steps that an earlier process, which was killed, left in a checkpoint; 0 if none did.
         note: After such a process: where the training went on, or why it started over.
         peak_memory: The most that the cell's process had in memory at once, in bytes; 0 if it is not known.
+        error: What the task calls the distance that it measures, as ``pose error``; empty if that is the distance from
+            end effector to target, in metres.
+        unit: Of the error.
     """
 
     cell: Cell
@@ -78,12 +83,15 @@ class Manifest(Ending):
     resumed_from: int = 0
     note: str = ""
     peak_memory: int = 0
+    error: str = ""
+    unit: str = ""
 
     FORMAT: ClassVar[int] = 2
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; the cell's id stands beside it, for who looks for it."""
-        return {"id": self.cell.id, **super().to_json(), "cell": self.cell.to_json()}
+        told = {"id": self.cell.id, **super().to_json(), "cell": self.cell.to_json()}
+        return told if self.error else {name: value for name, value in told.items() if name not in OF_A_GOAL}
 
 
 def read_manifest(folder: Path) -> Manifest:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.machinery import PathFinder
 from typing import Any
 
 from harness.errors import HarnessError, PluginError, UsageError, one_line, sentence
@@ -112,7 +113,14 @@ def canonical(distribution: str) -> str:
 
 
 def _is_installed(module: str) -> bool:
+    """Whether a module can be found; the packages that it stands in are not imported."""
+    package, *parts = module.split(".")
     try:
-        return importlib.util.find_spec(module) is not None
+        found = importlib.util.find_spec(package)
+        for part in parts:
+            package = f"{package}.{part}"
+            places = None if found is None else found.submodule_search_locations
+            found = PathFinder.find_spec(package, places) if places else None
     except (ImportError, ValueError):
         return False
+    return found is not None

@@ -134,7 +134,7 @@ def _moment_row(combination: Combination, moment: StepChange) -> tuple[str, ...]
 
 
 def _name(change: Change) -> str:
-    name, unit = change.name.replace("_", " "), change.measure.unit
+    name, unit = change.measure.title or change.name.replace("_", " "), change.measure.unit
     return f"{name} [{unit}]" if unit and unit not in name.split() else name
 
 

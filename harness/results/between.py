@@ -10,13 +10,13 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 from harness.errors import UsageError
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import Change, change_of
 from harness.eta.headline import SUCCESS, margin_of
 from harness.eta.swaps import Swaps, corrected_p, swaps_of
-from harness.metric import is_share
 from harness.record.cell import Cell
 from harness.results.combination import Combination, Group
 from harness.results.measured import Measured
+from harness.results.metrics import measure_of
 from harness.results.results import Results
 
 
@@ -118,8 +118,7 @@ def between(before: Results, after: Results) -> Between:
     trained = [(_policies(before, one[key]), _policies(after, other[key])) for key in shared]
     swaps = swaps_of(sorted({seed for first, second in trained for seed in first.keys() & second.keys()}))
     changes = [
-        _changes(before, one[key].manner, first, second, swaps)
-        for key, (first, second) in zip(shared, trained, strict=True)
+        _changes(before, one[key], first, second, swaps) for key, (first, second) in zip(shared, trained, strict=True)
     ]
     pairs = zip(shared, _correct(changes), strict=True)
     return Between(
@@ -143,16 +142,18 @@ def _policies(results: Results, combination: Combination) -> dict[int, Measured]
 
 
 def _changes(
-    results: Results, manner: str, before: dict[int, Measured], after: dict[int, Measured], swaps: Swaps
+    results: Results, combination: Combination, before: dict[int, Measured], after: dict[int, Measured], swaps: Swaps
 ) -> tuple[Change, ...]:
-    """Of every metric in one manner, over the seeds that have been measured so in both."""
+    """Of every metric in the combination's manner, over the seeds that have been measured so in both."""
+    manner = combination.manner
     seeds = [seed for seed in sorted(before) if seed in after and _has(manner, before[seed], after[seed])]
     if not seeds:
         return ()
     episodes = min(it[seed].episodes[manner] for it in (before, after) for seed in seeds)
+    manifest = results.manifest(results.groups[combination.group][0])
     found = []
     for name, metric in results.metrics.items():
-        measure = Measure(name, metric.unit, metric.better, manner, episodes if is_share(metric) else None)
+        measure = measure_of(name, metric, manner, episodes, manifest)
         one, other = ({seed: it[seed].manners[manner][name] for seed in seeds} for it in (before, after))
         reasons = [it[seed].reasons[name] for it in (before, after) for seed in seeds if name in it[seed].reasons]
         found.append(replace(change_of(measure, one, other, swaps), reason=next(iter(reasons), "")))

@@ -11,11 +11,11 @@ from harness.eta.decompose import decompose
 from harness.eta.headline import DECIDING
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.swaps import Swaps, corrected_p, swaps_of
-from harness.metric import is_share
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.results.combination import Combination, Group, StepChange
 from harness.results.measured import AREA, LEARNING, STEPS_TO_GOAL, Measured, Values, learning_values, moments_by_due
+from harness.results.metrics import measure_of
 from harness.results.mixture import mixtures_of
 from harness.results.records import Records
 
@@ -141,6 +141,7 @@ class _Measures:
         self._one, self._other = (
             [records.measured(cell) for cell in cells] for cells in (match.of_baseline, match.of_proposed)
         )
+        self._manifest = records.manifest(match.of_baseline[0])
         self.episodes = _fewest_episodes([*self._one, *self._other])
         """Of each manner that every cell was measured in, as many as the cell with the fewest has."""
 
@@ -200,8 +201,7 @@ class _Measures:
         ]
 
     def _measure(self, name: str, manner: str, episodes: int) -> Measure:
-        metric = self._records.metrics[name]
-        return Measure(name, metric.unit, metric.better, manner, episodes if is_share(metric) else None)
+        return measure_of(name, self._records.metrics[name], manner, episodes, self._manifest)
 
     def _change(
         self,

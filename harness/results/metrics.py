@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from functools import partial
 
 from harness.errors import Unmeasured, one_line
+from harness.eta.behaviour_change import Measure
 from harness.eta.headline import DECIDING
-from harness.metric import Metric
+from harness.metric import Metric, is_error, is_share
+from harness.record.manifest import Manifest
 from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.registry import Registry
@@ -46,6 +48,23 @@ def load_metrics(registry: Registry, names: Iterable[str] | None = None) -> dict
     deciding = [name for name in DECIDING if name in registry.names("metrics")]
     chosen = dict.fromkeys(choose(registry, "metrics", name) for name in [*deciding, *split_list(names)])
     return {choice.label: choice.build(registry, "metrics") for choice in chosen}
+
+
+def measure_of(name: str, metric: Metric, manner: str, episodes: int, manifest: Manifest) -> Measure:
+    """What a metric measures; one of the task's error is told with the error's own name and unit.
+
+    Args:
+        name: Of the metric.
+        metric: The metric.
+        manner: See `Measure`.
+        episodes: Of how many it is a share, if it is one.
+        manifest: Of one of the cells, which all do one task.
+    """
+    share = episodes if is_share(metric) else None
+    if manifest.error and is_error(metric):
+        title = name.replace("_", " ").replace("distance", manifest.error)
+        return Measure(name, manifest.unit, metric.better, manner, share, title)
+    return Measure(name, metric.unit, metric.better, manner, share)
 
 
 def with_fingerprints(metrics: Mapping[str, Metric]) -> dict[str, tuple[Metric, str]]:

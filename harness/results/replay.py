@@ -65,6 +65,8 @@ class Side:
         scene: What its arm looks like.
         episodes: As many as the show has, in the same order.
         period: Duration of an environment step, [s].
+        error: What the episodes' distances are; of a task with an error of its own the name of that.
+        unit: Of them.
     """
 
     title: str
@@ -73,6 +75,8 @@ class Side:
     scene: Scene
     episodes: tuple[Episode, ...]
     period: float
+    error: str = "distance"
+    unit: str = "m"
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,6 +246,8 @@ def _show(results: Results, pair: Pair, most: int) -> Show | None:
             scene,
             tuple(_episode(results, trace, way[number]) for number in chosen),
             trace.facts.control_period or CONTROL_PERIOD,
+            trace.facts.error or "distance",
+            "m" if trace.facts.error is None else trace.facts.unit or "",
         )
         for told, cell, scene, trace, way in zip(titles, cells, known, traces, ways, strict=True)
     )

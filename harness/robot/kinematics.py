@@ -154,14 +154,33 @@ def position_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
     Raises:
         UsageError: The last axis of qpos is not dof long.
     """
+    return pose_jacobian(chain, qpos)[..., :3, :]
+
+
+def pose_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
+    """How the tip link moves and turns with each joint, in the world frame: the geometric Jacobian.
+
+    The upper half is `position_jacobian`. Of the lower half, column j is axis_j where joint j turns, 0 where it slides.
+
+    Args:
+        chain: The chain, dof joints.
+        qpos: Joint positions, [rad] or, for a prismatic joint, [m], shape (..., dof).
+
+    Returns:
+        [m/rad] above and [rad/rad] below, for a prismatic joint [m/m] and 0, shape (..., 6, dof).
+
+    Raises:
+        UsageError: The last axis of qpos is not dof long.
+    """
     frames = child_frames(chain, qpos)
     tip = (frames[-1] @ chain.T_last_tip)[..., :3, 3]
     T_world_child = np.stack(frames, axis=-3)  # (..., dof, 4, 4)
     # A joint's own motion leaves its axis where it is, and a turning joint's origin: the child frame gives both.
     axes = (T_world_child[..., :3, :3] @ chain.axes[..., None])[..., 0]  # (..., dof, 3)
     levers = tip[..., None, :] - T_world_child[..., :3, 3]
-    columns = np.where(chain.slides[:, None], axes, _cross(axes, levers))
-    return np.swapaxes(columns, -1, -2)
+    slides = chain.slides[:, None]
+    moves, turns = np.where(slides, axes, _cross(axes, levers)), np.where(slides, 0.0, axes)
+    return np.swapaxes(np.concatenate([moves, turns], axis=-1), -1, -2)
 
 
 def _cross(a: Float, b: Float) -> Float:

@@ -18,6 +18,7 @@ from harness.robot.chain_end import find_chain_end
 from harness.robot.joint_limits import describe_origin, read_joint_limits
 from harness.robot.kinematics import Chain, build_chain, chain_length, end_effector_position, position_jacobian
 from harness.robot.normal_urdf import normal_urdf
+from harness.robot.servo import Servo, read_servo
 from harness.robot.settings import FILE, JOINT_KEYS, RobotSettings, read_settings
 from harness.robot.shapes import Shape, attach_shapes, read_shapes
 from harness.robot.urdf import Joint, parse_urdf, read_chain
@@ -49,6 +50,7 @@ class Robot:
         link_shapes: The collision shapes of each link of `urdf`, in the link's frame, by the link's name.
         joint_shapes: The same shapes by the driven joint that moves them, in the frame of its child link; dof entries.
         origins: Where the end effector, home, speeds and accelerations come from, in words.
+        servo: The drives of the joints; None where robot.toml has no `[servo]`.
     """
 
     name: str
@@ -65,12 +67,14 @@ class Robot:
     link_shapes: Mapping[str, tuple[Shape, ...]] = field(repr=False)
     joint_shapes: tuple[tuple[Shape, ...], ...] = field(repr=False)
     origins: Mapping[str, str] = field(repr=False)
+    servo: Servo | None = field(default=None, repr=False)
 
     @cached_property
     def digest(self) -> str:
         """SHA-256 of all that decides how the arm moves: the URDF, the meshes' content, and the numbers beside it.
 
-        Where the files lie does not count: a copy of the robot in another folder has the same digest.
+        The drives, `servo`, do not count: most simulators move the arm without them. Nor does where the files lie: a
+        copy of the robot in another folder has the same digest.
 
         Raises:
             OSError: A mesh is gone.
@@ -78,6 +82,17 @@ class Robot:
         numbers = np.stack([self.lower, self.upper, self.max_speed, self.max_acceleration, self.home])
         parts = (_name_meshes_by_content(self.urdf).encode(), self.end_effector_link.encode(), numbers.tobytes())
         return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+    @cached_property
+    def driven_digest(self) -> str:
+        """The same with the drives: SHA-256 of all that decides how the arm moves where they are simulated.
+
+        Raises:
+            OSError: A mesh is gone.
+        """
+        if self.servo is None:
+            return self.digest
+        return hashlib.sha256(f"{self.digest} {self.servo.digest}".encode()).hexdigest()
 
     @cached_property
     def dof(self) -> int:
@@ -169,6 +184,7 @@ def _read_robot(path: Path) -> Robot:
         link_shapes=link_shapes,
         joint_shapes=joint_shapes,
         origins=_origins(settings, driven),
+        servo=read_servo(settings, driven),
     )
 
 

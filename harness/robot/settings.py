@@ -27,20 +27,28 @@ JOINT_KEYS: Mapping[Quantity, Mapping[Motion, str]] = {
     "max_acceleration": {"turning": "max_acceleration_deg_s2", "sliding": "max_acceleration_m_s2"},
 }
 """The keys that hold one value per joint of a motion, in the order of the chain."""
-KEYS = (*TEXT_KEYS, *(key for keys in JOINT_KEYS.values() for key in keys.values()))
+SERVO = "servo"
+"""The table of the drives; see `harness.robot.servo`."""
+KEYS = (*TEXT_KEYS, *(key for keys in JOINT_KEYS.values() for key in keys.values()), SERVO)
 
 
 @dataclass(frozen=True)
 class RobotSettings:
-    """What a robot.toml says, or the lack of one.
+    """What a robot.toml or a table of it says, or the lack of one.
 
     Attributes:
         path: The file.
         entries: Its keys and values.
+        place: The file and, of a table, its name: what an error begins with.
     """
 
     path: Path
     entries: Mapping[str, Any] = field(default_factory=dict)
+    place: str = ""
+
+    def __post_init__(self) -> None:
+        """The file is the place where nothing else is said."""
+        object.__setattr__(self, "place", self.place or str(self.path))
 
     def text(self, key: str) -> str | None:
         """The value of one of `TEXT_KEYS`; None where it is left out."""
@@ -56,8 +64,54 @@ class RobotSettings:
         Raises:
             UsageError: There is not one finite number for each joint of a motion.
         """
-        given = {motion: self._list(key, motion, joints) for motion, key in JOINT_KEYS[quantity].items()}
+        numbers = self.numbers(JOINT_KEYS[quantity], joints)
+        return [
+            math.radians(value) if value is not None and motion_of(joint) == "turning" else value
+            for joint, value in zip(joints, numbers, strict=True)
+        ]
+
+    def numbers(self, keys: Mapping[Motion, str], joints: Sequence[Joint]) -> list[float | None]:
+        """One value per joint as it is written; None where it is left out.
+
+        Args:
+            keys: Of the joints of each motion.
+            joints: Those that move, in the order of the chain.
+
+        Raises:
+            UsageError: There is not one finite number for each joint of a motion.
+        """
+        given = {motion: self._list(key, motion, joints) for motion, key in keys.items()}
         return [next(given[motion_of(joint)]) for joint in joints]
+
+    def number(self, key: str, default: float) -> float:
+        """The value of a key that holds one number.
+
+        Raises:
+            UsageError: It is no finite number.
+        """
+        value = self.entries.get(key, default)
+        if not _is_finite_number(value):
+            raise UsageError(f"{self.place}: {key} is {_shown(value)}. Give a finite number.")
+        return float(value)
+
+    def table(self, name: str, keys: Sequence[str]) -> "RobotSettings | None":
+        """One of its tables; None where it is left out.
+
+        Args:
+            name: Of the table.
+            keys: Those that it may have.
+
+        Raises:
+            UsageError: It is no table, or has another key.
+        """
+        if name not in self.entries:
+            return None
+        entries = self.entries[name]
+        if not isinstance(entries, dict):
+            raise UsageError(f"{self.place}: {name} is {_shown(entries)}. Write a table: [{name}], and its keys below.")
+        place = f"{self.place}: [{name}]"
+        _check_keys(place, entries, keys)
+        return RobotSettings(self.path, entries, place)
 
     def _list(self, key: str, motion: Motion, joints: Sequence[Joint]) -> Any:
         """An iterator over the values of a key, None without end where it is left out."""
@@ -67,14 +121,14 @@ class RobotSettings:
         values = self.entries[key]
         if not isinstance(values, list) or not all(_is_finite_number(value) for value in values):
             raise UsageError(
-                f"{self.path}: {key} is {_shown(values)}. "
+                f"{self.place}: {key} is {_shown(values)}. "
                 f"Give a list of {count} finite numbers, one per {motion} joint."
             )
         if len(values) != count:
             raise UsageError(
-                f"{self.path}: {key} has {len(values)} values for {count} {motion} joints. Give one per joint."
+                f"{self.place}: {key} has {len(values)} values for {count} {motion} joints. Give one per joint."
             )
-        return iter([math.radians(value) if motion == "turning" else float(value) for value in values])
+        return iter([float(value) for value in values])
 
 
 def read_settings(path: Path) -> RobotSettings:
@@ -84,13 +138,17 @@ def read_settings(path: Path) -> RobotSettings:
         UsageError: It cannot be read, has a key that none has, or no text where text belongs.
     """
     entries = read_toml(path, "robot file")
-    unknown = sorted(entries.keys() - set(KEYS))
-    if unknown:
-        raise UsageError(f"{path}: unknown {', '.join(unknown)}. The keys are {', '.join(KEYS)}.")
+    _check_keys(str(path), entries, KEYS)
     for key in entries.keys() & set(TEXT_KEYS):
         if not isinstance(entries[key], str) or not entries[key]:
             raise UsageError(f"{path}: {key} is {_shown(entries[key])}. Give a text that is not empty, in quotes.")
     return RobotSettings(path, entries)
+
+
+def _check_keys(place: str, entries: Mapping[str, Any], keys: Sequence[str]) -> None:
+    unknown = sorted(entries.keys() - set(keys))
+    if unknown:
+        raise UsageError(f"{place}: unknown {', '.join(unknown)}. The keys are {', '.join(keys)}.")
 
 
 def motion_of(joint: Joint) -> Motion:

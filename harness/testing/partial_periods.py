@@ -6,6 +6,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State
+from harness.testing.servos import of_ideal_drives
 from harness.testing.simulations import NUM_ENVS, PERIOD, copied, opened, start_at_home, turns
 from harness.testing.violations import check, require
 
@@ -20,6 +21,7 @@ TOLERANCE = 0.05
 
 
 @check("sim-partial-durations")
+@of_ideal_drives
 def parts_of_a_period_add_up(simulator: Simulator, robot: Robot) -> None:
     """Parts of a control period, driven one after the other, lead where the whole period leads, at the same speed.
 

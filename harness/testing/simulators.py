@@ -19,6 +19,7 @@ from harness.testing.batches import (
     states_are_not_the_callers_arrays,
 )
 from harness.testing.partial_periods import parts_of_a_period_add_up
+from harness.testing.servos import SERVO_CHECKS, of_ideal_drives, servo_check
 from harness.testing.simulations import (
     NUM_ENVS,
     PERIOD,
@@ -134,6 +135,7 @@ def end_effector_is_that_of_the_robot(simulator: Simulator, robot: Robot) -> Non
 
 
 @check("sim-tracking")
+@of_ideal_drives
 def drive_tracks_a_joint_ramp(simulator: Simulator, robot: Robot) -> None:
     """At the end of each control period every joint is within 0.5 degrees of its target, 5 mm where it slides."""
     with opened(simulator, robot) as simulation:
@@ -147,6 +149,7 @@ def drive_tracks_a_joint_ramp(simulator: Simulator, robot: Robot) -> None:
 
 
 @check("sim-velocity")
+@of_ideal_drives
 def qvel_is_the_speed_of_a_steady_motion(simulator: Simulator, robot: Robot) -> None:
     """Joint velocities are in rad/s or m/s, signed: a joint that is driven at constant speed reports that speed."""
     speed = 0.1 * robot.max_speed * turns(robot, NUM_ENVS)
@@ -160,6 +163,7 @@ def qvel_is_the_speed_of_a_steady_motion(simulator: Simulator, robot: Robot) -> 
 
 
 @check("sim-small-moves")
+@of_ideal_drives
 def small_moves_move_every_joint(simulator: Simulator, robot: Robot) -> None:
     """A move too small for the tracking check is done all the same: no joint stands still or turns the wrong way."""
     move = SMALL_MOVE * turns(robot, NUM_ENVS)
@@ -297,6 +301,28 @@ def close_can_be_called_twice(simulator: Simulator, robot: Robot) -> None:
     simulation.close()
 
 
+SERVO_CONTRACT = servo_check(
+    "sim-servo",
+    (
+        states_are_finite,
+        reset_puts_the_arm_there_at_rest,
+        place_puts_the_arm_there_at_rest,
+        reset_leaves_the_other_envs_alone,
+        end_effector_is_that_of_the_robot,
+        ground_contact_is_seen,
+        no_ground_contact_in_the_air,
+        ground_contact_is_the_envs_own,
+        arguments_are_copied,
+        every_env_does_what_it_was_told,
+        same_calls_give_same_states,
+        reset_forgets_what_was_before,
+        the_same_way_leads_to_the_same_place,
+        an_env_in_a_batch_is_as_one_alone,
+        envs_do_not_touch_one_another,
+        resting_arms_change_nothing,
+    ),
+)
+
 SIMULATOR_CHECKS: tuple[Check, ...] = (
     settings_are_frozen,
     settings_survive_json,
@@ -328,6 +354,8 @@ SIMULATOR_CHECKS: tuple[Check, ...] = (
     render_gives_a_frame_or_says_why_not,
     frames_show_the_target,
     close_can_be_called_twice,
+    SERVO_CONTRACT,
+    *SERVO_CHECKS,
 )
 
 

@@ -10,7 +10,8 @@ from harness.env import ReachVectorEnv
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
 from harness.robot.load import load_robot
-from harness.task import Task, varies
+from harness.task import Situation, Task, goal_of, varies
+from harness.testing.goals import GOAL_CHECKS, are_met
 from harness.testing.ideal import IdealSimulator
 from harness.testing.trainings import NegativeDistance
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
@@ -111,15 +112,15 @@ def episodes_are_alike_where_it_says_so(task: Task, robot: Robot) -> None:
 
 @check("task-targets-in-reach")
 def targets_can_be_reached(task: Task, robot: Robot) -> None:
-    """Every target is above the ground; of all but 5 in 100 the end effector gets within `epsilon`, from some pose."""
+    """Every target is above the ground; of all but 5 in 100 the error gets within `epsilon`, in some pose."""
     places, starts = _places(task, robot)
     low = places[places[:, 2] < 0.0]
     require(
         not len(low),
         f"{len(low)} of {TARGETS} targets are under the ground z = 0, as {_point(low)} m: nothing can get there",
     )
-    missed = places[~_are_reached(robot, places, starts, task.epsilon)]
-    told = _out_of_reach(missed, robot)
+    missed = places[~_are_reached(task, robot, places, starts)]
+    told = _out_of_reach(missed, task, robot)
     require(len(missed) <= MOST_MISSED * TARGETS, f"{told}; draw others, or keep those that reach_position reaches")
 
 
@@ -218,6 +219,7 @@ TASK_CHECKS: tuple[Check, ...] = (
     bounds_are_a_space,
     observations_are_in_their_bounds,
     observing_changes_nothing,
+    *GOAL_CHECKS,
 )
 
 
@@ -233,8 +235,8 @@ def _require_array(name: str, array: Any, shape: tuple[int, ...]) -> None:
 def all_targets_can_be_reached(task: Task, robot: Robot) -> None:
     """Not one target of 128 is out of reach: on those that are, the best policy fails too."""
     places, starts = _places(task, robot)
-    missed = places[~_are_reached(robot, places, starts, task.epsilon)]
-    require(not len(missed), f"{_out_of_reach(missed, robot)}: no policy succeeds on those")
+    missed = places[~_are_reached(task, robot, places, starts)]
+    require(not len(missed), f"{_out_of_reach(missed, task, robot)}: no policy succeeds on those")
 
 
 TASK_WARNINGS: tuple[Check, ...] = (all_targets_can_be_reached,)
@@ -249,21 +251,32 @@ def _places(task: Task, robot: Robot) -> tuple[Float, Float]:
     return places, starts
 
 
-def _out_of_reach(missed: Float, robot: Robot) -> str:
+def _out_of_reach(missed: Float, task: Task, robot: Robot) -> str:
+    goal = goal_of(task, robot)
+    if goal is not None:
+        return (
+            f"at {len(missed)} of {TARGETS} targets, as {_point(missed)} m, no pose of {robot.name} was found whose "
+            f"{goal.error} is within epsilon = {task.epsilon:g} {goal.unit}"
+        )
     return (
         f"{len(missed)} of {TARGETS} targets are out of reach, as {_point(missed)} m: the end effector of {robot.name} "
         f"gets {robot.reach:.3g} m from its first joint at most"
     )
 
 
-def _are_reached(robot: Robot, places: Float, starts: Float, epsilon: float) -> Mask:
-    """Whether joint positions are found that bring the end effector within epsilon of each place, (count,)."""
+def _are_reached(task: Task, robot: Robot, places: Float, starts: Float) -> Mask:
+    """Whether joint positions are found that are within epsilon of each target, (count,)."""
+    goal = goal_of(task, robot)
+    if goal is not None:
+        none = np.zeros(len(places))
+        numbers = goal.draw(np.random.default_rng(0), places)
+        return are_met(task, robot, goal, Situation(starts, robot.end_effector(starts), places, numbers, none, none))
     rng, found = np.random.default_rng(0), np.zeros(len(places), bool)
     for _ in range(1 + SEARCHES):
         left = np.flatnonzero(~found)
         if not left.size:
             break
-        _, found[left] = reach_position(robot, places[left], starts[left], tolerance=epsilon)
+        _, found[left] = reach_position(robot, places[left], starts[left], tolerance=task.epsilon)
         starts = rng.uniform(robot.lower, robot.upper, starts.shape)
     return found
 
@@ -277,7 +290,9 @@ def _draws(task: Task, robot: Robot, seed: int = 0) -> Float:
     rng = np.random.default_rng(seed)
     starts = [task.draw_start(robot, rng) for _ in range(DRAWS)]
     position, relative = task.draw_targets(robot, rng, DRAWS)
-    return np.concatenate([np.ravel(starts), np.ravel(position), relative])
+    goal = goal_of(task, robot)
+    numbers = np.zeros(0) if goal is None else goal.draw(rng, position)
+    return np.concatenate([np.ravel(starts), np.ravel(position), relative, np.ravel(numbers)])
 
 
 def _env(task: Task, robot: Robot) -> ReachVectorEnv:

@@ -200,8 +200,7 @@ class _Comparer:
         everyone = [it for members in parts.values() for it in members]
         self._manners = [manner for manner in MANNERS if seeds and all(manner in it for it in everyone)]
         self._parts: dict[str, dict[str, list[Part]]] = {
-            manner: {who: [it[manner] for it in members] for who, members in parts.items()}
-            for manner in self._manners
+            manner: {who: [it[manner] for it in members] for who, members in parts.items()} for manner in self._manners
         }
 
     def compare(self) -> Comparison:
@@ -265,7 +264,9 @@ class _Comparer:
             {seed: part.behaviour.get(name) for seed, part in zip(self._seeds, self._parts[manner][who], strict=True)}
             for who in ("baseline", "proposed")
         )
-        measure = Measure(name, "", self._runs.better(name), manner, self._fewest(manner) if self._runs.is_flag(name) else None)
+        measure = Measure(
+            name, "", self._runs.better(name), manner, self._fewest(manner) if self._runs.is_flag(name) else None
+        )
         change = change_of(measure, baseline, proposed, self._swaps)
         reasons = (
             _why(name, run, part)

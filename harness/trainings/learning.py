@@ -32,8 +32,7 @@ def learning_of(runs: Runs, comparison: Comparison) -> Learning | None:
 def _curve(runs: Runs, reward: str, members: Sequence[Run]) -> LearningCurve:
     ends = [math.ceil(runs.steps * (place + 1) / STRETCHES) for place in range(min(STRETCHES, runs.steps))]
     stretches = [
-        (end, [run.episodes.part(begin, end) for run in members])
-        for begin, end in zip([0, *ends], ends, strict=False)
+        (end, [run.episodes.part(begin, end) for run in members]) for begin, end in zip([0, *ends], ends, strict=False)
     ]
     points = {name: tuple(_point(end, parts, name, runs) for end, parts in stretches) for name in runs.measures}
     for paid in runs.rewards:
@@ -53,5 +52,7 @@ def _return_point(end: int, parts: Sequence[Part], reward: str) -> Point:
 
 def _mean(end: int, values: Sequence[float | None], episodes: int | None) -> Point:
     known = [value for value in values if value is not None]
-    missing = None if len(known) == len(values) else f"{len(values) - len(known)} of {len(values)} seeds have no value here"
+    missing = (
+        None if len(known) == len(values) else f"{len(values) - len(known)} of {len(values)} seeds have no value here"
+    )
     return Point(end, mean_over_seeds(known, missing, episodes))

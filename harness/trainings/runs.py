@@ -224,12 +224,10 @@ def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:
 
 
 def _cut_notes(runs: Iterable[Run], shortest: int) -> list[str]:
-    longer = [run for run in runs if run.steps > shortest]
+    longer = [run.steps for run in runs if run.steps > shortest]
     last = next(run for run in runs if run.steps == shortest)
-    notes = [
-        f"All are cut to the {shortest:,} steps of the shortest, '{last.path}': {_count(len(longer), 'training')} went "
-        f"on, for {max(run.steps for run in longer):,} steps at most"
-    ] if longer else []
+    told = f"All are cut to the {shortest:,} steps of the shortest, '{last.path}'"
+    notes = [f"{told}: {_count(len(longer), 'training')} went on, for {max(longer):,} steps at most"] if longer else []
     going = [run for run in runs if not run.facts.closed]
     if going:
         notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")

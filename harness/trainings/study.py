@@ -110,4 +110,6 @@ def _mean(runs: Runs, parts: Mapping[tuple[str, int], Any], manner: str, payer: 
     seeds = len(runs.of(trained))
     reasons = (part.reasons.get(payer, "not recorded") for part in members if part.returns.get(payer) is None)
     why = next(reasons, "not recorded")
-    return mean_over_seeds(known, f"{seeds - len(known)} of {seeds} seeds have none: {why}" if len(known) < seeds else None)
+    return mean_over_seeds(
+        known, f"{seeds - len(known)} of {seeds} seeds have none: {why}" if len(known) < seeds else None
+    )

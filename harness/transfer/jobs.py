@@ -23,6 +23,7 @@ from harness.registry.registry import Registry, load_registry
 from harness.registry.spec import PLANNED, blamed_on
 from harness.results import Results
 from harness.robot.load import load_robot
+from harness.simulator import require_drives
 from harness.transfer.evaluation import EvaluateElsewhere
 from harness.transfer.matrix import Transfers, load_transfers
 from harness.transfer.record import TransferRecord, policy_digest, read_transfer, simulator_id
@@ -127,7 +128,7 @@ def plan_transfers(results: Results, to: str | Sequence[Given] | None, registry:
         if simulator != cell.simulator
     )
     missing = tuple(job for job in jobs if not _is_done(job, results.store))
-    _require_plugins((job.cell for job in missing), results.folder, registry)
+    _require_plugins(missing, results.folder, registry)
     return TransferPlan(results.store, jobs, missing, left_out, registry.given)
 
 
@@ -199,14 +200,16 @@ def _is_done(job: TransferJob, store: Store) -> bool:
     return record.is_of(policy_digest(store.cell_folder(job.cell)))
 
 
-def _require_plugins(cells: Iterable[Cell], folder: Path, registry: Registry) -> None:
-    """Raises UsageError where something of the cells that is no simulator is not here any more."""
-    for robot, task, reward in dict.fromkeys((cell.robot, cell.task, cell.reward) for cell in cells):
+def _require_plugins(jobs: Sequence[TransferJob], folder: Path, registry: Registry) -> None:
+    """Raises UsageError where something of the cells is not here any more, or a robot lacks what a simulator needs."""
+    wanted = ((job.cell.robot, job.cell.task, job.cell.reward, job.simulator) for job in jobs)
+    for robot, task, reward, simulator in dict.fromkeys(wanted):
         try:
             built, arm = task.build(registry, "tasks"), load_robot(robot, registry)
             with blamed_on(registry.get("tasks", task.name), PLANNED):
                 built.check(arm)
             reward.build(registry, "rewards")
+            require_drives(simulator.build(registry, "simulators"), arm)
         except UsageError as error:
             raise UsageError(f"Cells of '{folder}' cannot be evaluated: {error}") from None
 

@@ -101,7 +101,8 @@ def _view(side: Side, episode: Episode, way: Float, camera: Camera, step: float,
     pen = ImageDraw.Draw(image)
     pen.rectangle((0, 4, 4, LINE - 4), fill=colour)
     _write(pen, (10, 3), side.title, INK)
-    _write(pen, (10, HEIGHT + LINE), f"distance {episode.distance[row]:.3f} m   paid {episode.paid[row]:.2f}", INK)
+    measured = f"{side.error} {episode.distance[row]:.3f} {side.unit}".rstrip()
+    _write(pen, (10, HEIGHT + LINE), f"{measured}   paid {episode.paid[row]:.2f}", INK)
     if step >= episode.steps[-1]:
         pen.rectangle((WIDTH - 92, 2, WIDTH - 8, LINE), outline=colour, width=2)
         _write(pen, (WIDTH - 50, 3), episode.outcome, colour, "ma")

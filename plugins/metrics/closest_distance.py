@@ -10,11 +10,13 @@ from harness.record.trace import Trace
 class ClosestDistance:
     """Mean over the finished episodes of the smallest distance from end effector to target, the start's included, [m].
 
-    Where no episode ends at the target, or all end on the ground, this tells more than where they end.
+    Of a task with another error that error, in its unit. Where no episode ends at the target, or all end on the ground,
+    this tells more than where they end.
     """
 
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "lower"
+    is_error: ClassVar[bool] = True
 
     def __call__(self, trace: Trace) -> float | None:
         """None without a finished episode."""

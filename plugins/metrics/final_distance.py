@@ -8,10 +8,14 @@ from harness.record.trace import Trace
 
 @dataclass(frozen=True)
 class FinalDistance:
-    """Mean distance from end effector to target at the end of the finished episodes, [m]."""
+    """Mean distance from end effector to target at the end of the finished episodes, [m].
+
+    Of a task with another error that error, in its unit.
+    """
 
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "lower"
+    is_error: ClassVar[bool] = True
 
     def __call__(self, trace: Trace) -> float | None:
         """None without a finished episode."""

@@ -1,7 +1,21 @@
 """What the simulators on MuJoCo's engine share: the engine, the model of an arm, and its frames."""
 
+from .arms import Batch, OneArm
 from .engine import import_engine, mujoco  # first: the others import MuJoCo as it is then
+from .feeds import RampFeed, ServoFeed
 from .model import GROUND, TARGET, TOUCH, build_model
 from .rendering import Renderer
 
-__all__ = ["GROUND", "TARGET", "TOUCH", "Renderer", "build_model", "import_engine", "mujoco"]
+__all__ = [
+    "GROUND",
+    "TARGET",
+    "TOUCH",
+    "Batch",
+    "OneArm",
+    "RampFeed",
+    "Renderer",
+    "ServoFeed",
+    "build_model",
+    "import_engine",
+    "mujoco",
+]

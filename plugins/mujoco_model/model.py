@@ -1,5 +1,7 @@
 """The MuJoCo model of an arm: its URDF with ground, target marker, servos and sensors."""
 
+from collections.abc import Sequence
+from itertools import product
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
@@ -9,17 +11,30 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
+from harness.robot.servo import Servo
 
 from .meshes import add_meshes, without_meshes
 
+STIFF = [0.999, 0.999, 0.001, 0.5, 2.0]
+"""How hard dry friction is, MuJoCo's ``solimp``: by its default, of 0.9, a joint that friction holds creeps."""
 GROUND, TARGET, TOUCH, TIP = "harness_ground", "harness_target", "harness_touch", "harness_tip"
 
 
-def build_model(robot: Robot, timestep: float, bandwidth: float) -> mujoco.MjModel:
+def build_model(
+    robot: Robot, timestep: float, bandwidth: float, servo: Servo | None = None, self_collision: bool = False
+) -> mujoco.MjModel:
     """The robot's URDF with ground, target marker, servos, and sensors: ground contact, then the end effector.
 
-    The servos stand for drives that are strong enough and make up for weight, friction and damping: the model has none
-    of these, nor the URDF's efforts.
+    Without `servo` the servos stand for drives that are strong enough and make up for weight, friction and damping: the
+    model has none of these, nor the URDF's efforts.
+
+    Args:
+        robot: The arm.
+        timestep: A physics step, [s].
+        bandwidth: Of ideal drives, [rad/s].
+        servo: Drives with limits in their place, one actuator per joint. It is fed stiffness times the reference's
+            position plus damping times its speed, [N m].
+        self_collision: Whether links collide with one another.
 
     Raises:
         UsageError: MuJoCo cannot load the URDF.
@@ -30,11 +45,18 @@ def build_model(robot: Robot, timestep: float, bandwidth: float) -> mujoco.MjMod
     add_meshes(spec, urdf, robot.link_shapes)
     _set_contacts(spec)
     _set_options(spec, timestep)
-    ground = spec.worldbody.add_geom(name=GROUND, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[3, 3, 0.1], contype=0)
+    floor = spec.worldbody
+    if self_collision:
+        _let_links_collide(spec, robot)
+        floor = spec.worldbody.add_body(name=GROUND)  # what collides with no part of the base does with the ground
+    ground = floor.add_geom(name=GROUND, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[3, 3, 0.1], contype=0)
     ground.conaffinity, ground.rgba = 1, [0.82, 0.84, 0.86, 1]
     spec.worldbody.add_light(pos=[1.5, -1.5, 3], dir=[-0.4, 0.4, -0.8])
     _add_target(spec)
-    _add_servos(spec, robot, inertia, bandwidth)
+    if servo is None:
+        _add_servos(spec, robot, inertia, bandwidth)
+    else:
+        _add_limited_servos(spec, robot, servo)
     spec.add_sensor(
         name=TOUCH, type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=mujoco.mjtObj.mjOBJ_GEOM, objname=GROUND,
         intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 0, 1],
@@ -66,6 +88,32 @@ def _set_contacts(spec: mujoco.MjSpec) -> None:
     """Let links touch the ground, not one another; what is only there to be seen touches nothing."""
     for geom in (geom for body in spec.bodies for geom in body.geoms):
         geom.contype, geom.conaffinity = int(bool(geom.contype)), 0
+
+
+def _let_links_collide(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """Let links touch one another, but for those that one joint connects and those that touch at the home pose."""
+    for geom in (geom for body in spec.bodies for geom in body.geoms):
+        geom.contype, geom.conaffinity = 3 * int(geom.contype), 2 * int(geom.contype)
+    model = _compile(spec, robot)
+    data = mujoco.MjData(model)
+    data.qpos[:] = robot.home
+    mujoco.mj_forward(model, data)
+    touching = {_bodies_of(model, contact.geom) for contact in data.contact}
+    for first, second in sorted(touching | _neighbours_of_the_base(model)):
+        spec.add_exclude(bodyname1=model.body(first).name, bodyname2=model.body(second).name)
+
+
+def _bodies_of(model: mujoco.MjModel, geoms: Sequence[int]) -> tuple[int, int]:
+    first, second = sorted(int(model.geom_bodyid[geom]) for geom in geoms)
+    return first, second
+
+
+def _neighbours_of_the_base(model: mujoco.MjModel) -> set[tuple[int, int]]:
+    """What the first joint connects, by numbers of bodies; MuJoCo leaves out all other neighbours by itself."""
+    welded, parents = model.body_weldid, model.body_parentid
+    base = [body for body in range(model.nbody) if not welded[body]]
+    first = [body for body in range(model.nbody) if welded[body] and not welded[parents[welded[body]]]]
+    return {(min(pair), max(pair)) for pair in product(base, first)}
 
 
 def _compile(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
@@ -109,6 +157,27 @@ def _add_servos(spec: mujoco.MjSpec, robot: Robot, inertia: Float, bandwidth: fl
         spec.add_actuator(
             name=f"{name}_speed", target=name, gainprm=[damping] + [0] * 9, biasprm=[0, 0, -damping] + [0] * 7, **joint
         )
+
+
+def _add_limited_servos(spec: mujoco.MjSpec, robot: Robot, servo: Servo) -> None:
+    """One actuator per joint, `harness.robot.servo.Servo`, and what it moves beside the links."""
+    # A drive computes its torque at the begin of a physics step and holds it: no implicit integration of its damping.
+    spec.option.integrator = int(mujoco.mjtIntegrator.mjINT_EULER)
+    for body in spec.bodies:
+        body.gravcomp = float(servo.gravity_compensated)
+    for j, name in enumerate(robot.joint_names):
+        joint = spec.joint(name)
+        joint.armature = servo.armature[j]
+        joint.damping, joint.frictionloss = [servo.viscous_friction[j], 0.0, 0.0], servo.dry_friction[j]
+        joint.solref_friction, joint.solimp_friction = [2.0 * spec.option.timestep, 1.0], STIFF  # no creeping
+        joint.actgravcomp = True  # holding the weight takes its part of the limit
+        joint.actfrclimited = int(mujoco.mjtLimited.mjLIMITED_TRUE)
+        joint.actfrcrange = [-servo.max_torque[j], servo.max_torque[j]]
+        spec.add_actuator(
+            name=f"{name}_drive", target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            biastype=mujoco.mjtBias.mjBIAS_AFFINE, gainprm=[1] + [0] * 9,
+            biasprm=[0, -servo.stiffness[j], -servo.damping[j]] + [0] * 7,
+        )  # fmt: skip
 
 
 def _inertia_at_home(spec: mujoco.MjSpec, robot: Robot) -> Float:

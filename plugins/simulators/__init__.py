@@ -26,6 +26,13 @@ def register_simulators(register: harness.Register) -> None:
         summary="no engine, no dynamics: joints exactly where they are driven, many arms at once",
     )
     register(
+        "mjx",
+        "harness_plugins.simulators.mjx:Mjx",
+        summary="engine MuJoCo: the model of mujoco stepped by MJX, compiled by JAX for accelerators; slow on a CPU",
+        requires=("mujoco.mjx", "jax"),
+        extra="mjx",
+    )
+    register(
         "mujoco",
         "harness_plugins.simulators.mujoco:Mujoco",
         summary="engine MuJoCo: many arms through mujoco.rollout threads",

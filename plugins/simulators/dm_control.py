@@ -1,7 +1,7 @@
 """dm_control: every arm an environment of dm_control's own, with a task that drives its joints."""
 
 from collections.abc import Callable
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from dm_control.rl import control
@@ -11,13 +11,14 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
+from harness.authoring.servo_track import servo_of
 from harness.authoring.substeps import Substeps
 from harness.errors import SimulationDiverged
 from harness.robot import Robot
 from harness.simulator import State
 
-from ..mujoco_model import TOUCH, Renderer, build_model, import_engine
-from ..mujoco_model.alone import servo_controls
+from ..mujoco_model import TOUCH, RampFeed, Renderer, ServoFeed, build_model, import_engine
+from ..mujoco_model.alone import limited_servo_controls, servo_controls
 
 engine = import_engine("dm_control.mujoco")
 
@@ -26,12 +27,20 @@ engine = import_engine("dm_control.mujoco")
 class DmControl:
     """dm_control's Physics, with the arm and the servos of simulator `mujoco`.
 
-    With equal settings it moves as `mujoco` does. A state that dm_control calls invalid ends the cell at once.
+    With equal settings it moves as `mujoco` does, with either kind of drives. A state that dm_control calls invalid ends the cell at once.
     """
 
     family: ClassVar[str] = "MuJoCo"
+    later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
     bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 100.0
+    drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"
+    self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
+
+    def build(self, robot: Robot, timestep: float) -> Any:
+        """The model of an arm, with physics steps of `timestep` [s]; that of `mujoco`."""
+        servo = servo_of(robot) if self.drive == "servo" else None
+        return build_model(robot, timestep, self.bandwidth, servo, self.self_collision)
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "DmControlSimulation":
         """See `harness.simulator.Simulator`."""
@@ -39,18 +48,25 @@ class DmControl:
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
         """See `harness.simulator.Simulator`: dm_control's Physics, one per arm, without an Environment around it."""
-        model = engine.wrapper.MjModel(build_model(robot, period / self.substeps, self.bandwidth))
+        timestep = period / self.substeps
+        model = engine.wrapper.MjModel(self.build(robot, timestep))
         arms = [engine.Physics.from_model(model) for _ in range(targets.shape[1])]
         for arm, start in zip(arms, targets[-1], strict=True):
             with arm.reset_context():
-                arm.data.qpos[:] = arm.data.act[:] = start
-        controls = servo_controls(targets, period)
+                arm.data.qpos[:] = start
+                if model.na:
+                    arm.data.act[:] = start
+        if self.drive == "servo":
+            controls, steps = limited_servo_controls(servo_of(robot), targets, period, self.substeps), 1
+        else:
+            controls, steps = servo_controls(targets, period), self.substeps
 
         def run() -> None:
             for row in controls:
-                for arm, control_of in zip(arms, row, strict=True):
-                    arm.set_control(control_of)
-                    arm.step(self.substeps)
+                for arm, of_steps in zip(arms, row, strict=True):
+                    for control_of in of_steps:
+                        arm.set_control(control_of)
+                        arm.step(steps)
 
         return run
 
@@ -64,19 +80,20 @@ class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no type
         physics: Whose arm it is.
         robot: The arm.
         duration: Of a step, [s].
+        steps: Physics steps in it.
+        feed: What feeds the actuators; None: those of ideal drives.
     """
 
-    def __init__(self, physics: Any, robot: Robot, duration: float) -> None:
+    def __init__(self, physics: Any, robot: Robot, duration: float, steps: int, feed: ServoFeed | None) -> None:
         data, named = physics.data, physics.named.data
         self.start = robot.home.copy()
         """Where the next episode starts, (dof,)."""
-        self.duration = duration
-        """Of the next step, [s]."""
+        self.duration, self.steps = duration, steps
+        """Of the next step, [s] and in physics steps."""
         self._robot = robot
-        self._controls = np.zeros(2 * robot.dof)
-        self._speeds = self._controls.reshape(2, robot.dof)  # one row for the position servos, one for the others
         # Views, looked up once: MuJoCo keeps them up to date, and looking up by name in every period is slow.
         self._qpos, self._held = data.qpos, data.act
+        self._feed = feed or RampFeed(data.act[None], np.zeros((1, 1, 2 * robot.dof)))
         self._observation = {
             "qpos": data.qpos,
             "qvel": data.qvel,
@@ -86,13 +103,18 @@ class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no type
 
     def initialize_episode(self, physics: Any) -> None:
         """At rest at `start`, the servos holding it."""
-        self._qpos[:] = self._held[:] = self.start
+        self._qpos[:] = self.start
+        if len(self._held):
+            self._held[:] = self.start
+        self._feed.reset(self.start[None], np.ones(1, bool))
 
     def before_step(self, action: Float, physics: Any) -> None:
-        """Write the servos' controls, all of them joint speeds."""
-        # From where the servos hold now to the target: rounding cannot add up over periods.
-        np.divide(action - self._held, self.duration, out=self._speeds)
-        physics.set_control(self._controls)
+        """Feed the actuators; where each physics step is fed otherwise, take all of them but the last one."""
+        (controls,) = self._feed.controls(action[None], self.duration, self.steps)
+        for earlier in controls[:-1]:
+            physics.set_control(earlier)
+            physics.step()
+        physics.set_control(controls[-1])
 
     def action_spec(self, physics: Any) -> Any:
         """Joint positions, (dof,), within the joints' ranges."""
@@ -114,7 +136,8 @@ class DmControlSimulation:
     def __init__(self, settings: DmControl, robot: Robot, num_envs: int, control_period: float) -> None:
         timestep = control_period / settings.substeps
         self._substeps, self._duration = Substeps(settings.substeps, control_period), control_period
-        model = build_model(robot, timestep, settings.bandwidth)
+        self._servo = servo_of(robot) if settings.drive == "servo" else None
+        model = settings.build(robot, timestep)
         self._model, self._renderer = engine.wrapper.MjModel(model), Renderer(model)
         self.arms = [self._open_arm(robot, control_period, settings.substeps) for _ in range(num_envs)]
         self._awake = np.ones(num_envs, bool)
@@ -124,8 +147,14 @@ class DmControlSimulation:
 
     def _open_arm(self, robot: Robot, period: float, substeps: int) -> control.Environment:
         physics = engine.Physics.from_model(self._model)  # the model is shared, the data its own
+        feed = None if self._servo is None else ServoFeed(self._servo, 1, period / substeps)
+        ramp = JointRamp(physics, robot, period, substeps, feed)
         # The legacy order ends with the links and contacts of the last state, not of one physics step before.
-        return control.Environment(physics, JointRamp(physics, robot, period), n_sub_steps=substeps, legacy_step=True)
+        return control.Environment(physics, ramp, n_sub_steps=self._steps_of_one_control(substeps), legacy_step=True)
+
+    def _steps_of_one_control(self, steps: int) -> int:
+        """Physics steps that are fed the same, of so many of a drive."""
+        return steps if self._servo is None else 1
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
@@ -155,7 +184,8 @@ class DmControlSimulation:
         steps = self._substeps.within(duration)
         for arm in self.arms:
             # A second Environment of the same Physics would begin with an episode of its own.
-            arm._n_sub_steps, arm.task.duration = steps, duration
+            arm._n_sub_steps = self._steps_of_one_control(steps)
+            arm.task.duration, arm.task.steps = duration, steps
         self._duration = duration
 
     def _advance(self, k: int, call: Any, *action: Float) -> None:

@@ -23,6 +23,8 @@ class Kinematic:
     """Arms without mass: no delay, no error, no force of the ground.
 
     Ground contact is exact for the moving links' collision shapes: boxes, cylinders, capsules, spheres and meshes.
+    Without dynamics there are no drives to simulate, and links pass through one another: it takes neither `drive` nor
+    `self_collision`.
     """
 
     family: ClassVar[str | None] = None

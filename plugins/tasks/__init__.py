@@ -12,6 +12,13 @@ def register_tasks(register: harness.Register) -> None:
         summary="the published experiment: fixed start and target, joint angles are set",
     )
     register("fd100-reach", "harness.reach:ReachTask", summary="bring the FD100's end effector to a target in a box")
+    here = "harness_plugins.tasks"
+    register("fd100-low", f"{here}.low:Low", summary="targets just above the ground: punishes careless paths")
+    register("fd100-moving", f"{here}.moving:Moving", summary="follow a moving target: punishes hurry without control")
+    register("fd100-pose", f"{here}.pose:Pose", summary="reach a target in its orientation: more than position counts")
+    register(
+        "fd100-small-target", f"{here}.small_target:SmallTarget", summary="within 1 cm: the last centimetres count"
+    )
     register(
         "unity-reach",
         "harness_plugins.tasks.unity:UnityReach",

@@ -14,6 +14,8 @@ from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.testing import IdealSimulator
+from harness_plugins.tasks.moving import Moving
+from harness_plugins.tasks.pose import Pose
 
 REGISTRY = load_registry()
 
@@ -68,6 +70,13 @@ def test_a_task_out_of_reach_is_a_usage_error(robot):
     """Nothing is recorded where the arm reaches no target."""
     with pytest.raises(UsageError):
         record_rollouts(IdealSimulator(), robot, ReachTask(target_center=(9.0, 0.0, 0.0)), 2)
+
+
+@pytest.mark.parametrize("goal", [Pose(), Moving()])
+def test_a_task_that_asks_for_more_is_a_usage_error(robot, goal):
+    """The scripts go to points; it says which task to take instead."""
+    with pytest.raises(UsageError, match="fd100-reach"):
+        record_rollouts(IdealSimulator(), robot, goal, 2)
 
 
 @pytest.mark.parametrize("name", REGISTRY.names("rewards"))

@@ -28,6 +28,15 @@ def test_the_task_explains_where_it_differs_from_the_note(harness):
     assert "S, the state: 19 numbers" in out
 
 
+def test_a_task_with_a_goal_tells_its_error(harness):
+    """By name, unit and tolerance, and what else the learner sees."""
+    out = harness("describe", "fd100-pose").out
+    assert "the pose error is at most epsilon = 0.02 m" in out
+    assert "S, the state: 37 numbers" in out
+    assert re.search(r"goal +9 numbers +the target's x and y axis", out)
+    assert "the distance is at most epsilon = 0.05 m for 10 steps in a row" in harness("describe", "fd100-moving").out
+
+
 def test_overrides_show_in_the_description(harness):
     """A description is that of the parameters given."""
     assert "epsilon = 0.02 m" in harness("describe", "fd100-reach:epsilon=0.02").out

@@ -19,7 +19,7 @@ SHARED = ("settings-frozen", "settings-json")
 ALL = {check.name: check for kit in (*KITS.values(), EXPORTS) for check in kit.checks}
 TABLES = ("MUTANTS", "COARSE_MUTANTS", "FOUND", "WRONG")
 """What the modules of mutants call the tables of them, each of which is a test."""
-MUTANT_MODULES = "algorithm checkpoint executor export long_run metric reward robot simulator speed task tracker"
+MUTANT_MODULES = "algorithm checkpoint executor export long_run metric reward robot servo simulator speed task tracker"
 
 
 def rows() -> list[tuple[str, str, str]]:

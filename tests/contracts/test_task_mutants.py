@@ -16,8 +16,9 @@ from harness.env.episodes import Episodes
 from harness.motion import Move, MoveJ
 from harness.reach import ReachTask
 from harness.robot import Robot
-from harness.task import Targets
-from harness.testing import TASK_CHECKS, tasks, violations
+from harness.task import Goal, Situation, Targets
+from harness.testing import TASK_CHECKS, goals, tasks, violations
+from harness_plugins.tasks.moving import Moving, MovingGoal
 
 ROBOT = harness.load_robot("fd100")
 SOUND = ReachTask()
@@ -255,7 +256,149 @@ class HurriesItsTargets(ReachTask):
         return Targets(position - [0.1 / count, 0.0, 0.0], relative)
 
 
+class Asks(ReachTask):
+    """What the mutants below ask for; each changes a thing."""
+
+    asked: ClassVar[type[Goal]]
+
+    def goal(self, robot: Robot) -> Goal:
+        return self.asked()
+
+
+class Near(Goal):
+    """Nothing is wrong with it: the end effector at the target."""
+
+    error = "distance"
+    aim = "position"
+
+    def errors(self, now: Situation) -> Any:
+        return np.linalg.norm(now.target - now.end_effector, axis=1)
+
+
+class SoundGoal(Asks):
+    """Nothing is wrong with it."""
+
+    asked = Near
+
+
+class NamesNoError(Asks):
+    """Nobody learns what the numbers are."""
+
+    class asked(Near):  # noqa: N801 (it stands for a field)
+        """Without a name."""
+
+        error = ""
+
+
+class ShowsAndDoesNotSay(Asks):
+    """The learner sees a number of which nobody knows what it is."""
+
+    class asked(Near):  # noqa: N801
+        """With one that is always 0."""
+
+        def bounds(self) -> Any:
+            return -np.ones(1), np.ones(1)
+
+        def observe(self, now: Situation) -> Any:
+            return np.zeros((len(now.step), 1))
+
+
+class GoesBelowZero(Asks):
+    """Beyond half a metre the sign is wrong."""
+
+    class asked(Near):  # noqa: N801
+        """As of a potential."""
+
+        aim = None
+
+        def errors(self, now: Situation) -> Any:
+            errors = super().errors(now)
+            return np.where(errors > 0.5, -errors, errors)
+
+
+class MeasuresTheBatch(Asks):
+    """An arm is a little farther where the others are far."""
+
+    class asked(Near):  # noqa: N801
+        """By a share of the mean."""
+
+        aim = None
+
+        def errors(self, now: Situation) -> Any:
+            errors = super().errors(now)
+            return 0.99 * errors + 0.01 * errors.mean()
+
+
+class NeverThere(Asks):
+    """A millimetre is left at the target."""
+
+    class asked(Near):  # noqa: N801
+        """Within epsilon nobody notices."""
+
+        def errors(self, now: Situation) -> Any:
+            return super().errors(now) + 1e-3
+
+
+class ForgivesTheFar(Asks):
+    """Who is too far away to come back is asked for nothing."""
+
+    class asked(Near):  # noqa: N801
+        """Beyond half a metre."""
+
+        def errors(self, now: Situation) -> Any:
+            errors = super().errors(now)
+            return np.where(errors > 0.5, 0.0, errors)
+
+
+class JumpsAway(Moving):
+    """The target is elsewhere than where it was set."""
+
+    def goal(self, robot: Robot) -> Any:
+        return Jumping(self, robot, self.target_speed, self.control_period, self.steps_within)
+
+
+class Jumping(MovingGoal):
+    """By a step: it counts from 1."""
+
+    def displacement(self, numbers: Any, step: Any) -> Any:
+        return super().displacement(numbers, step + 1.0)
+
+
+class MovesInSecret(Asks):
+    """It says that its targets stay."""
+
+    class asked(Near):  # noqa: N801
+        """And would move them."""
+
+        def displacement(self, numbers: Any, step: Any) -> Any:
+            return 0.001 * np.repeat(step[:, None], 3, axis=1)
+
+
+class ShowsMore(Asks):
+    """What it shows is not cut off by itself."""
+
+    class asked(Near):  # noqa: N801
+        """The step, in [0, 1]."""
+
+        observed = "the step (1)"
+
+        def bounds(self) -> Any:
+            return np.zeros(1), np.ones(1)
+
+        def observe(self, now: Situation) -> Any:
+            return now.step[:, None].copy()
+
+
 MUTANTS = {
+    NamesNoError: goals.goals_are_described,
+    ShowsAndDoesNotSay: goals.goals_are_described,
+    GoesBelowZero: goals.errors_are_numbers,
+    MeasuresTheBatch: goals.errors_are_numbers,
+    NeverThere: goals.errors_are_zero_at_the_goal,
+    ForgivesTheFar: goals.errors_are_zero_at_the_goal,
+    JumpsAway: goals.targets_move_from_where_they_are_set,
+    MovesInSecret: goals.targets_move_from_where_they_are_set,
+    ShowsMore: goals.goals_show_numbers_in_their_bounds,
     TargetsOutOfReach: tasks.targets_can_be_reached,
     TargetsUnderground: tasks.targets_can_be_reached,
     RelativeTargetsUnderground: tasks.targets_can_be_reached,
@@ -297,6 +440,7 @@ def test_every_check_has_a_mutant():
     assert set(MUTANTS.values()) == set(TASK_CHECKS)
 
 
-def test_the_mutants_are_made_of_a_sound_task():
+@pytest.mark.parametrize("sound", [Sound, SoundGoal])
+def test_the_mutants_are_made_of_a_sound_task(sound: type):
     """What the mutants are made of fails nothing."""
-    assert failing(Sound) == []
+    assert failing(sound) == []

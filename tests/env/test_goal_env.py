@@ -100,10 +100,10 @@ def test_rewards_with_memory_are_refused(reward: str):
         ReachGoalEnv(**GIVEN, reward=reward)
 
 
-@pytest.mark.parametrize("task", ["unity-reach", "arp-2021"])
+@pytest.mark.parametrize("task", ["unity-reach", "arp-2021", "fd100-pose", "fd100-moving"])
 def test_tasks_with_several_goals_are_refused(task: str):
-    """Their steps say nothing of which goal they were made for."""
-    with pytest.raises(UsageError, match=rf"'{task}' sets several goals .*Allowed: fd100-reach"):
+    """Their steps say nothing of which goal they were made for, or a place is not all of it."""
+    with pytest.raises(UsageError, match=rf"'{task}' sets several goals .*Allowed: .*fd100-reach, fd100-small-target"):
         ReachGoalEnv(simulator="kinematic", task=task)
 
 

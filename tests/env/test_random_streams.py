@@ -27,7 +27,7 @@ class Ladder(ReachTask):
 def test_relative_targets_count_from_the_end_effector():
     """The others from the world's origin, in the order in which they were drawn."""
     streams = Streams(Ladder(), ROBOT, 1, 0)
-    drawn = [streams.target(0, TIP) for _ in range(4)]
+    drawn = [streams.target(0, TIP)[0] for _ in range(4)]
     np.testing.assert_array_equal(drawn, [[0.0, 0.0, 0.0], [1.5, 0.0, 0.5], [2.0, 0.0, 0.0], [3.5, 0.0, 0.5]])
 
 
@@ -36,20 +36,20 @@ def test_targets_come_in_the_order_of_the_stream():
     streams, rng = Streams(ReachTask(), ROBOT, 1, [7]), np.random.SeedSequence(7).spawn(2)[1]
     generator = np.random.default_rng(rng)
     expected = [ReachTask().draw_targets(ROBOT, generator, AHEAD).position for _ in range(2)]
-    drawn = [streams.target(0, TIP) for _ in range(2 * AHEAD)]
+    drawn = [streams.target(0, TIP)[0] for _ in range(2 * AHEAD)]
     np.testing.assert_array_equal(drawn, np.concatenate(expected))
 
 
 def test_target_apart_skips_those_that_one_is_in():
     """The first target of an episode is farther than epsilon from the end effector."""
     streams = Streams(Ladder(epsilon=0.6), ROBOT, 1, 0)
-    np.testing.assert_array_equal(streams.target_apart(0, np.zeros(3)), [1.0, 0.0, 0.0])
+    np.testing.assert_array_equal(streams.target_apart(0, np.zeros(3), ROBOT.home)[0], [1.0, 0.0, 0.0])
 
 
 def test_targets_that_all_cover_the_start_are_refused():
     """Rather than to search for ever."""
     with pytest.raises(UsageError, match="epsilon=100"):
-        Streams(Ladder(epsilon=100.0), ROBOT, 1, 0).target_apart(0, np.zeros(3))
+        Streams(Ladder(epsilon=100.0), ROBOT, 1, 0).target_apart(0, np.zeros(3), ROBOT.home)
 
 
 def test_envs_do_not_share_a_stream():
@@ -58,7 +58,7 @@ def test_envs_do_not_share_a_stream():
     for _ in range(40):
         one.target(0, TIP)
         one.start(0)
-    np.testing.assert_array_equal(one.target(1, TIP), other.target(1, TIP))
+    np.testing.assert_array_equal(one.target(1, TIP)[0], other.target(1, TIP)[0])
     np.testing.assert_array_equal(one.start(1), other.start(1))
 
 

@@ -26,7 +26,7 @@ def split(returns):
 
 @given(RETURNS)
 def test_parts_make_up_the_whole(returns):
-    """ruler x behaviour = eta, and ruler + behaviour is the difference."""
+    """Their product is eta, and ruler + behaviour is the difference."""
     found = split(returns)
     ratio, total = found.ratio, found.total
     assert ratio.ruler.value * ratio.behaviour.value == pytest.approx(ratio.eta.value)
@@ -46,7 +46,9 @@ def test_nothing_depends_on_which_reward_is_called_the_baseline(returns):
 @given(RETURNS, st.floats(0.1, 10.0))
 def test_another_unit_of_a_reward_is_all_ruler(returns, factor):
     """The proposed reward in other units: the behaviour stays as it was."""
-    scaled = {pair: [value * (factor if pair[0] == "proposed" else 1.0) for value in it] for pair, it in returns.items()}
+    scaled = {
+        pair: [value * (factor if pair[0] == "proposed" else 1.0) for value in it] for pair, it in returns.items()
+    }
     one, other = split(returns).ratio, split(scaled).ratio
     assert other.behaviour.value == pytest.approx(one.behaviour.value)
     assert other.ruler.value == pytest.approx(factor * one.ruler.value)

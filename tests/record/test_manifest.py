@@ -31,6 +31,16 @@ def test_manifest_is_read_as_it_was_written(make_cell: MakeCell, tmp_path: Path)
     assert read_manifest(tmp_path) == manifest
 
 
+def test_manifest_tells_the_error_of_a_goal(make_cell: MakeCell, tmp_path: Path):
+    """Its name and unit; of a task without a goal no word, as before."""
+    for number, told in enumerate(({"error": "pose error", "unit": "m"}, {})):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        manifest = Manifest(make_cell(), status="done", **told).write(folder)
+        assert read_manifest(folder) == manifest
+        assert ("error" in json.loads((folder / MANIFEST).read_text())) is bool(told)
+
+
 def test_manifest_names_its_format_and_cell(make_cell: MakeCell, tmp_path: Path):
     """Another program finds the version of the file and the cell's id in it."""
     Manifest(make_cell(), status="done").write(tmp_path)

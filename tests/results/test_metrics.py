@@ -10,6 +10,7 @@ import pytest
 from harness.errors import PluginError, Unmeasured, UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
+from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.registry import Registry, load_registry
 from harness.report.behaviour_rows import behaviour_grids
@@ -17,7 +18,7 @@ from harness.report.document import report_text
 from harness.report.summary.cells import write_cells
 from harness.results import Results
 from harness.results.measured import measure, value_of
-from harness.results.metrics import Unmeasurable, load_metrics
+from harness.results.metrics import Unmeasurable, load_metrics, measure_of
 from tests.results.folders import ARP, finish, only
 
 HOOKS = """
@@ -167,3 +168,14 @@ def test_measuring_goes_on_behind_a_failure():
     assert measure(metrics, None) == {"a": None, "b": 2.0}  # type: ignore[arg-type]
     with pytest.raises(Unmeasured, match="gone"):
         metrics["a"](None)  # type: ignore[arg-type]
+
+
+def test_error_of_the_task_is_told_by_its_name_and_unit(make_cell: Callable[..., Cell]):
+    """Of metrics that say that they measure it; others, and other tasks, keep their own."""
+    metrics = load_metrics(load_registry(), ["final_distance", "work"])
+    tilt = Manifest(make_cell(), status="done", error="tilt", unit="rad")
+    plain = Manifest(make_cell(), status="done")
+    told = {(name, it.error): measure_of(name, metrics[name], "d", 9, it) for name in metrics for it in (tilt, plain)}
+    assert (told["final_distance", "tilt"].title, told["final_distance", "tilt"].unit) == ("final tilt", "rad")
+    assert (told["final_distance", ""].title, told["final_distance", ""].unit) == ("", "m")
+    assert told["work", "tilt"] == told["work", ""]

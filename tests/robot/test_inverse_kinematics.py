@@ -3,7 +3,9 @@
 import numpy as np
 
 import harness
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot.inverse_kinematics import reach_pose, reach_position
+from harness.robot.kinematics import forward
+from harness.robot.rotations import rotation_between
 
 ROBOT = harness.load_robot("fd100")
 COUNT = 200
@@ -68,3 +70,17 @@ def test_a_far_target_does_not_throw_the_arm():
     assert reached.all()
     assert (qpos >= robot.lower).all()
     assert (qpos <= robot.upper).all()
+
+
+def test_poses_are_found_with_their_orientation():
+    """Where it says so, place and orientation are within the tolerances; of poses about home nearly all are found."""
+    noise = np.random.default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
+    wanted = forward(ROBOT.chain, np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper))
+    start = np.tile(ROBOT.home, (COUNT, 1))
+    qpos, reached = reach_pose(ROBOT, wanted[:, :3, 3], wanted[:, :3, :3], start)
+    found = forward(ROBOT.chain, qpos)
+    way = np.linalg.norm(found[:, :3, 3] - wanted[:, :3, 3], axis=1)
+    turn = np.linalg.norm(rotation_between(found[:, :3, :3], wanted[:, :3, :3]), axis=1)
+    np.testing.assert_array_equal(reached, (way <= 1e-3) & (turn <= 1e-2))
+    assert reached.mean() > 0.9
+    assert ((qpos >= ROBOT.lower) & (qpos <= ROBOT.upper)).all()

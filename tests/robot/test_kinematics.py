@@ -7,7 +7,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
-from harness.robot.kinematics import build_chain, end_effector_position, forward, position_jacobian
+from harness.robot.kinematics import (
+    build_chain,
+    end_effector_position,
+    forward,
+    pose_jacobian,
+    position_jacobian,
+)
+from harness.robot.rotations import rotation_between
 from harness.robot.urdf import parse_urdf, read_chain
 
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -154,3 +161,16 @@ def test_wrong_shape_is_refused(compute, shape: tuple[int, ...]):
     """Positions that are not one per joint are refused, also where they would broadcast."""
     with pytest.raises(UsageError, match=r"qpos has shape \(.*\), allowed is \(\.\.\., 4\)"):
         compute(CHAIN, np.zeros(shape))
+
+
+@given(POSES)
+@settings(max_examples=20)
+def test_lower_half_of_the_jacobian_is_the_turn(qpos: np.ndarray):
+    """Against finite differences, for joints that turn and one that slides; the upper half is that of the position."""
+    jacobian, step = pose_jacobian(CHAIN, qpos), 1e-5
+    np.testing.assert_array_equal(jacobian[:3], position_jacobian(CHAIN, qpos))
+    for joint in range(CHAIN.dof):
+        moved = step * np.eye(CHAIN.dof)[joint]
+        before, after = (forward(CHAIN, qpos + way)[None, :3, :3] for way in (-moved, moved))
+        turn = rotation_between(before, after)[0] / (2.0 * step)
+        np.testing.assert_allclose(jacobian[3:, joint], turn, atol=1e-6)

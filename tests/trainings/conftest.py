@@ -11,7 +11,10 @@ from harness.record.recording.facts import Failure, TrainingFacts
 from harness.record.recording.recorded_training import RecordedTraining
 from harness.record.recording.recording_writer import write_recording
 
-PAYS: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {"plain": lambda arms: arms + 1.0, "thrice": lambda a: 3.0 * a + 6.0}
+PAYS: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
+    "plain": lambda arms: arms + 1.0,
+    "thrice": lambda a: 3.0 * a + 6.0,
+}
 """What pulling an arm, a number from 0 to 1, is paid: `thrice` counts every pull as 3 (arm + 2)."""
 PULLS = 5
 """Of an episode."""

@@ -246,7 +246,7 @@ def test_one_reward_alone_is_refused(tmp_path):
 
 def test_a_folder_without_recordings_is_refused(tmp_path):
     """What makes one is said."""
-    with pytest.raises(UsageError, match="no recorded training: harness.RecordRewards makes one"):
+    with pytest.raises(UsageError, match="no recorded training: harness[.]RecordRewards makes one"):
         load_study(tmp_path)
 
 
@@ -282,7 +282,9 @@ def test_learning_curves_of_every_measure_and_every_reward(study_folder):
     assert list(learning.random) == ["success", "arm", return_name("plain"), return_name("thrice")]
     points = learning.proposed.points["arm"]
     assert [point.steps for point in points] == [10 * (place + 1) for place in range(STRETCHES)]
-    assert points[0].value.mean == pytest.approx(np.mean([np.linspace(0.0, 0.9 + 0.01 * s, 40)[:2].mean() for s in range(6)]))
+    assert points[0].value.mean == pytest.approx(
+        np.mean([np.linspace(0.0, 0.9 + 0.01 * s, 40)[:2].mean() for s in range(6)])
+    )
     assert points[-1].value.low is not None
 
 

@@ -31,7 +31,8 @@ class Source:
 
     Attributes:
         sha256: Of the code in UTF-8; empty where Python cannot tell it.
-        text: The code, its first 100,000 characters: Python code, or what was given in its place: ``info key 'distance'``, ``what the env pays``.
+        text: The code, its first 100,000 characters: Python code, or what was given in its
+            place: ``info key 'distance'``, ``what the env pays``.
     """
 
     sha256: str

@@ -107,6 +107,9 @@ function choose(show, episode) {
     badge.className = side.now.outcome;
     figure.querySelector("canvas").setAttribute("aria-label", `${side.title}: the arm in episode ${shown.numbers[episode]}, which ended: ${side.now.outcome}`);
   });
+  const { error, unit } = state.sides[0];
+  part("error").textContent = error === "distance" ? "Distance to the target" : error[0].toUpperCase() + error.slice(1);
+  part("unit").textContent = unit;
   plot(part("distance"), "distance");
   plot(part("paid"), "paid");
   seek(0);
@@ -350,7 +353,7 @@ function drawSide(figure, side, index) {
   Object.assign(canvas.dataset, { tip: tip.map((value) => value.toFixed(4)).join(" "), step: state.step.toFixed(2) });
   const step = Math.min(Math.round(state.step), side.now.last), at = Math.min(Math.round(frame), side.now.rows.length - 1);
   figure.querySelector("[data-part=now]").textContent = `step ${step} of ${side.now.last}`;
-  figure.querySelector("[data-part=far]").textContent = `${side.now.distance[at].toFixed(3)} m`;
+  figure.querySelector("[data-part=far]").textContent = `${side.error} ${side.now.distance[at].toFixed(3)} ${side.unit}`;
   figure.querySelector("[data-part=sum]").textContent = number(side.now.paid[at]);
 }
 

@@ -70,6 +70,8 @@ def _side(side: Side, scenes: list[dict[str, Any]]) -> dict[str, Any]:
         "scene": scenes.index(scene),
         "seed": side.seed,
         "period": side.period,
+        "error": side.error,
+        "unit": side.unit,
         "episodes": [_episode(episode) for episode in side.episodes],
     }
 

@@ -1,6 +1,5 @@
-"""A study of recorded trainings as one HTML file that opens anywhere, offline: the page of an experiment, with no robot."""
+"""A study of recorded trainings as one HTML file that opens anywhere, offline; its template is an experiment's."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -108,7 +107,9 @@ def _render(study: Study) -> str:
         returns={
             "title": "Every training, paid by every reward",
             "explanation": TABLE,
-            "blocks": [(f"{RETURNS}, {manner}", paid_grid(study, manner)._replace(title="")) for manner in study.tables],
+            "blocks": [
+                (f"{RETURNS}, {manner}", paid_grid(study, manner)._replace(title="")) for manner in study.tables
+            ],
             "is_open": True,
         },
         replay=None,

@@ -39,8 +39,8 @@ from harness.trainings.study import Study
 HEADINGS = ("", "the agent", "return")
 RATIO, DIFFERENCE = ("eta", "ruler", "behaviour"), ("difference", "ruler", "behaviour")
 OVERVIEW = (
-    "return: baseline > proposed, each training paid by its own reward. {whole}; the ruler is what comes from counting the "
-    "same episodes otherwise."
+    "return: baseline > proposed, each training paid by its own reward. {whole}; the ruler is what comes from counting "
+    "the same episodes otherwise."
 )
 RATIO_IS = "eta = ruler x behaviour is the ratio of both"
 DIFFERENCE_IS = "difference = ruler + behaviour, for a ratio takes returns above 0"

@@ -11,6 +11,7 @@ import pytest
 import harness
 from harness.algorithm import learns, why_not
 from harness.env.arm_observation import ArmObservation
+from harness.env.known_arm import kinematics_policy
 from harness.errors import SchemaError
 from harness.experiment.evaluate import EVALUATION_SEED
 from harness.experiment.plan import check_experiment, expand
@@ -30,9 +31,9 @@ def _policy(task: ReachTask, robot: str = "fd100", mode: str = "movej") -> Inver
     return InverseKinematics.of(arm, task.motion(arm).limits, mode, "ik")  # type: ignore[attr-defined]
 
 
-def _success(simulator: str, mode: str, robot: str, episodes: int) -> float:
-    env = harness.make_env(simulator, f"fd100-reach:action={mode}", "dense", robot, num_envs=episodes)
-    policy = _policy(ReachTask(action=mode), robot, mode)
+def _success(simulator: str, mode: str, robot: str, episodes: int, task: str = "fd100-reach") -> float:
+    env = harness.make_env(simulator, f"{task}:action={mode}", "dense", robot, num_envs=episodes)
+    policy = kinematics_policy(env.task, env.robot)
     seen, _ = env.reset(seed=EVALUATION_SEED)
     running, reached = np.ones(episodes, bool), np.zeros(episodes, bool)
     while running.any():
@@ -53,6 +54,28 @@ def test_it_reaches_the_targets_with_dynamics():
     """In MuJoCo as well: the arm follows."""
     pytest.importorskip("mujoco")
     assert _success("mujoco", "movej", "fd100", 100) >= 0.99
+
+
+@pytest.mark.parametrize("task", ["fd100-pose", "fd100-moving", "fd100-small-target", "fd100-low"])
+def test_it_does_the_harder_tasks(task: str):
+    """A pose by inverse kinematics of position and orientation, a moving target by going to where it is now."""
+    assert _success("kinematic", "movej", "fd100", 50, task) >= 0.95
+
+
+def test_policy_of_a_pose_comes_back_from_its_folder(tmp_path: Path):
+    """With what it sees beside the target's place; a card whose observation has no room for it is refused."""
+    task = choose(REGISTRY, "tasks", "fd100-pose").build(REGISTRY, "tasks")
+    policy = kinematics_policy(task, harness.load_robot("fd100", REGISTRY), "ik")
+    policy.save(tmp_path)
+    env = harness.make_env("kinematic", "fd100-pose", "dense", num_envs=4)
+    seen, _ = env.reset(seed=0)
+    np.testing.assert_array_equal(policy.act(seen), load_policy(tmp_path).act(seen))
+    card = json.loads((tmp_path / CARD).read_text())
+    assert (card["observation"]["size"], card["turns"]) == (37, True)
+    card["observation"]["size"] = 28
+    (tmp_path / CARD).write_text(json.dumps(card))
+    with pytest.raises(SchemaError, match="28 numbers"):
+        load_policy(tmp_path)
 
 
 def test_it_reaches_with_another_arm():
@@ -123,6 +146,8 @@ def test_training_yields_the_policy():
         ("fd100-reach", ""),
         ("fd100-reach:action=movej-absolute", ""),
         ("fd100-reach:action=movel", "ik knows the action modes movej, movej-absolute, set-joints"),
+        ("fd100-pose", ""),
+        ("fd100-moving", ""),
         ("unity-reach", "ik reads joint angles and target from the observation of fd100-reach"),
     ],
 )

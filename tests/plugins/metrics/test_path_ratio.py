@@ -1,8 +1,12 @@
 """How direct the way to the target is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from harness.errors import Unmeasured
+from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import Trace
 from harness.testing.traces import recorded_trace
 from harness_plugins.metrics.path_ratio import PathRatio
@@ -95,3 +99,10 @@ def test_none_where_no_episode_reaches_it(ends: tuple[str, ...]):
 def test_it_has_no_unit_and_is_better_when_lower():
     """What the report says beside the value."""
     assert (PathRatio().unit, PathRatio().better) == ("", "lower")
+
+
+def test_target_that_moves_has_no_straight_line():
+    """It says so."""
+    trace = recorded_trace(0, ("reached",))
+    with pytest.raises(Unmeasured, match="the target moves"):
+        PathRatio()(replace(trace, facts=EpisodeFacts(target_moves=True)))

@@ -1,8 +1,12 @@
 """Success weighted by path length."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from harness.errors import Unmeasured
+from harness.record.episode_facts import EpisodeFacts
 from harness.testing.traces import recorded_trace
 from harness_plugins.metrics.path_ratio import PathRatio
 from harness_plugins.metrics.spl import Spl
@@ -55,3 +59,10 @@ def test_none_without_a_finished_episode(ends: tuple[str, ...]):
 def test_it_has_no_unit_and_is_better_when_higher():
     """What the report says beside the value."""
     assert (Spl().unit, Spl().better) == ("", "higher")
+
+
+def test_target_that_moves_has_no_straight_line():
+    """It says so."""
+    trace = recorded_trace(0, ("reached",))
+    with pytest.raises(Unmeasured, match="the target moves"):
+        Spl()(replace(trace, facts=EpisodeFacts(target_moves=True)))

@@ -48,7 +48,12 @@ def test_no_word_is_of_a_robot(of_two, of_four):
 def test_returns_come_before_behaviour(of_two):
     """Then how they split, then the curves."""
     _, words = of_two
-    headings = ("Mean return of an episode", "Behaviour in its last fifth", "The number, taken apart", "Accumulated reward")
+    headings = (
+        "Mean return of an episode",
+        "Behaviour in its last fifth",
+        "The number, taken apart",
+        "Accumulated reward",
+    )
     places = [words.index(heading) for heading in headings]
     assert places == sorted(places)
 

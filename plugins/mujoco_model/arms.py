@@ -1,0 +1,137 @@
+"""Arms of a model that move: one in MuJoCo's own data, or many by `mujoco.rollout`."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Mask
+from harness.simulator import State
+
+from .engine import mujoco
+
+FULL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
+"""Time, positions, speeds, and what integrating actuators hold."""
+
+
+class OneArm:
+    """One arm of a model by `build_model`, whose actuators are fed the same in all physics steps of a drive."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model, self._data = model, mujoco.MjData(model)
+        data, seen = self._data, self._data.sensordata  # a view, as all of MjData's arrays
+        self.held: Float = data.act[None]
+        """What integrating actuators hold, (1, na)."""
+        self.controls: Float = data.ctrl[None, None]
+        """What the actuators are fed, (1, 1, nu)."""
+        self._touch = seen[:1]
+        self._state = State(data.qpos[None], data.qvel[None], seen[None, 1:], np.zeros(1, bool))
+
+    def reset(self, qpos: Float, mask: Mask) -> None:
+        """Put the arm at rest at `qpos`, (1, dof), if `mask`, (1,), says so."""
+        if mask[0]:
+            rest_at(self._model, self._data, qpos[0])
+
+    def advance(self, controls: Float, steps: int) -> None:
+        """So many physics steps, shifted by half a step: links and contacts are those of the end, not of one before."""
+        model, data = self._model, self._data
+        self.controls[...] = controls
+        mujoco.mj_step2(model, data)
+        if steps > 1:
+            mujoco.mj_step(model, data, steps - 1)
+        mujoco.mj_step1(model, data)
+
+    def rest(self, mask: Mask) -> None:
+        """Nothing is saved by it."""
+
+    def read(self) -> State:
+        """The state as it stands."""
+        np.greater(self._touch, 0.0, out=self._state.ground_contact)
+        return self._state
+
+    def close(self) -> None:
+        """There is nothing to release."""
+
+
+class Batch:
+    """Many arms of a model by `build_model`, or one whose actuators are fed otherwise in each physics step."""
+
+    def __init__(self, model: mujoco.MjModel, num_envs: int, threads: int) -> None:
+        from mujoco import rollout  # by now as `harness_plugins.mujoco_model` imported it
+
+        n, dof = num_envs, model.nv
+        self._model, self._data, self._num_envs = model, mujoco.MjData(model), n
+        self._rollout: Any = rollout.Rollout(nthread=min(threads, n))
+        self._thread_data = [mujoco.MjData(model) for _ in range(min(threads, n))]
+        self._states, self._touch = np.zeros((n, mujoco.mj_stateSize(model, FULL))), np.zeros(n)
+        self.held: Float = self._states[:, 1 + 2 * dof :]
+        """What integrating actuators hold, (num_envs, na)."""
+        self.controls: Float = np.zeros((n, 1, model.nu))
+        """What the actuators are fed, (num_envs, 1, nu)."""
+        qpos, qvel = self._states[:, 1 : 1 + dof], self._states[:, 1 + dof : 1 + 2 * dof]
+        self._state = State(qpos, qvel, np.zeros((n, 3)), np.zeros(n, bool))
+        self._outputs: dict[int, dict[str, Float]] = {}  # by the number of physics steps
+        self._awake: NDArray[np.intp] = np.arange(n)
+
+    def reset(self, qpos: Float, mask: Mask) -> None:
+        """Put the arms of `mask`, (num_envs,), at rest at `qpos`, (num_envs, dof), and wake them."""
+        self._awake = np.union1d(self._awake, np.flatnonzero(mask))
+        data = self._data
+        for k in np.flatnonzero(mask):
+            rest_at(self._model, data, qpos[k])
+            mujoco.mj_getState(self._model, data, self._states[k], FULL)
+            self._touch[k], self._state.end_effector[k] = data.sensordata[0], data.sensordata[1:]
+
+    def advance(self, controls: Float, steps: int) -> None:
+        """So many physics steps with `controls`, (num_envs, steps or 1, nu)."""
+        if controls.shape[1] > 1:
+            controls = np.concatenate([controls, controls[:, -1:]], axis=1)
+        # One step more, which is forgotten: links and contacts of a state are seen by the step that starts from it.
+        found, awake = self._roll_out(controls, steps + 1), self._awake
+        self._states[awake], seen = found["state"][:, -2], found["sensordata"][:, -1]
+        self._touch[awake], self._state.end_effector[awake] = seen[:, 0], seen[:, 1:]
+
+    def _roll_out(self, controls: Float, steps: int) -> dict[str, Float]:
+        """What so many physics steps of the arms that are awake bring; valid until the next call."""
+        awake = self._awake
+        if not awake.size:
+            return {name: array[:0] for name, array in self._outputs_of(steps).items()}
+        outputs = {name: array[: len(awake)] for name, array in self._outputs_of(steps).items()}
+        states = self._states
+        if len(awake) < self._num_envs:
+            states, controls = states[awake], controls[awake]
+        self._rollout.rollout(self._model, self._thread_data, states, controls, nstep=steps, **outputs)
+        return outputs
+
+    def _outputs_of(self, steps: int) -> dict[str, Float]:
+        """Where `mujoco.rollout` writes so many physics steps; allocated once."""
+        if steps not in self._outputs:
+            self._outputs[steps] = {
+                "state": np.zeros((self._num_envs, steps, self._states.shape[1])),
+                "sensordata": np.zeros((self._num_envs, steps, self._model.nsensordata)),
+            }
+        return self._outputs[steps]
+
+    def rest(self, mask: Mask) -> None:
+        """Leave the arms of `mask`, (num_envs,), as they are until they are reset."""
+        self._awake = np.flatnonzero(~mask)
+
+    def read(self) -> State:
+        """The state as it stands."""
+        np.greater(self._touch, 0.0, out=self._state.ground_contact)
+        return self._state
+
+    def close(self) -> None:
+        """Release the threads; a second call does nothing."""
+        if self._rollout is not None:
+            self._rollout.close()
+            self._rollout = None
+
+
+def rest_at(model: mujoco.MjModel, data: mujoco.MjData, qpos: Float) -> None:
+    """Put an arm at rest at `qpos`, (dof,); integrating actuators hold it there."""
+    mujoco.mj_resetData(model, data)
+    data.qpos = qpos
+    if model.na:
+        data.act = qpos
+    mujoco.mj_forward(model, data)

@@ -1,0 +1,102 @@
+"""A target that moves."""
+
+from dataclasses import dataclass as plain_dataclass
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.arrays import Float
+from harness.reach import ReachTask
+from harness.robot import Robot
+from harness.task import Goal, Situation
+
+
+@dataclass(frozen=True)
+class Moving(ReachTask):
+    """Follow a target that moves: it is reached when the end effector was within epsilon for `steps_within` steps.
+
+    The target moves at constant speed on a straight line between two places of the box of `fd100-reach`, there and back
+    again. Both are drawn as its targets are.
+    """
+
+    target_speed: Annotated[float, Field(ge=0, description="of the target [m/s]")] = 0.25
+    steps_within: Annotated[
+        int, Field(gt=0, description="for so many steps in a row the end effector has to be within epsilon")
+    ] = 10
+
+    def goal(self, robot: Robot) -> "MovingGoal":
+        """See `harness.task.Task`."""
+        return MovingGoal(self, robot, self.target_speed, self.control_period, self.steps_within)
+
+    def target_in_words(self, robot: Robot) -> str:
+        """See `harness.task.Task`."""
+        speed = f"{self.target_speed:g} m/s"
+        return f"{super().target_in_words(robot)}; it moves at {speed} to another place there, and back again"
+
+
+@plain_dataclass(frozen=True)
+class MovingGoal(Goal):
+    """The end effector near a point that moves back and forth between two places.
+
+    Attributes:
+        task: Draws the other place.
+        robot: The arm.
+        speed: Of the target, [m/s].
+        period: Of an environment step, [s].
+        steps_within: See `harness.task.Goal`.
+    """
+
+    task: ReachTask
+    robot: Robot
+    speed: float
+    period: float
+    steps_within: int
+
+    error = "distance"
+    numbers = 3
+    moves = True
+    aim = "position"
+    observed = (
+        "the target's velocity (3, m/s), and the steps in a row within epsilon, as a share of those that are needed"
+    )
+
+    def draw(self, rng: np.random.Generator, position: Float) -> Float:
+        """From each place to the other end of its target's way, (count, 3), [m]."""
+        ends = self.task.draw_targets(self.robot, rng, len(position)).position
+        return np.asarray(ends - position)
+
+    def displacement(self, numbers: Float, step: Float) -> Float:
+        """See `harness.task.Goal`."""
+        length = np.linalg.norm(numbers, axis=1)
+        gone = self.speed * self.period * step
+        along = length - np.abs(np.mod(gone, 2.0 * np.maximum(length, SHORTEST)) - length)
+        return along[:, None] * _unit(numbers, length)
+
+    def errors(self, now: Situation) -> Float:
+        """The distance from the end effector to where the target is now, (n,), [m]."""
+        return np.asarray(np.linalg.norm(now.target - now.end_effector, axis=1))
+
+    def bounds(self) -> tuple[Float, Float]:
+        """Velocities up to the speed; a share."""
+        speed = max(self.speed, SHORTEST)
+        return np.array([-speed] * 3 + [0.0]), np.array([speed] * 3 + [1.0])
+
+    def observe(self, now: Situation) -> Float:
+        """See `observed`; the velocity is that of the next step."""
+        length = np.linalg.norm(now.numbers, axis=1)
+        gone = self.speed * self.period * now.step
+        returns = np.mod(gone, 2.0 * np.maximum(length, SHORTEST)) >= length
+        velocity = np.where(returns, -self.speed, self.speed)[:, None] * _unit(now.numbers, length)
+        return np.concatenate([velocity, now.within[:, None] / self.steps_within], axis=1)
+
+
+SHORTEST = 1e-9
+"""[m]; two places that are nearer to each other are one."""
+
+
+def _unit(ways: Float, length: Float) -> Float:
+    """Each way, (n, 3), with length 1; one of no length stays zero."""
+    unit: Float = ways / np.where(length > 0.0, length, 1.0)[:, None]
+    return unit

@@ -1,0 +1,90 @@
+"""A target with an orientation."""
+
+import math
+from dataclasses import dataclass as plain_dataclass
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.arrays import Float
+from harness.reach import Positive, ReachTask
+from harness.robot import Robot
+from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import forward
+from harness.robot.rotations import axes_of_rotation, rotation_between, rotation_of_axes
+from harness.task import Goal, Situation
+
+
+@dataclass(frozen=True)
+class Pose(ReachTask):
+    """Bring the end effector to a target and into its orientation: within `epsilon` and within `angle`.
+
+    The error is the larger of the distance d and L times the angle that is left, with L = epsilon / angle, in metres:
+    it is at most epsilon where both hold. A target's orientation is one that the arm can take there: that of a pose which
+    inverse kinematics find from the home pose, each joint of it turned by up to `turn`.
+    """
+
+    epsilon: Annotated[Positive, Field(description="the target is reached within this pose error [m]")] = 0.02
+    angle: Annotated[
+        float, Field(gt=0, le=math.pi, description="an angle that counts as much as a distance of epsilon [rad]")
+    ] = math.radians(10)
+    turn: Annotated[
+        float, Field(ge=0, description="joints of the pose that the orientation is found from, +- [rad]")
+    ] = math.radians(30)
+
+    def goal(self, robot: Robot) -> "PoseGoal":
+        """See `harness.task.Task`."""
+        return PoseGoal(robot, self.epsilon / self.angle, self.turn)
+
+    def target_in_words(self, robot: Robot) -> str:
+        """See `harness.task.Task`."""
+        return f"{super().target_in_words(robot)}, in an orientation that it can take there"
+
+
+@plain_dataclass(frozen=True)
+class PoseGoal(Goal):
+    """The end effector at the target, in its orientation.
+
+    Attributes:
+        robot: The arm.
+        lever: What an angle of 1 rad counts, [m/rad].
+        turn: See `Pose`.
+    """
+
+    robot: Robot
+    lever: float
+    turn: float
+
+    error = "pose error"
+    numbers = 6
+    aim = "pose"
+    observed = "the target's x and y axis (6, world frame), and the turn that is left (3, rotation vector over pi)"
+
+    def draw(self, rng: np.random.Generator, position: Float) -> Float:
+        """The x and y axis of each target's orientation, (count, 6)."""
+        home, shape = self.robot.home, (len(position), self.robot.dof)
+        start = np.clip(home + rng.uniform(-self.turn, self.turn, shape), self.robot.lower, self.robot.upper)
+        turned, reached = reach_position(self.robot, position, start)
+        usual, _ = reach_position(self.robot, position, np.broadcast_to(home, shape))
+        pose = forward(self.robot.chain, np.where(reached[:, None], turned, usual))
+        return axes_of_rotation(pose[:, :3, :3])
+
+    def errors(self, now: Situation) -> Float:
+        """The larger of distance and lever times angle, (n,), [m]."""
+        distance = np.linalg.norm(now.target - now.end_effector, axis=1)
+        angle = np.linalg.norm(self._turn_left(now), axis=1)
+        return np.asarray(np.maximum(distance, self.lever * angle))
+
+    def bounds(self) -> tuple[Float, Float]:
+        """All in [-1, 1]."""
+        return -np.ones(9), np.ones(9)
+
+    def observe(self, now: Situation) -> Float:
+        """See `observed`."""
+        return np.concatenate([now.numbers, self._turn_left(now) / math.pi], axis=1)
+
+    def _turn_left(self, now: Situation) -> Float:
+        pose = forward(self.robot.chain, now.qpos)
+        return rotation_between(pose[:, :3, :3], rotation_of_axes(now.numbers))

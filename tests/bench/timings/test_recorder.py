@@ -1,0 +1,92 @@
+"""What recording two rewards costs: of a step that is free, and of a training by stable-baselines3."""
+
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import harness
+from harness.record.recording.recorded_training import read_recording
+
+MICROSECONDS = 10.0
+
+
+class Free(gymnasium.Env[Any, Any]):
+    """An env that does nothing, as fast as that can be."""
+
+    observation_space = gymnasium.spaces.Box(-1, 1, (8,))
+    action_space = gymnasium.spaces.Box(-1, 1, (2,))
+    metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium declares it so)
+
+    def __init__(self) -> None:
+        self.answer = np.zeros(8, np.float32), 0.0, False, False, {"distance": 0.5}
+
+    def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
+        """Nothing."""
+        return self.answer[0], {}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Nothing."""
+        return self.answer
+
+
+def nothing(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+    """A reward that costs nothing."""
+    return 0.0
+
+
+def _record(env: Any, path: Path) -> Any:
+    rewards = {"v1": nothing, "v2": nothing}
+    return harness.RecordRewards(env, path, trained_with="own", rewards=rewards)
+
+
+@pytest.mark.bench
+def test_two_rewards_take_ten_microseconds_a_step(
+    tmp_path: Path, is_timed: bool, amount: Callable[[int, int], int], seconds: Callable[[Callable[[], object]], float]
+):
+    """At most, and the env's payment is recorded as a third; 2.3 us were measured."""
+    bare, recorded = Free(), _record(Free(), tmp_path)
+    action, count = np.zeros(2, np.float32), amount(500, 100)
+    recorded.reset()
+
+    def act(env: Any) -> None:
+        step = env.step
+        for _ in range(count):
+            step(action)
+
+    rounds = amount(400, 1)  # short ones: most of them meet no other process
+    differences = [seconds(lambda: act(recorded)) - seconds(lambda: act(bare)) for _ in range(rounds)]
+    recorded.close()
+    assert len(read_recording(tmp_path)) == count * rounds
+    spent = statistics.median(differences) / count * 1e6
+    print(f"\n  recording two rewards and the env's payment: {spent:.1f} us a step")  # noqa: T201
+    if is_timed:
+        assert spent <= MICROSECONDS
+
+
+@pytest.mark.bench
+def test_recorded_training_is_as_fast_as_a_bare_one(
+    tmp_path: Path, require_speed: Callable[..., None], amount: Callable[[int, int], int]
+):
+    """PPO of stable-baselines3 on Pendulum, 0.97 of its speed at least."""
+    ppo = pytest.importorskip("stable_baselines3").PPO
+    steps = amount(2_048, 64)
+
+    def train(env: Any) -> None:
+        ppo("MlpPolicy", env, n_steps=steps, seed=0).learn(steps)
+        env.close()
+
+    require_speed(
+        lambda: train(gymnasium.make("Pendulum-v1")),
+        lambda: train(_record(gymnasium.make("Pendulum-v1"), tmp_path / str(time.monotonic_ns()))),
+        at_least=0.97,
+        rounds=15,
+    )
+    recordings = [read_recording(folder) for folder in tmp_path.iterdir()]
+    assert recordings
+    assert all(len(recording) == steps for recording in recordings)

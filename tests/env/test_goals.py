@@ -1,0 +1,161 @@
+"""A task that asks for more than a point that stays, in the env and in its record."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic.dataclasses import dataclass
+
+import harness
+from harness.arrays import Float
+from harness.env.make import make_env
+from harness.errors import UsageError
+from harness.reach import ReachTask
+from harness.record.trace import TraceWriter, read_trace
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness.robot import Robot
+from harness.score.scorer import score_trace
+from harness.task import Goal, Situation, goal_of
+from harness_plugins.tasks.moving import Moving
+from harness_plugins.tasks.pose import Pose
+
+Call = Callable[..., Any]
+REGISTRY = load_registry()
+ROBOT = harness.load_robot("fd100")
+
+
+class Distance(Goal):
+    """Asks for what `fd100-reach` asks for."""
+
+    error = "distance"
+
+    def errors(self, now: Situation) -> Float:
+        """From end effector to target, as the env measures it without a goal, [m]."""
+        offset = now.target - now.end_effector
+        return np.asarray(np.sqrt(np.vecdot(offset, offset)))
+
+
+@dataclass(frozen=True)
+class SameReach(ReachTask):
+    """`fd100-reach`, told as a goal."""
+
+    def goal(self, robot: Robot) -> Distance:
+        """See `harness.task.Task`."""
+        return Distance()
+
+
+@dataclass(frozen=True)
+class NextPoses(Pose):
+    """The episode goes on with the next pose."""
+
+    ends_at_target = False
+
+
+def rows_of(make: Call, wander: Call, path: Path, task: ReachTask, steps: int = 60) -> bytes:
+    """The trace file of some episodes at random."""
+    with TraceWriter(path, dof=6, action_size=6) as recorder:
+        env = make(3, task, recorder=recorder)
+        env.reset(seed=0)
+        wander(env, steps)
+    return path.read_bytes()
+
+
+def test_distance_as_a_goal_leaves_the_same_trace(make: Call, wander: Call, tmp_path: Path):
+    """Bit for bit: a task without a goal is a task whose error is the distance."""
+    files = [
+        rows_of(make, wander, tmp_path / f"{task.__name__}.parquet", task(horizon=15, epsilon=0.2))
+        for task in (ReachTask, SameReach)
+    ]
+    assert files[0] == files[1]
+    assert read_trace(tmp_path / "ReachTask.parquet")["reached"].any()
+
+
+def test_task_without_a_goal_measures_the_length_of_the_offset(make: Call, wander: Call):
+    """To the last bit."""
+    env = make(3)
+    env.reset(seed=0)
+    for _ in wander(env, 10):
+        offset = env.episodes.offset
+        np.testing.assert_array_equal(env.episodes.distance, np.sqrt(np.vecdot(offset, offset)))
+    assert goal_of(env.task, env.robot) is None
+
+
+def test_target_is_recorded_where_it_is(make: Call, wander: Call, tmp_path: Path):
+    """In each row; and the distance is that to it."""
+    rows_of(make, wander, tmp_path / "trace.parquet", Moving(horizon=12, target_speed=0.2))
+    trace = read_trace(tmp_path / "trace.parquet")
+    target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
+    np.testing.assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1), rtol=1e-12)
+    for rows in trace.episodes:
+        ways = np.linalg.norm(np.diff(target[rows], axis=0), axis=1)
+        assert (ways <= 0.02 + 1e-9).all()
+        assert np.median(ways) == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("task", [Moving(horizon=12), Pose(horizon=12), NextPoses(horizon=30, epsilon=0.3, angle=3.0)])
+@pytest.mark.parametrize("reward", REGISTRY.names("rewards"))
+def test_every_reward_pays_the_record_again(make: Call, wander: Call, tmp_path: Path, task: ReachTask, reward: str):
+    """Exactly as it was paid, whatever the error is."""
+    built = choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards")
+    path = tmp_path / "trace.parquet"
+    with TraceWriter(path, dof=6, action_size=6) as recorder:
+        env = make(2, task, recorder=recorder, reward=built)
+        env.reset(seed=0)
+        wander(env, 40)
+    trace = read_trace(path)
+    np.testing.assert_array_equal(score_trace(built, trace), trace["reward"])
+
+
+@pytest.mark.parametrize("task", [Moving(horizon=12), Pose(horizon=12)])
+def test_episodes_are_those_of_the_seed(make: Call, wander: Call, task: ReachTask):
+    """Env k meets the same goals whatever the number of envs and the actions."""
+    one, other = make(1, task), make(3, task)
+    for env in (one, other):
+        env.reset(seed=4)
+    wander(one, 25, seed=1)
+    wander(other, 25, seed=2)
+    np.testing.assert_array_equal(one.episodes.numbers[0], other.episodes.numbers[0])
+    assert one.episodes.numbers.any()
+
+
+@pytest.mark.parametrize("task", ["fd100-moving:horizon=12", "fd100-pose:horizon=12"])
+def test_restored_env_goes_on_as_the_other(make: Call, wander: Call, task: str):
+    """In the middle of an episode: where the target is on its way, and what comes after."""
+    built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
+    env, again = (make(2, built, resumable=True) for _ in range(2))
+    env.reset(seed=4)
+    wander(env, 5)
+    again.restore(env.state())
+    for ours, theirs in zip(wander(env, 20, seed=9), wander(again, 20, seed=9), strict=True):
+        np.testing.assert_array_equal(ours[0], theirs[0])
+        np.testing.assert_array_equal(ours[1], theirs[1])
+
+
+def test_learner_sees_the_error_and_the_goal(make: Call):
+    """After the numbers of `fd100-reach`, with the error in place of the distance."""
+    env = make(2, Pose())
+    seen, infos = env.reset(seed=0)
+    assert seen.shape == (2, 28 + 9)
+    np.testing.assert_allclose(seen[:, 27], infos["distance"], rtol=1e-6)
+    np.testing.assert_allclose(seen[:, 28:], env.episodes.goal.observe(env.episodes.situation), atol=1e-6)
+
+
+def test_epsilon_that_covers_all_errors_is_refused():
+    """By `check`, before anything is planned."""
+    with pytest.raises(UsageError, match="epsilon=9"):
+        SameReach(epsilon=9.0).check(ROBOT)
+
+
+@pytest.mark.parametrize("task", ["fd100-pose", "fd100-moving", "fd100-small-target", "fd100-low"])
+@pytest.mark.parametrize("robot", ["fd100", "unity-arm"])
+def test_tasks_take_another_robot(task: str, robot: str):
+    """Scaled by its reach."""
+    env = make_env("kinematic", task, "dense", robot, num_envs=2)
+    env.reset(seed=0)
+    _, rewards, _, _, infos = env.step(env.action_space.sample() * 0.0)
+    env.close()
+    assert np.isfinite(rewards).all()
+    assert (infos["distance"] > 0.0).all()

@@ -1,0 +1,213 @@
+"""MuJoCo's drives with limits, links that collide with one another, and ideal drives as they were."""
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import harness
+from harness.authoring import ServoTrack
+from harness.errors import UsageError
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness.robot import Robot
+from harness.robot.robot import read_robot
+from harness.simulator import State
+from harness.testing import SIMULATOR_CHECKS, violations
+from harness_plugins.mujoco_model import build_model
+from harness_plugins.simulators.dm_control import DmControl
+from harness_plugins.simulators.mujoco import Mujoco
+
+REGISTRY = load_registry()
+ROBOT = harness.load_robot("fd100")
+PERIOD, STEP = 0.1, 0.005
+BEFORE = json.loads((Path(__file__).parent / "ideal_drives.json").read_text())
+"""States that were recorded before there were other drives."""
+EXACT = ("sim-tracking", "sim-velocity", "sim-partial-durations", "sim-small-moves")
+"""Checks of ideal drives."""
+
+
+def _swing(num_envs: int, period: int) -> np.ndarray:
+    """Joint targets of a quick motion, (num_envs, dof)."""
+    return ROBOT.home + 0.4 * np.sin(0.15 * (period + 1) + np.arange(num_envs)[:, None] + np.arange(6))
+
+
+def _swung(simulator: Any, num_envs: int, periods: int, robot: Robot = ROBOT) -> list[State]:
+    """States of that motion from home."""
+    simulation = simulator.open(robot, num_envs, PERIOD)
+    simulation.reset(np.tile(ROBOT.home, (num_envs, 1)), np.ones(num_envs, bool))
+    states = []
+    for period in range(periods):
+        state = simulation.drive(_swing(num_envs, period), PERIOD)
+        states.append(State._make(np.array(array) for array in state))
+    simulation.close()
+    return states
+
+
+@pytest.mark.parametrize("run", BEFORE)
+def test_ideal_drives_move_as_before(run: str):
+    """Thirty periods end where they ended before there was a field `drive`; another machine may differ a little."""
+    name, num_envs = run.split()
+    last = _swung(REGISTRY.get("simulators", name).load()(), int(num_envs), 30)[-1]
+    for field, numbers in BEFORE[run].items():
+        np.testing.assert_allclose(getattr(last, field), numbers, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["mujoco", "dm_control"])
+def test_ideal_drives_leave_cells_as_they_were(name: str):
+    """The new fields show in a choice only where they are not at their defaults."""
+    plain = choose(REGISTRY, "simulators", name)
+    assert choose(REGISTRY, "simulators", f"{name}:drive=ideal,self_collision=false") == plain
+    assert not {"drive", "self_collision"} & set(dict(plain.params))
+    servo = choose(REGISTRY, "simulators", f"{name}:drive=servo")
+    assert (dict(servo.params)["drive"], servo.label) == ("servo", f"{name}:drive=servo")
+
+
+@pytest.mark.parametrize("weak", [1.0, 0.5])
+def test_torques_are_those_of_the_law(weak: float):
+    """MuJoCo's actuators move an arm as `Servo.torque` does that is computed here, physics step by physics step."""
+    robot = _with(max_torque=weak * ROBOT.servo.max_torque)
+    states = _swung(Mujoco(drive="servo"), 1, 10, robot)
+    model = build_model(robot, STEP, 100.0, robot.servo)
+    model.actuator_gainprm[:] = model.actuator_biasprm[:] = model.body_gravcomp[:] = 0.0
+    data, other, track = mujoco.MjData(model), mujoco.MjData(model), ServoTrack(robot.servo, 1, STEP)
+    data.qpos = robot.home
+    track.reset(robot.home[None], np.ones(1, bool))
+    saturated = 0
+    for period, state in enumerate(states):
+        for qpos_ref, qvel_ref in zip(*track.advance(_swing(1, period), PERIOD, 20), strict=True):
+            other.qpos = data.qpos
+            mujoco.mj_forward(model, other)  # at rest: the bias is the weight
+            torque = robot.servo.torque(data.qpos, data.qvel, qpos_ref[0], qvel_ref[0], other.qfrc_bias)
+            saturated += int((np.abs(torque) == robot.servo.max_torque).any())
+            data.qfrc_applied = torque
+            mujoco.mj_step(model, data)
+        np.testing.assert_allclose(state.qpos[0], data.qpos, rtol=0.0, atol=1e-9)
+    assert saturated > 10
+
+
+def test_dm_control_moves_as_mujoco():
+    """With drives that have limits, in every number."""
+    ours, theirs = (_swung(kind(drive="servo"), 2, 15) for kind in (DmControl, Mujoco))
+    for one, other in zip(ours, theirs, strict=True):
+        for array, another in zip(one, other, strict=True):
+            np.testing.assert_allclose(array, another, rtol=0.0, atol=1e-9)
+
+
+def test_checks_of_exact_tracking_are_left_out():
+    """Drives with limits lag behind their targets, and break no contract by that."""
+    checks = [check for check in SIMULATOR_CHECKS if check.name in EXACT]
+    assert len(checks) == len(EXACT)
+    assert list(violations(checks, Mujoco(drive="servo"), ROBOT)) == []
+
+
+def test_drives_lag_behind_in_quick_motion_and_hold_still():
+    """A degree or two on the way; next to nothing at rest: what dry friction keeps the stiffness from."""
+    simulation = Mujoco(drive="servo").open(ROBOT, 1, PERIOD)
+    errors = [np.abs(simulation.drive(_swing(1, k), PERIOD).qpos - _swing(1, k)).max() for k in range(20)]
+    assert np.radians(0.5) < max(errors[5:]) < np.radians(5.0)
+    for _ in range(10):
+        state = simulation.drive(_swing(1, 19), PERIOD)
+    left = np.abs(state.qpos - _swing(1, 19))[0]
+    assert (left <= 1.05 * ROBOT.servo.dry_friction / ROBOT.servo.stiffness + 1e-4).all()
+
+
+def test_weight_pulls_down_what_does_not_compensate_it():
+    """The upper arm sags by its weight over its stiffness; with compensation it does not."""
+    simulations = [Mujoco(drive="servo").open(_with(gravity_compensated=told), 1, PERIOD) for told in (True, False)]
+    for _ in range(10):
+        held, sagged = (simulation.drive(ROBOT.home[None], PERIOD).qpos[0, 1] for simulation in simulations)
+    assert held - ROBOT.home[1] == pytest.approx(0.0, abs=1e-6)
+    assert 1e-3 < sagged - ROBOT.home[1] < 2e-2
+
+
+def test_a_drive_of_parts_of_a_period_follows_the_same_references():
+    """Twice half a period is one period, bit for bit."""
+    whole, halves = (Mujoco(drive="servo").open(ROBOT, 2, PERIOD) for _ in range(2))
+    start, target = np.tile(ROBOT.home, (2, 1)), _swing(2, 3)
+    for _ in range(3):
+        whole.drive(target, PERIOD)
+        halves.drive(start + (target - start) / 2, PERIOD / 2)
+        halves.drive(target, PERIOD / 2)
+        start = target
+    np.testing.assert_allclose(whole.read().qpos, halves.read().qpos, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("simulator", [Mujoco(drive="servo"), DmControl(drive="servo")])
+def test_robot_without_drives_is_refused(simulator: Any):
+    """One line says what is missing and what to do."""
+    bare = dataclasses.replace(ROBOT, servo=None)
+    with pytest.raises(UsageError, match=r"'fd100' has no drives to simulate: its robot.toml has no table \[servo\]"):
+        simulator.open(bare, 1, PERIOD)
+
+
+
+
+@pytest.fixture(scope="module")
+def folding(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """Three bars that turn about upright axes, 2 m above the ground: folded, the last one meets the first."""
+    folder = tmp_path_factory.mktemp("folding")
+    bar = """<link name="bar{0}"><inertial><origin xyz="0.2 0 0"/><mass value="2"/>
+        <inertia ixx="0.001" iyy="0.03" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial>
+        <collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.05 0.05"/></geometry></collision></link>
+        <joint name="joint{0}" type="revolute"><parent link="{1}"/><child link="bar{0}"/><origin xyz="{2}"/>
+        <axis xyz="0 0 1"/><limit lower="-2.6" upper="2.6" velocity="3" effort="1"/></joint>"""
+    bars = [bar.format(1, "base", "0 0 2"), bar.format(2, "bar1", "0.4 0 0"), bar.format(3, "bar2", "0.4 0 0")]
+    (folder / "arm.urdf").write_text(f'<robot name="arm"><link name="base"/>{"".join(bars)}</robot>')
+    (folder / "robot.toml").write_text(
+        "home_deg = [0, 20, 20]\n[servo]\nmax_torque_nm = [30, 30, 30]\narmature_kg_m2 = [0.5, 0.5, 0.5]\n"
+        "stiffness_nm_per_rad = [1000, 500, 500]\ndamping_nms_per_rad = [60, 30, 30]\n"
+    )
+    return read_robot(folder / "arm.urdf")
+
+
+FOLDED = np.radians([0.0, 125.0, 125.0])
+"""The third bar in the first one."""
+
+
+@pytest.mark.parametrize("kind", [Mujoco, DmControl])
+@pytest.mark.parametrize("drive", ["ideal", "servo"])
+def test_links_that_collide_hold_one_another_up(kind: Any, drive: str, folding: Robot):
+    """On the way into themselves links stop at one another, and pass through one another where they do not."""
+    ends = {}
+    for collides in (False, True):
+        simulation = kind(drive=drive, self_collision=collides).open(folding, 1, PERIOD)
+        for share in np.minimum(np.linspace(0.0, 1.2, 24)[1:], 1.0):
+            state = simulation.drive((folding.home + share * (FOLDED - folding.home))[None], PERIOD)
+        ends[collides] = float(np.degrees(np.abs(state.qpos[0] - FOLDED).max()))
+    assert ends[False] < 0.1
+    assert ends[True] > 1.0
+
+
+def test_a_link_on_another_is_not_on_the_ground(folding: Robot):
+    """Links that are in one another above the ground touch no ground."""
+    simulation = Mujoco(self_collision=True).open(folding, 1, PERIOD)
+    assert not simulation.place(FOLDED[None]).ground_contact[0]
+
+
+def test_neighbours_and_what_touches_at_home_do_not_collide():
+    """At home nothing touches anything, in either of the project's arms."""
+    for name in ("fd100", "unity-arm"):
+        robot = harness.load_robot(name)
+        model = build_model(robot, STEP, 100.0, self_collision=True)
+        data = mujoco.MjData(model)
+        data.qpos = robot.home
+        mujoco.mj_forward(model, data)
+        assert data.ncon == 0
+
+
+def test_links_that_collide_still_feel_the_ground():
+    """Ground contact is told in the same poses."""
+    poses = np.random.default_rng(1).uniform(ROBOT.lower, ROBOT.upper, (200, ROBOT.dof))
+    placed = [Mujoco(self_collision=told).open(ROBOT, 200, PERIOD).place(poses) for told in (False, True)]
+    without, collides = (state.ground_contact.copy() for state in placed)
+    assert 20 < without.sum() < 180
+    np.testing.assert_array_equal(without, collides)
+
+
+def _with(**changes: Any) -> Robot:
+    return dataclasses.replace(ROBOT, servo=dataclasses.replace(ROBOT.servo, **changes))

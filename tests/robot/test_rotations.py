@@ -1,0 +1,51 @@
+"""How far one orientation is turned from another."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from harness.robot.rotations import axes_of_rotation, rotation_between, rotation_of_axes
+
+QUATERNIONS = st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1)
+ROTATIONS = QUATERNIONS.map(lambda q: Rotation.from_quat(q).as_matrix()[None])
+
+
+def angle(one: np.ndarray, other: np.ndarray) -> float:
+    """Between two orientations, [rad]."""
+    return float(np.linalg.norm(rotation_between(one, other)))
+
+
+@given(ROTATIONS, ROTATIONS)
+def test_angle_is_the_same_both_ways(one: np.ndarray, other: np.ndarray):
+    """And never more than half a turn."""
+    assert abs(angle(one, other) - angle(other, one)) <= 1e-6
+    assert angle(one, other) <= np.pi + 1e-9
+
+
+@given(ROTATIONS, ROTATIONS, ROTATIONS)
+def test_angle_does_not_depend_on_the_frame(one: np.ndarray, other: np.ndarray, frame: np.ndarray):
+    """A turn of both changes nothing."""
+    assert abs(angle(one, other) - angle(frame @ one, frame @ other)) <= 1e-6
+
+
+@given(ROTATIONS)
+def test_angle_is_0_where_both_are_alike(one: np.ndarray):
+    """Up to rounding."""
+    assert angle(one, one) <= 1e-7
+
+
+@given(ROTATIONS, ROTATIONS)
+def test_turn_leads_from_one_to_the_other(one: np.ndarray, other: np.ndarray):
+    """In the world frame; so where there is none, they are alike."""
+    turn = Rotation.from_rotvec(rotation_between(one, other)).as_matrix()
+    np.testing.assert_allclose(turn @ one, other, atol=1e-7)
+
+
+@given(ROTATIONS)
+def test_two_axes_tell_a_rotation(one: np.ndarray):
+    """The third follows; single precision is mended."""
+    axes = axes_of_rotation(one)
+    np.testing.assert_allclose(rotation_of_axes(axes), one, atol=1e-12)
+    mended = rotation_of_axes(axes.astype(np.float32).astype(np.float64))
+    np.testing.assert_allclose(mended @ np.swapaxes(mended, 1, 2), np.eye(3)[None], atol=1e-12)

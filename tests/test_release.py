@@ -1,0 +1,28 @@
+"""What a release needs besides a build: one version everywhere, and a page of the site for every document."""
+
+import re
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_citation_names_the_version_that_is_built():
+    """CITATION.cff and pyproject.toml."""
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_workflows_call_targets_that_there_are():
+    """Of the Makefile."""
+    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    called = re.findall(r"make ([a-z ]+)", "".join(path.read_text() for path in ROOT.glob(".github/workflows/*.yml")))
+    assert called
+    assert {name for names in called for name in names.split()} <= targets
+
+
+def test_every_page_stands_in_the_index_of_the_site():
+    """Sphinx would only say so when it builds the site."""
+    index = (ROOT / "docs/index.md").read_text(encoding="utf-8").split()
+    pages = {path.stem for path in ROOT.glob("docs/*.md")} - {"index"}
+    assert pages <= set(index)
