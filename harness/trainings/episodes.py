@@ -11,7 +11,6 @@ from harness.arrays import Float
 from harness.record.recording.facts import BEHAVIOUR, OWN_SOURCE, REWARD
 from harness.record.recording.recorded_training import RecordedTraining
 
-
 UNKNOWN = "not a number in some episodes"
 
 

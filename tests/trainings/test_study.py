@@ -246,7 +246,7 @@ def test_one_reward_alone_is_refused(tmp_path):
 
 def test_a_folder_without_recordings_is_refused(tmp_path):
     """What makes one is said."""
-    with pytest.raises(UsageError, match="no recorded training: harness[.]RecordRewards makes one"):
+    with pytest.raises(UsageError, match=r"no recorded training: harness\.RecordRewards makes one"):
         load_study(tmp_path)
 
 
