@@ -192,6 +192,28 @@ def test_what_the_env_pays_is_another_reward_in_another_training(tmp_path):
     assert "that was thrice here" in comparison.returns[TRAINING].ratio.ruler.note
 
 
+def test_code_that_changed_between_trainings_is_told(tmp_path):
+    """A reward of one name has to be one reward."""
+    for seed, text in enumerate(("return 1", "return 2")):
+        sources = {"reward_plain": Source("", text), "reward_thrice": Source("", "the same")}
+        for reward in PAYS:
+            record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, sources=sources)
+    (note,) = load_study(tmp_path).runs.notes
+    assert "The code of reward plain is not the same in" in note
+
+
+def test_an_evaluation_may_lack_a_measure(tmp_path):
+    """It is n/a there, with the reason."""
+    two(tmp_path)
+    for seed in range(2):
+        for reward in PAYS:
+            record(tmp_path / f"{reward}-{seed}" / "e", reward, seed, [0.1], evaluation=True, behaviour={})
+    comparison = load_study(tmp_path).comparisons[0]
+    assert comparison.manner == EVALUATION
+    assert "success is not known: success in " in comparison.headline.robot
+    assert "not recorded" in comparison.headline.robot
+
+
 def test_seeds_that_only_one_reward_has_are_not_compared(tmp_path):
     """They stay in the table."""
     record(two(tmp_path) / "more", "plain", 8, RISING)
