@@ -14,6 +14,7 @@ from harness.report.rows import (
     index_grid,
     ratio_grid,
     ratio_text,
+    seeds_text,
     split_grid,
     sum_grid,
 )
@@ -84,8 +85,10 @@ def _block(study: Study, comparison: Comparison) -> list[RenderableType]:
     parts: list[RenderableType] = [Text(pair_text(comparison), style="bold")]
     if not comparison.seeds:
         return [*parts, Text(headline.robot), Text()]
-    seeds = ", ".join(map(str, comparison.seeds))
-    parts += [Text(f"Seeds {seeds} compared"), *show_grid(returns_grid(comparison)._replace(title=RETURNS))]
+    parts += [
+        Text(f"{seeds_text(comparison.seeds)} compared"),
+        *show_grid(returns_grid(comparison)._replace(title=RETURNS)),
+    ]
     parts += [Text(), Text("The number", style="bold"), Text(comparison.number)]
     returns = return_splits(comparison)
     grids = [ratio_grid(returns), split_grid(returns)]
