@@ -126,10 +126,14 @@ def _show(results: "Results", details: bool, command: str) -> None:
     from harness.cli.terminal import show
     from harness.report.comparison_table import comparison_table
     from harness.report.overview_table import overview_table
+    from harness.report.ranking_table import ranking_table
     from harness.report.transfer_table import transfer_table
     from harness.transfer.matrix import load_transfers
 
     transfers = load_transfers(results)
     show(comparison_table(results) if details else overview_table(results, command))
+    ranking = ranking_table(results, details)
+    if ranking is not None:
+        show(ranking)
     if transfers.matrices:
         show(transfer_table(transfers))

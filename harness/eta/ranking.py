@@ -1,97 +1,264 @@
-"""Whether several rewards come in the same order in several places: Kendall's rank correlation."""
+"""Rewards in several places: do they keep their order, and would one have chosen another?
 
+All of it rests on one set of intervals, those of the difference of any two rewards in any place. They are so wide that
+all of them together hold the true differences in 95 % of the experiments (Student's t over seeds, Bonferroni). Where
+such an interval lies on one side of 0, the order of the two rewards is told. What is not told may be either way: an
+interval of Kendall's tau spans all orders that are left, and a choice is called wrong only where every order that is
+left says so. ``docs/statistics.md`` shows by simulation why rank correlations are not resampled.
+"""
+
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.eta.interval import why_no_interval
+from harness.eta.headline import SUCCESS_MARGIN
+from harness.eta.interval import CONFIDENCE, mean_interval, share_variance, variance_of, why_no_interval
 
-DRAWS = 1_000
-"""Of seeds, for the interval."""
-REWARDS, PLACES = 3, 2
+REWARDS, PLACES = 2, 2
 """Fewer have no order to compare."""
+NO_INTERVAL = "no interval: too few seeds in a place"
 
-Runs = Mapping[str, Sequence[float]]
-"""The value of each seed, by reward."""
+Runs: TypeAlias = Mapping[str, Sequence[float]]
+"""The value of each seed, by reward; the same seeds, in the same order, of every reward."""
+Signs: TypeAlias = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """How rewards come in one place. A larger value is better.
+
+    Attributes:
+        rewards: Their labels.
+        means: Over the seeds, (rewards,).
+        low: Lower ends of the intervals of one reward's mean minus another's, (rewards, rewards); -inf where the seeds
+            are too few.
+        high: Upper ends.
+        seeds: How many each mean is over.
+    """
+
+    rewards: tuple[str, ...]
+    means: Float
+    low: Float
+    high: Float
+    seeds: int
+
+    @property
+    def signs(self) -> Signs:
+        """1 where the reward of a row is better than that of a column, -1 where it is worse, 0 where neither is told.
+
+        What is better than a better one is better: (rewards, rewards).
+        """
+        better = self.low > 0.0
+        for middle in range(len(better)):
+            better = better | (better[:, middle, None] & better[None, middle, :])
+        return better.astype(np.int64) - better.T.astype(np.int64)
+
+    @property
+    def best(self) -> int:
+        """The reward with the largest mean; of equal ones the first."""
+        return int(np.argmax(self.means))
+
+    @property
+    def candidates(self) -> tuple[int, ...]:
+        """Rewards that may be the best one: no other is told to be better."""
+        return tuple(np.flatnonzero((self.signs >= 0).all(axis=1)).tolist())
 
 
 @dataclass(frozen=True)
-class Ranking:
-    """How alike the orders are.
+class Agreement:
+    """How alike two orders, or several, are.
 
     Attributes:
-        tau: Kendall's tau-b, the mean over all pairs of places: 1 for the same order, -1 for the opposite one, 0 for
-            unrelated ones. None where it is not defined.
-        low: Lower end of its 95 % interval; None where there is none.
+        tau: Kendall's tau-b: 1 for the same order, -1 for the opposite one, 0 for unrelated ones. None where all
+            rewards of a place come to the same.
+        low: Lower end of its interval; None where there is none.
         high: Upper end.
-        rewards: How many are ranked.
-        places: In how many places.
-        note: Why something is missing.
+        note: Why something is missing, or what to keep in mind.
     """
 
     tau: float | None
     low: float | None = None
     high: float | None = None
-    rewards: int = 0
-    places: int = 0
     note: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {name: getattr(self, name) for name in ("tau", "low", "high", "rewards", "places", "note")}
+        return {name: getattr(self, name) for name in ("tau", "low", "high", "note")}
 
 
-def rank_agreement(places: Sequence[Runs]) -> Ranking:
-    """The agreement of the orders that rewards have by their mean values, over all pairs of places.
+class Answer(StrEnum):
+    """Whether one would have chosen another reward."""
 
-    The interval draws the seeds of every training again, with replacement, and takes the middle 95 %: it describes how
-    much the number depends on the seeds, not on the choice of places, and with few seeds it is too narrow. Draws blur
-    an order, so that a tau near 1 may lie above all of them: the interval always reaches to tau itself.
+    YES = "yes"
+    NO = "no"
+    NOT_DECIDED = "not decided"
+
+
+@dataclass(frozen=True)
+class Transplant:
+    """The best reward of one place, used in another.
+
+    Attributes:
+        chosen: The best one where the choice was made.
+        best: The best one where it is used.
+        cost: By how much `chosen` is behind `best` there; 0 where they are the same.
+        low: Lower end of the interval of what it costs against the truly best one there, 0 or more; None without.
+        high: Upper end.
+        answer: Whether another reward would have been chosen there.
+        note: What keeps it from being decided; empty where it is.
+    """
+
+    chosen: str
+    best: str
+    cost: float
+    low: float | None
+    high: float | None
+    answer: Answer
+    note: str = ""
+
+    @property
+    def is_costly(self) -> bool:
+        """Whether the choice costs something for certain, whatever would have been chosen there."""
+        return self.low is not None and self.low > 0.0
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        names = ("chosen", "best", "cost", "low", "high", "note")
+        return {**{name: getattr(self, name) for name in names}, "answer": self.answer.value}
+
+
+def order_rewards(places: Sequence[Runs], episodes: Sequence[int | None]) -> list[Order]:
+    """The order of the rewards in each place, with intervals that hold together.
 
     Args:
-        places: The seeds' values in each; only rewards that all places have are ranked.
+        places: The seeds' values in each; the same rewards in all.
+        episodes: Of each place: values are shares of so many episodes; None where they are no shares.
     """
-    shared = [reward for reward in places[0] if all(place.get(reward) for place in places)] if places else []
-    nothing = Ranking(None, rewards=len(shared), places=len(places))
-    if len(shared) < REWARDS or len(places) < PLACES:
-        note = f"it takes {REWARDS} rewards in {PLACES} places; here are {len(shared)} in {len(places)}"
-        return replace(nothing, note=note)
-    values = [[np.asarray(place[reward], np.float64) for reward in shared] for place in places]
-    values = [[np.asarray(place[reward], np.float64) for reward in shared] for place in places]
-    (tau,) = _mean_tau(np.array([[[runs.mean() for runs in place] for place in values]]))
-    if np.isnan(tau):
-        return replace(nothing, note="in a place all rewards come to the same: they have no order")
-    if why_no_interval(min(len(runs) for place in values for runs in place)):
-        return replace(nothing, tau=float(tau), note="too few seeds for an interval")
-    draws = _mean_tau(_draw(values))
-    known = draws[~np.isnan(draws)]
-    if len(known) < DRAWS / 2:
-        return replace(nothing, tau=float(tau), note="no interval: for most draws of seeds there is no order")
-    low, high = np.quantile(known, [0.025, 0.975])
-    return replace(nothing, tau=float(tau), low=float(min(low, tau)), high=float(max(high, tau)))
+    pairs = sum(len(place) * (len(place) - 1) // 2 for place in places)
+    confidence = 1.0 - (1.0 - CONFIDENCE) / max(pairs, 1)
+    return [_order(place, of, confidence) for place, of in zip(places, episodes, strict=True)]
 
 
-def _draw(values: Sequence[Sequence[Float]]) -> Float:
-    """Means of seeds drawn again, (draws, places, rewards)."""
-    rng = np.random.default_rng(0)
-    drawn = [[rng.choice(runs, (DRAWS, len(runs))).mean(axis=1) for runs in place] for place in values]
-    return np.moveaxis(np.array(drawn), -1, 0)
+def _order(runs: Runs, episodes: int | None, confidence: float) -> Order:
+    values = np.array(list(runs.values()), np.float64)  # (rewards, seeds)
+    count, seeds = values.shape
+    means = values.mean(axis=1)
+    low, high = np.full((count, count), -np.inf), np.full((count, count), np.inf)
+    if not why_no_interval(seeds):
+        for one, other in zip(*np.triu_indices(count, 1), strict=True):
+            differences = values[one] - values[other]
+            both = [float(means[one]), float(means[other])]
+            variance = variance_of(differences) if episodes is None else share_variance(differences, both, episodes)
+            low[one, other], high[one, other] = mean_interval(differences, variance, confidence)
+            low[other, one], high[other, one] = -high[one, other], -low[one, other]
+    return Order(tuple(runs), means, low, high, seeds)
 
 
-def _mean_tau(means: Float) -> Float:
-    """Over all pairs of places, (draws,), for means (draws, places, rewards); NaN where a place has no order.
+def agreement_of(one: Order, other: Order) -> Agreement:
+    """Kendall's tau-b of two orders of the same rewards, with an interval that spans all orders that are left."""
+    pairs = np.triu_indices(len(one.rewards), 1)
+    signs = [np.sign(np.round(it.means[pairs[0]] - it.means[pairs[1]], 12)).astype(np.int64) for it in (one, other)]
+    tau = kendall(*signs)
+    if tau is None:
+        return Agreement(None, note="in a place all rewards come to the same: they have no order")
+    too_few = why_no_interval(min(one.seeds, other.seeds))
+    if too_few:
+        return Agreement(tau, note=too_few[0])
+    low, high = tau_range(one.signs[pairs], other.signs[pairs])
+    return Agreement(tau, low, high, _open_note(low, high))
 
-    A place is the vector of its comparisons, +1, 0 or -1 for each pair of rewards; tau-b of two places is the cosine of
-    the angle between theirs, and the mean over all pairs follows from the sum of all unit vectors.
+
+def _open_note(low: float | None, high: float | None) -> str:
+    return "the seeds leave every order open" if (low, high) == (-1.0, 1.0) else ""
+
+
+def kendall(one: Signs, other: Signs) -> float | None:
+    """Tau-b of two orders, from their signs for each two rewards, (pairs,): the cosine of the angle between them."""
+    lengths = math.sqrt(float((one**2).sum() * (other**2).sum()))
+    return float((one * other).sum()) / lengths if lengths else None
+
+
+def tau_range(one: Signs, other: Signs) -> tuple[float, float]:
+    """The smallest and the largest tau-b of all that two orders may be, 0 where nothing is told, (pairs,)."""
+    return -_largest_tau(one, -other), _largest_tau(one, other)
+
+
+def _largest_tau(one: Signs, other: Signs) -> float:
+    """What is not told may be made to agree, or to be a tie, which is the better choice for some.
+
+    Only numbers of pairs count: of those that one place alone tells, and that neither does, 0 to all may be made agree.
     """
-    places, rewards = means.shape[1:]
-    first, second = np.triu_indices(rewards, 1)
-    signs = np.sign(means[..., first] - means[..., second])
-    lengths = np.linalg.norm(signs, axis=-1, keepdims=True)
-    units = np.divide(signs, lengths, out=np.full_like(signs, np.nan), where=lengths > 0.0)
-    total: Float = (units.sum(axis=1) ** 2).sum(axis=-1)
-    mean: Float = np.clip((total - places) / (places * (places - 1)), -1.0, 1.0)  # not 1 and a rounding
-    return mean
+    told, agree = (one != 0) & (other != 0), int((one * other).sum())
+    alone = [int(((it != 0) & ~told).sum()) for it in (one, other)]
+    free = int(((one == 0) & (other == 0)).sum())
+    both = int(told.sum())
+    first, second, third = np.ix_(np.arange(alone[0] + 1), np.arange(alone[1] + 1), np.array([0, free]))
+    lengths = (both + alone[0] + second + third) * (both + alone[1] + first + third)
+    ordered = lengths > 0  # else all of a place would be ties
+    taus = np.where(ordered, (agree + first + second + third) / np.sqrt(np.maximum(lengths, 1)), -1.0)
+    return min(float(taus.max()), 1.0)
+
+
+def mean_agreement(found: Sequence[tuple[str, str, Agreement]]) -> Agreement:
+    """The mean tau of pairs of places, where places with one name have one vote.
+
+    Args:
+        found: Of each pair of places the names of both votes, and their agreement.
+    """
+    votes: dict[frozenset[str], list[Agreement]] = {}
+    for one, other, agreement in found:
+        if one != other and agreement.tau is not None:
+            votes.setdefault(frozenset((one, other)), []).append(agreement)
+    if not votes:
+        return Agreement(None, note="there are no two independent votes with an order")
+    means = [[_mean([getattr(it, end) for it in them]) for them in votes.values()] for end in ("tau", "low", "high")]
+    tau, low, high = (_mean(values) for values in means)
+    return Agreement(tau, low, high, _open_note(low, high) if low is not None else NO_INTERVAL)
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return math.fsum(known) / len(known) if known and len(known) == len(values) else None
+
+
+def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Transplant:
+    """What it costs to choose the best reward of one place and to use it in another one.
+
+    Yes: no reward that may be the best one here may be the best one there. No: it costs less than `margin` there,
+    whichever reward is the best one there.
+
+    Args:
+        here: Where the reward is chosen.
+        there: Where it is used; the same rewards.
+        margin: A smaller cost is taken for none.
+    """
+    chosen, best = here.best, there.best
+    cost = max(0.0, float(there.means[best] - there.means[chosen]))
+    if there.means[chosen] == there.means[best]:
+        best = chosen
+    names = (here.rewards[chosen], here.rewards[best], cost)
+    too_few = why_no_interval(min(here.seeds, there.seeds))
+    if too_few:
+        return Transplant(*names, None, None, Answer.NOT_DECIDED, too_few[0])
+    others = np.arange(len(here.rewards)) != chosen
+    low = max(0.0, float(there.low[others, chosen].max()))
+    high = min(1.0, max(0.0, float(there.high[others, chosen].max())))
+    if not set(here.candidates) & set(there.candidates):
+        return Transplant(*names, low, high, Answer.YES)
+    if high <= margin:
+        return Transplant(*names, low, high, Answer.NO)
+    return Transplant(*names, low, high, Answer.NOT_DECIDED, _what_is_open(here, there, chosen))
+
+
+def _what_is_open(here: Order, there: Order, chosen: int) -> str:
+    if chosen in there.candidates:
+        others = [there.rewards[it] for it in there.candidates if it != chosen]
+        return f"{', '.join(others)} may be better there" if others else "it may be the best one there by less"
+    rivals = [here.rewards[it] for it in here.candidates if it != chosen]
+    return f"where it was chosen, {', '.join(rivals)} may be as good"

@@ -1,4 +1,4 @@
-"""What decides a result beside its cell: versions, machine, commit, command, the sources of its plugins."""
+"""What decides a result beside its cell: versions, machine, engine, commit, command, the sources of its plugins."""
 
 import importlib.metadata
 import os
@@ -17,6 +17,7 @@ from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
 from harness.registry.spec import OURS, Spec
 from harness.robot import Robot
+from harness.simulator import family_of
 
 CORE = (OURS, "gymnasium", "numpy", "pyarrow")
 """Distributions that every result depends on."""
@@ -27,7 +28,7 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 def describe_environment(
     cell: Cell, robot: Robot, registry: Registry, kinds: Collection[str] = KINDS
 ) -> dict[str, Any]:
-    """What decides a result beside the cell: versions, machine, commit, command, hashes of the plugins' sources.
+    """What decides a result beside the cell: versions, machine, engine, commit, command, hashes of sources.
 
     Args:
         cell: What made the result.
@@ -39,10 +40,16 @@ def describe_environment(
     return {
         "versions": {"python": platform.python_version(), **versions_behind(specs.values())},
         "machine": describe_machine(),
+        **_engine(specs),
         "commit": source_commit(),
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
         "sources": {**_source_hashes(specs), "robots": robot_digest(cell, robot)},
     }
+
+
+def _engine(specs: Mapping[str, Spec]) -> dict[str, str | None]:
+    """The engine that computed, of one family with other simulators that it drives; None where it is none."""
+    return {"engine": family_of(specs["simulators"].load())} if "simulators" in specs else {}
 
 
 def robot_digest(cell: Cell, robot: Robot) -> str:

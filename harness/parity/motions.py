@@ -1,5 +1,8 @@
 """Smooth motions through the air, the same for every simulator."""
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 
 from harness.arrays import Float
@@ -23,11 +26,21 @@ NOTHING = 1e-9
 """A joint that swings less than this, [rad], is not at any limit."""
 
 
-def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: float) -> Float:
+class Pace(NamedTuple):
+    """How fast a swing may be: shares of each joint's maxima."""
+
+    speed: float
+    acceleration: float
+
+
+SMOOTH = Pace(SPEED, ACCELERATION)
+
+
+def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: float, pace: Pace = SMOOTH) -> Float:
     """Joint targets that start at rest near home and swing as sums of sines, clear of the ground.
 
-    Each joint swings as far as its range, `SPEED` and `ACCELERATION` allow, whichever is met first. Episode n of a
-    seed is the same whatever the number of episodes.
+    Each joint swings as far as its range and `pace` allow, whichever is met first. Episode n of a seed is the same
+    whatever the number of episodes.
 
     Args:
         robot: The arm.
@@ -35,6 +48,7 @@ def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: f
         episodes: How many motions, >= 1.
         steps: Control periods of each, >= 1.
         period: Control period, [s].
+        pace: How fast the joints may be.
 
     Returns:
         (steps + 1, episodes, dof), [rad]; row 0 is where the arm starts.
@@ -42,7 +56,16 @@ def smooth_motions(robot: Robot, seed: int, episodes: int, steps: int, period: f
     Raises:
         UsageError: Next to every motion of this arm meets the ground.
     """
-    drawn = [_draw_clear_motion(robot, np.random.default_rng([seed, 0, n]), steps, period) for n in range(episodes)]
+    drawn = []
+    for n in range(episodes):
+        rng = np.random.default_rng([seed, 0, n])
+        motion = draw_clear(robot, lambda: draw_swinging(robot, rng, draw_start(robot, rng), steps, period, pace))  # noqa: B023
+        if motion is None:
+            raise UsageError(
+                f"{TRIES} motions of '{robot.name}' all come within {CLEARANCE:.0%} of its reach to the ground: "
+                "choose a home pose in robot.toml that is clear of it"
+            )
+        drawn.append(motion)
     return np.stack(drawn, axis=1)
 
 
@@ -66,22 +89,29 @@ def lowest_points(robot: Robot, qpos: Float) -> Float:
     return np.asarray(np.vstack([joints, robot.end_effector(qpos)[:, 2]]).min(axis=0))
 
 
-def _draw_clear_motion(robot: Robot, rng: np.random.Generator, steps: int, period: float) -> Float:
-    """(steps + 1, dof), [rad]."""
-    for _ in range(TRIES):
-        motion = _draw_motion(robot, rng, steps, period)
-        if lowest_points(robot, motion).min() >= CLEARANCE * robot.reach:
-            return motion
-    raise UsageError(
-        f"{TRIES} motions of '{robot.name}' all come within {CLEARANCE:.0%} of its reach to the ground: "
-        "choose a home pose in robot.toml that is clear of it"
-    )
+def is_clear(robot: Robot, qpos: Float) -> bool:
+    """Whether tip and joints keep away from the ground at all of these joint positions, (n, dof)."""
+    return bool(lowest_points(robot, qpos).min() >= CLEARANCE * robot.reach)
 
 
-def _draw_motion(robot: Robot, rng: np.random.Generator, steps: int, period: float) -> Float:
-    start = draw_start(robot, rng)
+def draw_clear(robot: Robot, draw: Callable[[], Float]) -> Float | None:
+    """The first of `TRIES` drawn motions, (steps + 1, dof), that is clear of the ground; None if none is."""
+    motions = (draw() for _ in range(TRIES))
+    return next((motion for motion in motions if is_clear(robot, motion)), None)
+
+
+def draw_swinging(
+    robot: Robot,
+    rng: np.random.Generator,
+    start: Float,
+    steps: int,
+    period: float,
+    pace: Pace = SMOOTH,
+    farthest: float = np.pi,
+) -> Float:
+    """One motion from rest at `start`, (steps + 1, dof), [rad]; no joint goes farther away than `farthest`, [rad]."""
     swing = _draw_swing(rng, robot.dof, np.arange(steps + 1, dtype=np.float64) * period)
-    return start + _largest_scale(robot, start, swing, period) * swing
+    return start + _largest_scale(robot, start, swing, period, pace, farthest) * swing
 
 
 def _draw_swing(rng: np.random.Generator, dof: int, time: Float) -> Float:
@@ -94,15 +124,15 @@ def _draw_swing(rng: np.random.Generator, dof: int, time: Float) -> Float:
     return np.asarray((share**2 * (3.0 - 2.0 * share))[:, None] * sines)
 
 
-def _largest_scale(robot: Robot, start: Float, swing: Float, period: float) -> Float:
+def _largest_scale(robot: Robot, start: Float, swing: Float, period: float, pace: Pace, farthest: float) -> Float:
     """By what each joint's swing may be multiplied to keep its range, speed and acceleration, (dof,)."""
     speed = np.diff(swing, axis=0, prepend=swing[:1]) / period  # the first row: at rest
     change = np.diff(speed, axis=0) / period
     limits = [
         (robot.upper - start, swing.max(axis=0)),
         (start - robot.lower, -swing.min(axis=0)),
-        (SPEED * robot.max_speed, np.abs(speed).max(axis=0)),
-        (ACCELERATION * robot.max_acceleration, np.abs(change).max(axis=0)),
+        (pace.speed * robot.max_speed, np.abs(speed).max(axis=0)),
+        (pace.acceleration * robot.max_acceleration, np.abs(change).max(axis=0)),
     ]
     scales = [limit / np.maximum(reached, NOTHING) for limit, reached in limits]
-    return np.asarray(np.minimum(np.min(scales, axis=0), np.pi))
+    return np.asarray(np.minimum(np.min(scales, axis=0), farthest))

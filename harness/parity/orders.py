@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from harness.arrays import Float
+from harness.parity.classes import CONTACT, SMOOTH, class_motions, in_order
 from harness.parity.dives import dive_motions
 from harness.parity.motions import smooth_motions
 from harness.parity.placement import random_poses
@@ -38,6 +39,14 @@ class Orders(NamedTuple):
     """(steps + 1, episodes, dof)"""
     dives: Float | None
     """(rows, episodes, dof); None if the arm does not reach the ground."""
+    others: dict[str, Float]
+    """Motions of the other classes, by class, (steps + 1, episodes, dof)."""
+
+    @property
+    def classes(self) -> dict[str, Float]:
+        """Every class of motions, in the order in which they are shown."""
+        dives = {} if self.dives is None else {CONTACT: self.dives}
+        return in_order({SMOOTH: self.motion, **dives, **self.others})
 
 
 def draw_orders(setting: Setting) -> Orders:
@@ -51,4 +60,5 @@ def draw_orders(setting: Setting) -> Orders:
         random_poses(robot, seed, episodes),
         smooth_motions(robot, seed, episodes, setting.steps, setting.period),
         dive_motions(robot, seed, episodes, setting.period),
+        class_motions(robot, seed, episodes, setting.steps, setting.period),
     )

@@ -2,12 +2,14 @@
 
 from pathlib import Path
 
+from harness.parity.class_grids import class_grid, classes_text, response_grid
 from harness.parity.figure import JOINTS, TIPS, draw_all_pairs, draw_pairs
 from harness.parity.grids import (
     engines_text,
     failures,
     not_installed,
     pair_grids,
+    reference_pairs,
     setting_text,
     simulator_grid,
     title,
@@ -30,6 +32,9 @@ def write_parity(parity: Parity, path: Path) -> None:
     curves = [("Tips", TIPS), ("Joints", JOINTS)] if parity.pairs else []
     everything = [(heading, draw_all_pairs(parity, curve)) for heading, curve in curves]
     grids = [grid for grid in (*pair_grids(parity), simulator_grid(parity)) if grid.rows]
+    first = reference_pairs(parity) or list(parity.pairs)
+    rest = [pair for pair in parity.pairs if pair not in first]
+    folded = [grid for grid in (class_grid(parity, rest), response_grid(parity)) if grid.rows]
     page = render_page(
         TEMPLATE,
         "--html",
@@ -40,6 +45,9 @@ def write_parity(parity: Parity, path: Path) -> None:
         panels=[(heading, draw_chart(draw_pairs(parity, curve), f"{heading}: {TOLD}")) for heading, curve in curves],
         all_panels=[(heading, draw_chart(chart, f"{heading}: {TOLD}")) for heading, chart in everything if chart],
         grids=grids,
+        classes=classes_text(parity) if first else "",
+        by_class=class_grid(parity, first),
+        by_class_too=folded if first else [],
         failures=failures(parity),
         not_installed=not_installed(parity),
     )

@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from harness.parity.classes import CONTACT, Told, told_by
 from harness.parity.contact import CONTACT_KEYS, Contact, compare_contacts
 from harness.parity.contenders import Contenders, Missing
 from harness.parity.cost import time_in_turns
+from harness.parity.difference import Difference, Response, after_contact, difference_between, response_of
 from harness.parity.dives import DEPTH
 from harness.parity.drift import Drift, drift_between
 from harness.parity.failure import Failure, attempt, part
@@ -18,7 +20,6 @@ from harness.parity.orders import Orders, Setting, draw_orders
 from harness.parity.performance import Performance, perform
 from harness.parity.placement import Placement, placement_of
 from harness.parity.track import Track
-from harness.robot import Robot
 from harness.simulator import family_of
 
 FORMAT = 1
@@ -36,6 +37,7 @@ class Measured:
         placement: Errors of an arm that is placed.
         tracking: How far the driven arm is from where it was told to be.
         seconds_per_step: Of one arm, median, [s].
+        responses: How its joints follow, by class of motions.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Measured:
     placement: Placement
     tracking: Drift
     seconds_per_step: float
+    responses: Mapping[str, Response]
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -54,6 +57,7 @@ class Measured:
             "tracking_error_m": self.tracking.max_tip_error_m,
             "tracking_error_rad": self.tracking.max_joint_error_rad,
             "seconds_per_step": self.seconds_per_step,
+            "classes": {name: response.to_json() for name, response in self.responses.items()},
         }
 
 
@@ -67,6 +71,7 @@ class Pair:
         drift: How far they are apart in smooth motion.
         contact: When they see the ground in dives; None if the arm does not reach it.
         placed_disagreement: Share of the random poses in which one sees contact and the other does not.
+        differences: How far they are apart by class of motions; of contact from the first one on.
     """
 
     a: str
@@ -74,6 +79,7 @@ class Pair:
     drift: Drift
     contact: Contact | None
     placed_disagreement: float
+    differences: Mapping[str, Difference]
 
     @property
     def contact_note(self) -> str:
@@ -92,6 +98,7 @@ class Pair:
             **contact,
             "contact_note": self.contact_note,
             "placed_contact_disagreement": self.placed_disagreement,
+            "classes": {name: difference.to_json() for name, difference in self.differences.items()},
             "curves": {name: curve.tolist() for name, curve in self.drift.curves().items()},
         }
 
@@ -107,6 +114,7 @@ class Parity:
         pairs: Each two of them, in the same order.
         failed: The others, by name, and why.
         missing: Those that are not installed.
+        told: What each class of motions asks of the joints.
     """
 
     reference: str
@@ -115,6 +123,7 @@ class Parity:
     pairs: tuple[Pair, ...]
     failed: dict[str, Failure]
     missing: tuple[Missing, ...]
+    told: Mapping[str, Told]
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""
@@ -126,6 +135,7 @@ class Parity:
             "episodes": self.setting.episodes,
             "seed": self.setting.seed,
             "control_period_s": self.setting.period,
+            "classes": {name: told.to_json() for name, told in self.told.items()},
             "simulators": [simulator.to_json() for simulator in self.simulators],
             "failed": [{"name": name, "reason": failure.reason} for name, failure in self.failed.items()],
             "missing": [missing._asdict() for missing in self.missing],
@@ -150,10 +160,11 @@ def compare_simulators(contenders: Contenders, setting: Setting) -> Parity:
     return Parity(
         contenders.reference,
         setting,
-        _measure(sound, {name: family_of(simulators[name]) for name in sound}, seconds, setting.robot, orders),
-        tuple(_compare(*first, *second, setting.period) for first, second in combinations(sound.items(), 2)),
+        _measure(sound, {name: family_of(simulators[name]) for name in sound}, seconds, setting, orders),
+        tuple(_compare(*first, *second, setting, orders) for first, second in combinations(sound.items(), 2)),
         failed | broken | stopped,
         contenders.missing,
+        {name: told_by(setting.robot, motion, setting.period) for name, motion in orders.classes.items()},
     )
 
 
@@ -161,10 +172,10 @@ def _measure(
     performed: Mapping[str, Performance],
     families: Mapping[str, str | None],
     seconds: Mapping[str, float],
-    robot: Robot,
+    setting: Setting,
     orders: Orders,
 ) -> tuple[Measured, ...]:
-    motion = orders.motion
+    motion, robot = orders.motion, setting.robot
     ideal = Track(motion, robot.end_effector(motion), np.zeros(motion.shape[:2], bool))
     return tuple(
         Measured(
@@ -173,15 +184,31 @@ def _measure(
             placement_of(performance.placed, robot, orders.poses),
             drift_between(ideal, performance.driven),
             seconds[name],
+            {
+                kind: response_of(performance.classes[kind], told, robot, setting.period)
+                for kind, told in orders.classes.items()
+            },
         )
         for name, performance in performed.items()
     )
 
 
-def _compare(a: str, first: Performance, b: str, second: Performance, period: float) -> Pair:
+def _compare(a: str, first: Performance, b: str, second: Performance, setting: Setting, orders: Orders) -> Pair:
     dives = first.dived, second.dived
     contact = None
     if dives[0] is not None and dives[1] is not None:
-        contact = compare_contacts(dives[0].contact, dives[1].contact, period)
+        contact = compare_contacts(dives[0].contact, dives[1].contact, setting.period)
     disagreement = float((first.placed.contact != second.placed.contact).mean())
-    return Pair(a, b, drift_between(first.driven, second.driven), contact, disagreement)
+    drift, differences = drift_between(first.driven, second.driven), _differences(first, second, setting, orders)
+    return Pair(a, b, drift, contact, disagreement, differences)
+
+
+def _differences(first: Performance, second: Performance, setting: Setting, orders: Orders) -> dict[str, Difference]:
+    found = {}
+    for name, told in orders.classes.items():
+        one, other = first.classes[name], second.classes[name]
+        counted = after_contact(one, other) if name == CONTACT else None
+        difference = difference_between(one, other, told, setting.robot, setting.period, counted)
+        if difference is not None:
+            found[name] = difference
+    return found

@@ -3,11 +3,13 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from harness.parity.class_grids import class_grid, classes_text
 from harness.parity.grids import (
     engines_text,
     failures,
     not_installed,
     pair_grids,
+    reference_pairs,
     setting_text,
     simulator_grid,
     title,
@@ -27,5 +29,8 @@ def parity_table(parity: Parity) -> RenderableType:
     ]
     for grid in (*pair_grids(parity), simulator_grid(parity)):
         parts += show_grid(grid)
+    if parity.pairs:
+        parts += [Text(), Text("By class of motions", style="bold"), Text(classes_text(parity))]
+        parts += show_grid(class_grid(parity, reference_pairs(parity) or list(parity.pairs)))
     told = [*failures(parity), *not_installed(parity)]
     return Group(*parts, *([Text()] if told else []), *map(Text, told))

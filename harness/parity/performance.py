@@ -3,6 +3,7 @@
 from contextlib import closing
 from typing import NamedTuple
 
+from harness.parity.classes import CONTACT, SMOOTH
 from harness.parity.orders import Orders, Setting
 from harness.parity.placement import place_at
 from harness.parity.track import Track, follow
@@ -15,6 +16,14 @@ class Performance(NamedTuple):
     placed: Track
     driven: Track
     dived: Track | None
+    others: dict[str, Track]
+    """Of the other classes of motions."""
+
+    @property
+    def classes(self) -> dict[str, Track]:
+        """Of every class of motions."""
+        dived = {} if self.dived is None else {CONTACT: self.dived}
+        return {SMOOTH: self.driven, **dived, **self.others}
 
 
 def perform(simulator: Simulator, setting: Setting, orders: Orders) -> Performance:
@@ -27,4 +36,5 @@ def perform(simulator: Simulator, setting: Setting, orders: Orders) -> Performan
         placed = place_at(simulation, orders.poses)
         driven = follow(simulation, orders.motion, setting.period)
         dived = None if orders.dives is None else follow(simulation, orders.dives, setting.period)
-    return Performance(placed, driven, dived)
+        others = {name: follow(simulation, motion, setting.period) for name, motion in orders.others.items()}
+    return Performance(placed, driven, dived, others)

@@ -75,6 +75,7 @@ class EnvironmentForm(TypedDict, total=False):
 
     versions: dict[Name, Line]
     machine: MachineForm
+    engine: Line | None
     commit: Line
     command: Line
     sources: dict[Name, Line]

@@ -34,7 +34,7 @@ class Ending:
         reason: Why it is not done; empty if it is.
         started: UTC, ISO 8601.
         seconds: Wall time of all of it, [s].
-        environment: Versions, machine, commit, command, hashes of the sources; see
+        environment: Versions, machine, engine, commit, command, hashes of the sources; see
             `harness.experiment.provenance.describe_environment`.
         files: SHA-256 of every other file in the folder, by its path there; cells of version 0.1 have none.
     """

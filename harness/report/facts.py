@@ -1,4 +1,4 @@
-"""What was so in the cells that ran: versions, machine, commit, command, sources."""
+"""What was so in the cells that ran: versions, machine, engine, commit, command, sources."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ class Fact(NamedTuple):
 
 
 def shared_facts(manifests: Iterable[Manifest]) -> list[Fact]:
-    """Versions, machine, commit, command and sources of all cells that ran; a line each, more where cells differ."""
+    """Versions, machine, engine, commit, command, sources of all cells that ran; a line each, or more."""
     counts: dict[str, Counter[str]] = {}
     for manifest in manifests:
         for name, value in _facts(manifest).items():
@@ -39,6 +39,7 @@ def _facts(manifest: Manifest) -> dict[str, str]:
         "command": environment.get("command"),
         "commit": environment.get("commit"),
         **{name: machine.get(name) for name in ("system", "cpu", "cores")},
+        "engine": environment.get("engine"),
         **environment.get("versions", {}),
         **{f"source of {manifest.cell.plugins.get(kind, kind)}": digest[:12] for kind, digest in sources.items()},
     }

@@ -18,9 +18,9 @@ from harness.report.payoff_rows import TITLE as PAYOFF_TITLE
 from harness.report.payoff_rows import Audits
 from harness.report.points import points_of_a_run
 from harness.report.question import question
+from harness.report.ranking_rows import AGREEMENT, CHOICE, task_rows
 from harness.report.ranking_rows import EXPLANATION as RANKING
 from harness.report.ranking_rows import TITLE as RANKING_TITLE
-from harness.report.ranking_rows import ranking_sentence
 from harness.report.replay.links import links_of
 from harness.report.replay.section import replay_of
 from harness.report.return_rows import EXPLANATION as RETURNS
@@ -123,11 +123,19 @@ def _downloads(results: Results, matrices: list[ReturnMatrix]) -> list[Download]
     ]
 
 
-def _ranking(results: Results) -> dict[str, str] | None:
-    """Whether rewards keep their order; None where there is but one comparison, which has no order."""
+def _ranking(results: Results) -> dict[str, Any] | None:
+    """How the rewards come in all places; None where there is but one comparison, which has no order."""
     if len(results.combinations) < 2:
         return None
-    return {"title": RANKING_TITLE, "sentence": ranking_sentence(ranking_of(results)), "explanation": RANKING}
+    ranking = ranking_of(results)
+    return {
+        "title": RANKING_TITLE,
+        "note": ranking.note,
+        "explanation": RANKING,
+        "choice": CHOICE,
+        "agreement": AGREEMENT,
+        "tasks": [task_rows(task) for task in ranking.tasks],
+    }
 
 
 def _returns(matrices: list[ReturnMatrix], is_open: bool) -> dict[str, Any] | None:

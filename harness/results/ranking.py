@@ -1,18 +1,352 @@
-"""Whether the rewards of an experiment come in the same order in all its places. Reads results only."""
+"""How the rewards of an experiment come in all its places, and whether one would choose another. Reads results only.
 
-from harness.eta.ranking import Ranking, rank_agreement
-from harness.results.combination import Group
+A place is a simulator with an algorithm. Places are compared within a task; two of them where they differ in one alone.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from harness.eta.headline import SUCCESS
+from harness.eta.ranking import (
+    PLACES,
+    REWARDS,
+    Agreement,
+    Answer,
+    Order,
+    Transplant,
+    agreement_of,
+    kendall,
+    mean_agreement,
+    order_rewards,
+    transplant,
+)
+from harness.record.cell import Cell
+from harness.results.combination import Combination, Group, deciding_manner
 from harness.results.results import Results
+
+Kind: TypeAlias = Literal["simulator", "algorithm"]
+KINDS: tuple[Kind, ...] = ("simulator", "algorithm")
+NO_ENGINE = "no engine"
+ROUNDING = 1e-9
+"""Numbers that are closer have the same rank."""
+
+
+class EtaOrder(NamedTuple):
+    """The order that an eta, or a part of it, gives the rewards.
+
+    Attributes:
+        values: Of each reward, the baseline's 1; the best first. Rewards without a value are left out.
+        tau: Kendall's tau-b with the order by success, of the rewards that have both; None where it is not defined.
+    """
+
+    values: Mapping[str, float]
+    tau: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """How the rewards come with one simulator and one algorithm.
+
+    Attributes:
+        simulator: Its label.
+        algorithm: Its label.
+        engine: The simulator's; None where it is not recorded.
+        success: The order of the rewards that are in every place, by their success rate.
+        etas: By ``eta_P``, ``eta_P behaviour``, ``eta_N``, ``eta_N behaviour``.
+    """
+
+    simulator: str
+    algorithm: str
+    engine: str | None
+    success: Order
+    etas: Mapping[str, EtaOrder]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        order = self.success
+        means = dict(zip(order.rewards, order.means.tolist(), strict=True))
+        return {
+            "simulator": self.simulator,
+            "algorithm": self.algorithm,
+            "engine": self.engine,
+            "seeds": order.seeds,
+            "success": dict(sorted(means.items(), key=lambda item: -item[1])),
+            "may_be_best": [order.rewards[it] for it in order.candidates],
+            "etas": {name: {"values": dict(it.values), "tau_with_success": it.tau} for name, it in self.etas.items()},
+        }
+
+
+class PlacePair(NamedTuple):
+    """Two places that differ in their simulator or in their algorithm."""
+
+    kind: Kind
+    """What they differ in."""
+    one: Place
+    other: Place
+    agreement: Agreement
+    forth: Transplant
+    """The best reward of `one`, used in `other`."""
+    back: Transplant
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """What tells the two apart."""
+        return getattr(self.one, self.kind), getattr(self.other, self.kind)
+
+    @property
+    def shared(self) -> str:
+        """What both have in common."""
+        return self.one.algorithm if self.kind == "simulator" else self.one.simulator
+
+    @property
+    def votes(self) -> tuple[str, str]:
+        """The same name for places with one vote: simulators of one engine, where it is recorded."""
+        one, other = self.names
+        return (self.one.engine or one, self.other.engine or other) if self.kind == "simulator" else (one, other)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "differ_in": self.kind,
+            "one": self.names[0],
+            "other": self.names[1],
+            "shared": self.shared,
+            "same_vote": self.votes[0] == self.votes[1],
+            **self.agreement.to_json(),
+            "chosen_in_one_used_in_other": self.forth.to_json(),
+            "chosen_in_other_used_in_one": self.back.to_json(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class TaskRanking:
+    """The rewards of one task.
+
+    Attributes:
+        robot: Its name.
+        task: Its label.
+        steps: Of each training.
+        rewards: Those that are in every place.
+        left_out: Those that are not.
+        places: All of them.
+        pairs: Each two that differ in one alone.
+        between: Of each kind of difference the mean agreement, simulators of one engine as one vote.
+    """
+
+    robot: str
+    task: str
+    steps: int
+    rewards: tuple[str, ...]
+    left_out: tuple[str, ...]
+    places: tuple[Place, ...]
+    pairs: tuple[PlacePair, ...]
+    between: Mapping[Kind, Agreement]
+
+    @property
+    def has_engines(self) -> bool:
+        """Whether every place tells its engine; simulators of those that do not have a vote each."""
+        return all(place.engine is not None for place in self.places)
+
+    @property
+    def transplants(self) -> list[Transplant]:
+        """All, both ways."""
+        return [it for pair in self.pairs for it in (pair.forth, pair.back)]
+
+    def count(self, answer: Answer) -> int:
+        """How many choices have this answer."""
+        return sum(it.answer == answer for it in self.transplants)
+
+    def votes(self, kind: Kind) -> tuple[str, ...]:
+        """Those that are independent, of the places that are compared."""
+        return tuple(dict.fromkeys(vote for pair in self.pairs if pair.kind == kind for vote in pair.votes))
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "robot": self.robot,
+            "task": self.task,
+            "steps": self.steps,
+            "rewards": list(self.rewards),
+            "left_out": list(self.left_out),
+            "places": [place.to_json() for place in self.places],
+            "pairs": [pair.to_json() for pair in self.pairs],
+            **{f"between_{kind}s": agreement.to_json() for kind, agreement in self.between.items()},
+        }
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Of all tasks.
+
+    Attributes:
+        tasks: Those in which several rewards are in several places.
+        note: Why there is none; empty where there is one.
+    """
+
+    tasks: tuple[TaskRanking, ...]
+    note: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"tasks": [task.to_json() for task in self.tasks], "note": self.note}
 
 
 def ranking_of(results: Results) -> Ranking:
-    """The agreement over all simulators and algorithms of the order that rewards have by their success rate."""
-    places: dict[Group, dict[str, list[float]]] = {}
-    for combination in results.combinations:
-        success = combination.success
-        if success is None or combination.is_control:
-            continue
-        runs = places.setdefault(combination.group, {})
-        runs.setdefault(combination.baseline, [one for one, _ in success.values])
-        runs[combination.proposed] = [other for _, other in success.values]
-    return rank_agreement(list(places.values()))
+    """The order of the rewards in every place, by success and by eta, and what the best one is worth elsewhere."""
+    tasks: dict[tuple[Any, ...], list[_Found]] = {}
+    for group, cells in results.groups.items():
+        found = _find(results, group, [cell for cell in cells if not results.is_control(cell)])
+        if found.runs:
+            tasks.setdefault(_task_of(group), []).append(found)
+    ranked = [task for places in tasks.values() if (task := _rank(results, places)) is not None]
+    return Ranking(tuple(ranked), "" if ranked else _why_none(tasks.values()))
+
+
+def _task_of(group: Group) -> tuple[Any, ...]:
+    """All that is the same in places that are compared."""
+    return tuple(getattr(group, name) for name in group._fields if name not in KINDS)
+
+
+class _Found(NamedTuple):
+    """What the cells of one place say."""
+
+    group: Group
+    runs: dict[str, dict[int, float]]
+    """Success rate by reward and seed."""
+    episodes: int
+    engine: str | None
+    """None where it is not recorded."""
+
+
+def _find(results: Results, group: Group, cells: Sequence[Cell]) -> _Found:
+    measured = {cell: results.measured(cell) for cell in cells}
+    manners = set.intersection(*(set(it.manners) & set(it.episodes) for it in measured.values())) if measured else set()
+    episodes = {manner: min(it.episodes[manner] for it in measured.values()) for manner in manners}
+    manner = deciding_manner(group.deterministic, episodes)
+    runs: dict[str, dict[int, float]] = {}
+    for cell, it in measured.items():
+        value = it.manners.get(manner, {}).get(SUCCESS)
+        if value is not None:
+            runs.setdefault(cell.reward.label, {})[cell.seed] = value
+    return _Found(group, runs, episodes.get(manner, 0), _engine(results, cells))
+
+
+def _engine(results: Results, cells: Sequence[Cell]) -> str | None:
+    """The engine of a place's cells, which all have one simulator; cells of an older version do not tell it."""
+    environment = results.manifest(cells[0]).environment if cells else {}
+    return (environment["engine"] or NO_ENGINE) if "engine" in environment else None
+
+
+def _rank(results: Results, found: Sequence[_Found]) -> TaskRanking | None:
+    """None where there is nothing to compare."""
+    every = tuple(dict.fromkeys(reward for it in found for reward in it.runs))
+    rewards = [reward for reward in every if all(reward in it.runs for it in found)]
+    if len(rewards) < REWARDS or len(found) < PLACES:
+        return None
+    runs = [_with_shared_seeds({reward: it.runs[reward] for reward in rewards}) for it in found]
+    if not all(len(next(iter(it.values()))) for it in runs):
+        return None
+    orders = order_rewards(runs, [it.episodes for it in found])
+    places = [_place(results, it, order) for it, order in zip(found, orders, strict=True)]
+    group, left_out = found[0].group, tuple(reward for reward in every if reward not in rewards)
+    return compare_places(places, group.robot, group.task.label, group.steps, left_out)
+
+
+def compare_places(
+    places: Sequence[Place], robot: str, task: str, steps: int, left_out: tuple[str, ...] = ()
+) -> TaskRanking:
+    """Each two places that differ in one alone, and all of them together.
+
+    Args:
+        places: At least one; their orders are of the same rewards, with intervals that hold together.
+        robot: Of all of them.
+        task: The same.
+        steps: The same.
+        left_out: Rewards that are not in every place.
+    """
+    pairs = tuple(pair for one, other in combinations(places, 2) if (pair := _compare(one, other)) is not None)
+    kinds = {kind: [pair for pair in pairs if pair.kind == kind] for kind in KINDS}
+    between = {
+        kind: mean_agreement([(*pair.votes, pair.agreement) for pair in them]) for kind, them in kinds.items() if them
+    }
+    return TaskRanking(robot, task, steps, places[0].success.rewards, left_out, tuple(places), pairs, between)
+
+
+def _with_shared_seeds(runs: Mapping[str, Mapping[int, float]]) -> dict[str, list[float]]:
+    """Each reward's values of the seeds that all of them have."""
+    seeds = sorted(set.intersection(*(set(values) for values in runs.values())))
+    return {reward: [values[seed] for seed in seeds] for reward, values in runs.items()}
+
+
+def _place(results: Results, found: _Found, success: Order) -> Place:
+    group = found.group
+    compared = [it for it in results.combinations if it.group == group and not it.is_control]
+    simulator = group.simulator.label if group.simulator else ""
+    etas = {
+        name: _eta_order({results.baseline: 1.0, **_values(compared, read)}, lower, success)
+        for name, (read, lower) in ETAS.items()
+    }
+    return Place(simulator, group.algorithm.label, found.engine, success, etas)
+
+
+def _read(name: str, part: str) -> Callable[[Combination], float | None]:
+    def read(combination: Combination) -> float | None:
+        ratio = getattr(combination.splits[name], part)
+        return None if ratio.near_zero is not None else ratio.value
+
+    return read
+
+
+ETAS = {
+    "eta_P": (_read("eta_P", "eta"), False),
+    "eta_P behaviour": (_read("eta_P", "behaviour"), False),
+    "eta_N": (_read("eta_N", "eta"), True),
+    "eta_N behaviour": (_read("eta_N", "behaviour"), True),
+}
+"""How each is read, and whether lower is better."""
+
+
+def _values(compared: Iterable[Combination], read: Callable[[Combination], float | None]) -> dict[str, float]:
+    found = {it.proposed: read(it) for it in compared}
+    return {reward: value for reward, value in found.items() if value is not None}
+
+
+def _eta_order(values: Mapping[str, float], lower: bool, success: Order) -> EtaOrder:
+    """Rewards that are not in every place are left out."""
+    known = {reward: values[reward] for reward in success.rewards if reward in values}
+    means = dict(zip(success.rewards, success.means, strict=True))
+    one = np.array([-value if lower else value for value in known.values()])
+    other = np.array([means[reward] for reward in known])
+    pairs = np.triu_indices(len(known), 1)
+    tau = kendall(*(_signs(it[pairs[0]] - it[pairs[1]]) for it in (one, other)))
+    return EtaOrder(dict(sorted(known.items(), key=lambda item: item[1] if lower else -item[1])), tau)
+
+
+def _signs(differences: Any) -> Any:
+    return np.where(np.abs(differences) < ROUNDING, 0, np.sign(differences)).astype(np.int64)
+
+
+def _compare(one: Place, other: Place) -> PlacePair | None:
+    """None where they differ in both."""
+    differ: list[Kind] = [kind for kind in KINDS if getattr(one, kind) != getattr(other, kind)]
+    if len(differ) != 1:
+        return None
+    found = agreement_of(one.success, other.success)
+    there, back = transplant(one.success, other.success), transplant(other.success, one.success)
+    return PlacePair(differ[0], one, other, found, there, back)
+
+
+def _why_none(tasks: Iterable[Sequence[_Found]]) -> str:
+    """What the task with the most places has."""
+    most = max(tasks, key=len, default=())
+    rewards = set.intersection(*(set(it.runs) for it in most)) if most else set()
+    if len(rewards) >= REWARDS and len(most) >= PLACES:
+        return "in a place no seed is done under every reward"
+    return (
+        f"it takes {REWARDS} rewards in {PLACES} places, a place being a simulator with an algorithm; here are "
+        f"{len(rewards)} in {len(most)}"
+    )

@@ -100,7 +100,7 @@ class Servo:
             [N m], shape (..., dof), a new array.
         """
         error = self.stiffness * np.subtract(qpos_ref, qpos) + self.damping * np.subtract(qvel_ref, qvel)
-        wanted = error + gravity if self.gravity_compensated else error
+        wanted = np.add(error, gravity) if self.gravity_compensated else error
         clipped: Float = np.clip(wanted, -self.max_torque, self.max_torque)
         return clipped
 

@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Callable, Sequence
 from functools import wraps
+from itertools import pairwise
 from typing import Any, cast
 
 import numpy as np
@@ -85,7 +86,7 @@ def drives_keep_their_limits(simulator: Simulator, robot: Robot, servo: Servo) -
         states = [start_at_home(simulation, strong)]
         states += [copied(simulation.drive(target, PERIOD)) for _ in range(2)]
     bodies = read_bodies(robot)
-    for before, after in zip(states, states[1:], strict=False):
+    for before, after in pairwise(states):
         gain = sum(0.5 * (servo.armature * (s.qvel**2)).sum(axis=1) * sign for s, sign in ((after, 1), (before, -1)))
         if bodies is not None:
             told = [energy(robot.chain, bodies, state.qpos, state.qvel) for state in (before, after)]
@@ -94,8 +95,8 @@ def drives_keep_their_limits(simulator: Simulator, robot: Robot, servo: Servo) -
         env = int(np.argmax(gain - allowed))
         require(
             (gain <= (1.0 + ROUNDING) * allowed).all(),  # what is no number is not
-            f"with drive=servo the arm of env {env} gains {gain[env]:.4g} J in {PERIOD:g} s; the largest torques of its "
-            f"drives give it at most {allowed[env]:.4g} J on that way",
+            f"with drive=servo the arm of env {env} gains {gain[env]:.4g} J in {PERIOD:g} s; "
+            f"the largest torques of its drives give it at most {allowed[env]:.4g} J on that way",
         )
 
 
@@ -134,7 +135,9 @@ def friction_holds_the_joints(simulator: Simulator, robot: Robot, servo: Servo) 
     """With `drive=servo` a dry friction above the limit holds every joint, and viscous friction makes it lag."""
     way = np.abs(_far(robot)).max()
     held = _moved(simulator, _with(robot, dry_friction=3.0 * servo.max_torque))
-    require(held.max() <= ROUNDING * way, f"with drive=servo dry friction above the limit lets a joint go {held.max():.3g}")
+    require(
+        held.max() <= ROUNDING * way, f"with drive=servo dry friction above the limit lets a joint go {held.max():.3g}"
+    )
     free, slow = (
         _moved(simulator, _with(robot, viscous_friction=friction, dry_friction=0.0 * servo.dry_friction))
         for friction in (0.0 * servo.viscous_friction, servo.max_torque / robot.max_speed)
@@ -148,7 +151,9 @@ def armature_makes_the_joints_slow(simulator: Simulator, robot: Robot, servo: Se
     """With `drive=servo` joints with a large armature gain less speed than those of the robot."""
     own = _moved(simulator, robot)
     heavy = _moved(simulator, _with(robot, armature=HEAVY * (servo.armature + _inertia(robot))))
-    require((heavy < 0.5 * own).all(), f"with drive=servo joints of large armature go {heavy}, those of the robot {own}")
+    require(
+        (heavy < 0.5 * own).all(), f"with drive=servo joints of large armature go {heavy}, those of the robot {own}"
+    )
 
 
 @check("sim-servo-forgets")

@@ -1,7 +1,7 @@
 """What the simulators on MuJoCo's engine share: the engine, the model of an arm, and its frames."""
 
-from .arms import Batch, OneArm
-from .engine import import_engine, mujoco  # first: the others import MuJoCo as it is then
+from .arms import Batch, OneArm  # first: MuJoCo is imported as `engine` does it
+from .engine import import_engine, mujoco
 from .feeds import RampFeed, ServoFeed
 from .model import GROUND, TARGET, TOUCH, build_model
 from .rendering import Renderer

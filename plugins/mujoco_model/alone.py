@@ -53,9 +53,7 @@ def roll_out_servo_alone(
     return _roll_out(model, targets[-1], controls, substeps, threads)
 
 
-def _roll_out(
-    model: mujoco.MjModel, start: Float, controls: Float, substeps: int, threads: int
-) -> Callable[[], None]:
+def _roll_out(model: mujoco.MjModel, start: Float, controls: Float, substeps: int, threads: int) -> Callable[[], None]:
     """Arms that rest at `start`, (num_envs, dof), fed `controls`, (periods, num_envs, substeps or 1, nu)."""
     from mujoco import rollout  # by now as `harness_plugins.mujoco_model` imported it
 

@@ -27,7 +27,8 @@ engine = import_engine("dm_control.mujoco")
 class DmControl:
     """dm_control's Physics, with the arm and the servos of simulator `mujoco`.
 
-    With equal settings it moves as `mujoco` does, with either kind of drives. A state that dm_control calls invalid ends the cell at once.
+    With equal settings it moves as `mujoco` does, with either kind of drives. A state that dm_control calls invalid
+    ends the cell at once.
     """
 
     family: ClassVar[str] = "MuJoCo"

@@ -44,8 +44,8 @@ def test_the_next_way_begins_at_the_last_target():
 def test_latency_shifts_all_by_whole_steps(ways: list[tuple[float, int]], delay: int):
     """What comes out late is what comes out at once, after so many steps at rest."""
     prompt, late = (_played(ways, latency) for latency in (0.0, delay * STEP))
-    assert (late[: delay, 1] == 0.0).all()
-    assert (late[: delay, 0] == 0.0).all()
+    assert (late[:delay, 1] == 0.0).all()
+    assert (late[:delay, 0] == 0.0).all()
     np.testing.assert_array_equal(late[delay:], prompt[: max(len(prompt) - delay, 0)])
 
 

@@ -91,3 +91,12 @@ def test_unknown_names_are_refused(harness):
     answer = harness("describe", "fd100-reech")
     assert answer.status == 2
     assert "Did you mean 'fd100-reach'?" in answer.err
+
+
+def test_a_robots_drives_are_described(harness, tmp_path):
+    """Their numbers, by joint; or that there are none."""
+    out = harness("describe", "fd100").out
+    assert re.search(r"joint2 +800 +10 +25 +25 +29000 +1920\n", out)
+    assert "latency 0.01 s, weight compensated" in out
+    shutil.copy(Path(harness_robots.__path__[0]) / "fd100" / "fd100.urdf", tmp_path / "arm.urdf")
+    assert "No drives for drive=servo" in harness("describe", str(tmp_path / "arm.urdf")).out

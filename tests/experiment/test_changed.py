@@ -1,6 +1,7 @@
 """Cells that other plugins made than those installed now."""
 
 import importlib
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -201,3 +202,20 @@ def test_other_choices_are_refused():
     """However they were given."""
     with pytest.raises(UsageError, match="changed='ask': there is refuse, keep, again"):
         RunOptions(changed="ask")  # type: ignore[arg-type]
+
+
+DRIVEN = Choice("ideal", (("drive", "servo"),), "ideal:drive=servo")
+"""A simulator that is set to move the arm by the drives of its robot.toml."""
+
+
+@pytest.mark.parametrize(("simulator", "count"), [(Choice("ideal", (), "ideal"), 0), (DRIVEN, 1)])
+def test_drives_count_where_they_move_the_arm(
+    make_cell: MakeCell, toys: Registry, tmp_path: Path, simulator: Choice, count: int
+):
+    """Another `[servo]` in robot.toml changes the cells whose simulator drives with it, and no others."""
+    folder = shutil.copytree(load_robot("fd100").folder, tmp_path / "arm")
+    cell = make_cell(simulator=simulator, robot=str(folder))
+    recorded = describe_environment(cell, load_robot(folder), toys)["sources"]
+    toml = folder / "robot.toml"
+    toml.write_text(toml.read_text().replace("latency_s = 0.01", "latency_s = 0.02"))
+    assert len(changed_cells({cell: recorded}, toys)) == count

@@ -1,6 +1,7 @@
 """What a machine has installed, told and compared."""
 
 import platform
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
+from harness.robot.load import load_robot
 from tests.registry.test_given import REWARD
 
 
@@ -64,3 +66,18 @@ def test_differences_name_both_sides():
     here, there = {"python": "3.11.7", "numpy": "2.4.6", "mujoco": "3.17.0"}, {"python": "3.11.7", "numpy": "2.3.0"}
     assert differences(here, there) == ["numpy 2.4.6 here, 2.3.0 there", "mujoco 3.17.0 here, none there"]
     assert differences(there, {**there, "jax": "0.10"}) == ["jax none here, 0.10 there"]
+
+
+@pytest.mark.parametrize(("drive", "same"), [("ideal", True), ("servo", False)])
+def test_drives_are_told_where_they_move_the_arm(
+    toys: Registry, make_cell: Callable[..., Cell], tmp_path: Path, drive: str, same: bool
+):
+    """A machine whose robot.toml has other drives tells another robot, where these decide a result."""
+    told = []
+    folder = shutil.copytree(load_robot("fd100").folder, tmp_path / "arm")
+    cell = make_cell(simulator=Choice("ideal", (("drive", drive),)), robot=str(folder))
+    for latency in ("0.01", "0.02"):
+        text = (folder / "robot.toml").read_text()
+        (folder / "robot.toml").write_text(text.replace("latency_s = 0.01", f"latency_s = {latency}"))
+        told.append(describe_installation([cell], toys))
+    assert (told[0] == told[1]) is same

@@ -16,6 +16,7 @@ from harness.experiment.plan import Plan, check_experiment, expand, read_experim
 from harness.record.store import EXPERIMENT, Store
 from harness.registry.choice import choose
 from harness.registry.registry import Registry, load_registry
+from harness.robot.load import load_robot
 
 BASE = {"sim": ["ideal"], "algo": ["wander"]}
 
@@ -377,3 +378,13 @@ def test_a_robot_that_no_path_can_be_is_refused(toys: Registry, robot: str):
     """Too long for the file system, or with a byte that ends names."""
     with pytest.raises(UsageError, match="No robot at"):
         _plan(toys, robot=robot)
+
+
+def test_drives_that_a_robot_does_not_describe_are_refused(tmp_path: Path):
+    """Before anything is written; a simulator with ideal drives takes the robot."""
+    robot = load_robot("fd100")
+    (tmp_path / "arm.urdf").write_text(robot.urdf)
+    keys = {"algo": ["random"], "robot": str(tmp_path / "arm.urdf")}
+    assert _plan(load_registry(), sim=["mujoco:drive=ideal"], **keys).cells
+    with pytest.raises(UsageError, match=r"'arm' has no drives to simulate: its robot.toml has no table \[servo\]"):
+        _plan(load_registry(), sim=["mujoco:drive=servo"], **keys)

@@ -24,10 +24,10 @@ ROBOT = load_robot("fd100")
 
 
 def test_environment_of_a_run(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
-    """What decides a result beside the cell, as JSON: versions, machine, commit, command, sources."""
+    """What decides a result beside the cell, as JSON: versions, machine, engine, commit, command, sources."""
     monkeypatch.setattr("sys.argv", ["/somewhere/bin/harness", "run", "--sim", "ideal"])
     described = describe_environment(make_cell(), ROBOT, toys)
-    assert list(described) == ["versions", "machine", "commit", "command", "sources"]
+    assert list(described) == ["versions", "machine", "engine", "commit", "command", "sources"]
     assert described["command"] == "harness run --sim ideal"
     assert json.loads(json.dumps(described)) == described
 
@@ -62,6 +62,15 @@ def test_versions_of_an_engine_are_recorded(make_cell: MakeCell, toys: Registry)
     """Of every library that the built-in engine requires."""
     cell = make_cell(simulator=Choice("dm_control", (), "dm_control"))
     assert {"dm-control", "mujoco"} <= describe_environment(cell, ROBOT, toys, ["simulators"])["versions"].keys()
+
+
+def test_the_engine_is_recorded(make_cell: MakeCell, toys: Registry):
+    """By the name that simulators of one engine share; None where there is none."""
+    engines = {
+        name: describe_environment(make_cell(simulator=Choice(name, (), name)), ROBOT, toys)["engine"]
+        for name in ("mujoco", "dm_control", "kinematic")
+    }
+    assert engines == {"mujoco": "MuJoCo", "dm_control": "MuJoCo", "kinematic": None}
 
 
 def test_machine_names_its_cpu():

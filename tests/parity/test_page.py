@@ -50,13 +50,13 @@ def test_without_the_reference_every_line_is_shown(compare, toolbox):
 
 
 def test_the_page_is_whole_and_loads_nothing(found, tmp_path):
-    """Two figures and two folded ones, the tables, and a policy that forbids the rest, scripts too."""
+    """Two figures and two folded ones, the tables, three of them by class, and a policy that forbids the rest."""
     write_parity(found, tmp_path / "parity.html")
     page = (tmp_path / "parity.html").read_text(encoding="utf-8")
     assert "default-src 'none'; style-src 'unsafe-inline'" in page
     assert not re.search(r"<(link|img|iframe|object|embed|script|a) ", page)
     assert page.count('role="img"') == 4
-    assert page.count("<table>") == 3
+    assert page.count("<table>") == 6
     assert "late against off" in page
 
 

@@ -115,6 +115,7 @@ def test_an_arm_that_does_not_reach_the_ground_has_no_contact_figures(compare, t
     (pair,) = parity.to_json()["pairs"]
     assert pair["contact_disagreement"] is None
     assert pair["mean_contact_delay_s"] is None
+    assert "contact" not in pair["classes"]
     assert pair["contact_note"] == NO_DIVES
 
 
@@ -133,6 +134,11 @@ def test_json_has_what_it_promises(compare, toolbox):
     assert (pair["a"], pair["b"]) == ("one", "two")
     assert pair["dives"] == {"both": 3, "only_a": 0, "only_b": 0, "neither": 0}
     assert 0.0 < pair["mean_tip_error_m"] < pair["max_tip_error_m"]
+    assert list(data["classes"]) == list(pair["classes"]) == ["slow", "smooth", "fast", "singular", "contact"]
+    assert pair["classes"]["smooth"]["max_tip_error_m"] == pair["max_tip_error_m"]
+    assert set(data["simulators"][1]["classes"]["fast"]) == {
+        *("tracking_error_m", "speed_told", "speed_reached", "falls_short", "lag_s")
+    }
     curve = pair["curves"]["max_tip_error_m"]
     assert (len(curve), curve[0], max(curve)) == (41, 0.0, pair["max_tip_error_m"])
 

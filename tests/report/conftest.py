@@ -79,7 +79,8 @@ def build_results(
     simulators: tuple[str, ...] = ("mujoco",),
     ended: Mapping[tuple[str, int], tuple[Status, str]] = {},
     environment: dict[str, Any] = ENVIRONMENT,
-    reached: Mapping[str, Evaluation] = {},
+    reached: Mapping[str | tuple[str, str], Evaluation] = {},
+    engines: Mapping[str, str | None] = {},
     a_a: bool = False,
     deterministic: bool = True,
     learned: Mapping[int, int] = {},
@@ -94,7 +95,9 @@ def build_results(
         simulators: Labels.
         ended: How the cell of a (reward, seed) ended, with the reason, where it is not done.
         environment: Of every cell that ran.
-        reached: By reward and seed, steps of the evaluation episodes that reach the target, of four in all.
+        reached: By reward and seed, steps of the evaluation episodes that reach the target, of four in all; by reward
+            and simulator where it is not the same in all.
+        engines: Of simulators whose cells record theirs.
         a_a: Whether the baseline is compared with itself too, trained again with as many other seeds.
         deterministic: How the policies were evaluated.
         learned: By environment steps, how many episodes of an evaluation during training reached the target, of four;
@@ -110,8 +113,10 @@ def build_results(
         label = cell.reward.label
         status, reason = ended.get((label, cell.seed), ("done", ""))
         if status == "done":
-            evaluation = reached.get(label, lambda seed: REACHED)
-            _write_done(store, cell, _distances(runs[label], cell.seed), evaluation(cell.seed), environment)
+            simulator = cell.simulator.label
+            evaluation = reached.get((label, simulator), reached.get(label, lambda seed: REACHED))
+            recorded = {**environment, "engine": engines[simulator]} if simulator in engines else environment
+            _write_done(store, cell, _distances(runs[label], cell.seed), evaluation(cell.seed), recorded)
             for steps, count in learned.items():
                 _write_learned(store, cell, steps, count + (label != BASELINE))
         elif status != "pending":

@@ -173,6 +173,15 @@ def test_an_own_reward_that_was_given_up_leaves_no_return(tmp_path):
     assert comparison.decisive.seeds == 3
 
 
+def test_a_share_that_was_given_up_in_one_training_stays_a_share(tmp_path):
+    """Of the seeds that have it."""
+    record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"behaviour_success": 12})
+    record(tmp_path / "even", "plain", 2, RISING)
+    decisive = load_study(tmp_path).comparisons[0].decisive
+    assert (decisive.seeds, decisive.left_out, decisive.measure.episodes) == (2, 1, 4)
+    assert "given up in step 2 of episode 2" in decisive.reason
+
+
 def test_a_reward_that_one_training_did_not_record(tmp_path):
     """It cannot pay that one."""
     record(two(tmp_path) / "odd", "plain", 2, RISING, pays={"plain": PAYS["plain"]})

@@ -25,6 +25,7 @@ from harness.record.trace import read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
+from harness.robot.load import load_robot
 from harness.transfer.evaluation import evaluate_elsewhere
 from harness.transfer.jobs import plan_transfers, run_transfers, transfer
 from harness.transfer.matrix import Transfers, load_transfers
@@ -307,3 +308,17 @@ def test_trained_policy_goes_between_engines(tmp_path: Path):
         evaluate_elsewhere(results.store.cell_folder(cell), choose(load_registry(), "simulators", other), folder)
         assert (folder / EVALUATION).read_bytes() == before
         assert not partial_folder(folder).exists()
+
+
+def test_policies_go_to_drives_that_their_robot_describes(train: Train):
+    """`--to mujoco:drive=servo` is a simulator of its own."""
+    (job, *_) = plan_transfers(train(seeds=1), "mujoco:drive=servo", load_registry()).jobs
+    assert job.simulator.label == "mujoco:drive=servo"
+
+
+def test_policies_of_a_robot_without_drives_do_not(train: Train, tmp_path: Path):
+    """One line says what is missing, before anything is evaluated."""
+    (tmp_path / "arm.urdf").write_text(load_robot("fd100").urdf)
+    bare = train(seeds=1, robot=str(tmp_path / "arm.urdf"))
+    with pytest.raises(UsageError, match=r"cannot be evaluated: Robot 'arm' has no drives to simulate"):
+        plan_transfers(bare, "mujoco:drive=servo", load_registry())

@@ -33,10 +33,10 @@ EXTRAS = {
 ROUNDING = {"physx": 1e-6}
 """Of a joint position [rad] or place [m], of engines that compute in single precision; else 1e-12."""
 BAD_SETTINGS = {
-    "dm_control": ["substeps=0", "substeps=1.5", "bandwidth=0", "bandwidth=nan", "threads=2"],
+    "dm_control": ["substeps=0", "substeps=1.5", "bandwidth=0", "bandwidth=nan", "threads=2", "drive=strong"],
     "drake": ["substeps=0", "substeps=1.5", "bandwidth=0", "bandwidth=nan", "threads=2"],
-    "kinematic": ["substeps=20"],
-    "mujoco": ["substeps=0", "substeps=1.5", "bandwidth=0", "bandwidth=nan", "threads=0", "gpu=1"],
+    "kinematic": ["substeps=20", "drive=servo", "self_collision=true"],
+    "mujoco": ["substeps=0", "substeps=1.5", "bandwidth=0", "bandwidth=nan", "threads=0", "gpu=1", "drive=strong"],
     "physx": ["substeps=0", "substeps=1.5", "iterations=0", "iterations=256", "gpu=1"],
     "pybullet": ["substeps=0", "substeps=1.5", "iterations=0", "gpu=1"],
 }

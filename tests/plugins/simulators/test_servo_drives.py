@@ -145,8 +145,6 @@ def test_robot_without_drives_is_refused(simulator: Any):
         simulator.open(bare, 1, PERIOD)
 
 
-
-
 @pytest.fixture(scope="module")
 def folding(tmp_path_factory: pytest.TempPathFactory) -> Robot:
     """Three bars that turn about upright axes, 2 m above the ground: folded, the last one meets the first."""
