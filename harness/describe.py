@@ -7,6 +7,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from harness.conditions import Conditions, conditions_of
 from harness.env.arm_observation import ArmObservation
 from harness.env.goal_observation import GoalObservation
 from harness.hookspecs import NOUNS
@@ -58,7 +59,7 @@ def _states(task: Task, robot: Robot) -> str:
     note = "\nTable I gives angles as 0 .. 350 deg; the published joint ranges differ and are used."
     return (
         f"{head} NOTE Table I for each joint, and where the target is; all angles stand first, then all speeds, then "
-        f"all accelerations.\n{_table([*_arm_states(robot), *_goal_states(observation)])}"
+        f"all accelerations.\n{_table([*_arm_states(robot), *_goal_states(observation), *_obstacles(observation)])}"
         f"{note if robot.name == 'fd100' else ''}"
     )
 
@@ -87,6 +88,12 @@ def _goal_states(observation: ArmObservation) -> list[tuple[str, str, str]]:
     goal, count = observation.goal, len(observation.goal.bounds()[0])
     more = [("goal", f"{count} number{'s' * (count > 1)}", goal.observed)] if count else []
     return [("error", "1 number", f"the {goal.error}, {goal.unit or 'without a unit'}"), *more]
+
+
+def _obstacles(observation: ArmObservation) -> list[tuple[str, str, str]]:
+    """What is seen of obstacles, if anything."""
+    count = observation.obstacles
+    return [("obstacles", f"{count} x 7 numbers", "centre - end effector, half edges, radius, m")] * bool(count)
 
 
 def _unit_of(robot: Robot, joint: int) -> tuple[float, str]:
@@ -127,16 +134,43 @@ def _transition(task: Task, robot: Robot) -> str:
         ("target", task.target_in_words(robot)),
         ("terminated" if task.ends_at_target else "next target", reached),
         ("terminated", "a moving link touches the ground z = 0 (NOTE eq. 18)"),
+        *_conditions(conditions_of(task)),
         ("truncated", f"after {task.horizon} steps"),
     ]
     return f"T, the transition:\n{_table(rows)}"
 
 
+def _conditions(told: Conditions) -> list[tuple[str, str]]:
+    """What there is of noise, delays, obstacles and varied arms."""
+    seen, count = (told.joint_noise, told.speed_noise, told.target_noise), told.most_obstacles
+    varied = (
+        ("masses of links", told.mass_variation),
+        ("sizes of links", told.length_variation),
+        ("friction of drives", told.friction_variation),
+    )
+    arms = ", ".join(f"{name} +- {share:.0%}" for name, share in varied if share)
+    rows = [
+        (
+            any(seen),
+            "noise",
+            "standard deviation of what is seen: {:.3g} rad, {:.3g} rad/s, target {:.3g} m".format(*seen),
+        ),
+        (told.action_noise, "noise", f"standard deviation of what is done: {told.action_noise:.3g} of a full action"),
+        (told.observation_delay, "delay", f"what is seen is {told.observation_delay} steps old"),
+        (told.action_delay, "delay", f"an action works {told.action_delay} steps later"),
+        (count, "obstacles", f"{count} at most; the arm touches one at {told.obstacle_clearance:g} m"),
+        (count, "terminated", "a moving link touches an obstacle"),
+        (told.is_varied, "arm", f"one of {told.variants}, drawn for each episode, {arms}"),
+    ]
+    return [(name, text) for is_there, name, text in rows if is_there]
+
+
 def _rewards(task: Task) -> str:
-    task_goes_on = not task.ends_at_target
+    task_goes_on, told = not task.ends_at_target, conditions_of(task)
     rows = [
         ("shaped", "chosen with --reward; recorded apart from the events", ""),
         ("ground", f"{task.ground_reward:+g}", "NOTE eq. 18"),
+        *[("obstacle", f"{told.obstacle_reward:+g}", "recorded with the ground's")] * bool(told.most_obstacles),
         ("target", task.target_reward_in_words(), "NOTE eq. 19" + " differs: +1, and the episode ends" * task_goes_on),
         ("step", f"{task.step_reward:+g}", "the baseline's step penalty"),
     ]
@@ -181,7 +215,8 @@ def _describe_drives(robot: Robot) -> str:
 
 
 def _describe_parameters(target: Any, values: dict[str, Any]) -> str:
-    parameters = parameters_of(target)
+    later = getattr(target, "later", ())
+    parameters = sorted(parameters_of(target), key=lambda parameter: parameter.name in later)
     if not parameters:
         return "No parameters."
     rows = [

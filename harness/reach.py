@@ -7,7 +7,10 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
+from harness.arrays import Float, Mask
+from harness.conditions import Conditions
+from harness.conditions.clearance import Clearance
+from harness.conditions.obstacles import distance_from, parse_obstacles
 from harness.env.arm_observation import ArmObservation
 from harness.env.goal_observation import GoalObservation
 from harness.errors import UsageError
@@ -25,9 +28,12 @@ FD100_REACH = 1.5413267497929588
 FD100_CENTER = np.array([0.85, 0.0, 0.7])
 FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
 
+START_TRIES = 100
+"""Of a start that fixed obstacles leave free."""
+
 
 @dataclass(frozen=True)
-class ReachTask:
+class ReachTask(Conditions):
     """Bring the end effector of an arm within epsilon of a target.
 
     The defaults are those of the FD100 (`fd100-reach`); for another arm the box of targets is scaled by its reach.
@@ -70,9 +76,9 @@ class ReachTask:
 
     def observation(self, robot: Robot) -> ArmObservation:
         """See `harness.task.Task`."""
-        goal = goal_of(self, robot)
+        goal, seen = goal_of(self, robot), self.obstacles_seen if self.most_obstacles else 0
         period = self.control_period
-        return ArmObservation(robot, period) if goal is None else GoalObservation(robot, period, goal)
+        return ArmObservation(robot, period, seen) if goal is None else GoalObservation(robot, period, goal, seen)
 
     def target_rewards(self, robot: Robot, qpos: Float) -> Float:
         """`target_reward`, each time."""
@@ -92,9 +98,17 @@ class ReachTask:
             raise UsageError(f"epsilon={self.epsilon:g} m covers the targets from the start: choose less")
 
     def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
-        """The home pose with noise, within the joint ranges, (dof,)."""
-        noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof)
-        return np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
+        """The home pose with noise, within the joint ranges, (dof,); away from fixed obstacles.
+
+        Raises:
+            UsageError: Fixed obstacles leave next to no start.
+        """
+        for _ in range(START_TRIES):
+            noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof)
+            start = np.minimum(np.maximum(robot.home + noise, robot.lower), robot.upper)
+            if not self.obstacles or not self._touches(robot, start[None])[0]:
+                return start
+        raise UsageError("The fixed obstacles touch the arm at its start: move them, or make them smaller")
 
     def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
         """Targets that the arm can reach, uniform in the box.
@@ -106,13 +120,16 @@ class ReachTask:
         found = np.empty((0, 3))
         for _ in range(20):
             drawn = center + rng.uniform(-1.0, 1.0, (count, 3)) * half
-            _, reached = reach_position(robot, drawn, np.tile(robot.home, (count, 1)))
+            poses, reached = reach_position(robot, drawn, np.tile(robot.home, (count, 1)))
+            if self.obstacles:
+                reached &= self._are_free(robot, drawn, poses)
             found = np.concatenate([found, drawn[reached]])
             if len(found) >= count:
                 return Targets(found[:count], np.zeros(count, bool))
         raise UsageError(
             f"The end effector of {robot.name} reaches next to no target in the box {_text(center)} +- {_text(half)} "
-            "m: choose target_center and target_half_extent within its reach"
+            f"m{' that the fixed obstacles leave free' * bool(self.obstacles)}: choose target_center and "
+            "target_half_extent within its reach"
         )
 
     def _begin_errors(self, robot: Robot, rng: np.random.Generator) -> Float:
@@ -125,6 +142,16 @@ class ReachTask:
         if goal is None:
             return np.asarray(np.linalg.norm(targets - tips, axis=1))
         return goal.errors(Situation(starts, tips, targets, numbers, none, none))
+
+    def _are_free(self, robot: Robot, targets: Float, poses: Float) -> Mask:
+        """Where fixed obstacles are away from a target and from a pose in which the arm reaches it, (count,)."""
+        distance = distance_from(targets[:, None], parse_obstacles(self.obstacles)).min(axis=1)
+        free: Mask = (distance > self.epsilon + self.obstacle_clearance) & ~self._touches(robot, poses)
+        return free
+
+    def _touches(self, robot: Robot, poses: Float) -> Mask:
+        fixed = parse_obstacles(self.obstacles)
+        return Clearance(robot).touches(poses, np.tile(fixed, (len(poses), 1, 1)), self.obstacle_clearance)
 
     def start_in_words(self, robot: Robot) -> str:
         """See `harness.task.Task`."""

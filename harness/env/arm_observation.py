@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float32
+from harness.conditions.obstacles import NUMBERS, seen_from
 from harness.env.episodes import Episodes
 from harness.robot import Robot
 
@@ -21,22 +22,27 @@ class ArmObservation:
     end effector                  3      world frame, [m]
     offset                        3      target - end effector, [m]
     distance                      1      length of the offset, [m]
+    each obstacle, nearest first  7      its centre - end effector (3), half edges (3), radius, [m];
+                                         zeros where there are fewer
     ============================  =====  ==========================================================
 
     Attributes:
+        obstacles: How many are seen.
         arm_columns: Those that say nothing of the target, (3 dof + 3,): the joints' and the end effector's.
     """
 
-    def __init__(self, robot: Robot, period: float) -> None:
+    def __init__(self, robot: Robot, period: float, obstacles: int = 0) -> None:
+        """For an arm whose task shows so many obstacles."""
+        self.obstacles = obstacles
         half_range = (robot.upper - robot.lower) / 2.0
         joints = np.concatenate([half_range, robot.max_speed, robot.max_acceleration * period])
         self._scale = 1.0 / np.concatenate([joints, np.ones(10)])
         self._middle = np.concatenate([(robot.lower + robot.upper) / 2.0, np.zeros(2 * robot.dof + 10)])
         # The end effector cannot leave this, whatever the joints do; targets are checked against the arm's reach.
         extent = 2.0 * robot.extent
-        self._high = np.concatenate([np.ones(3 * robot.dof), np.full(10, extent)])
+        self._high = np.concatenate([np.ones(3 * robot.dof), np.full(10 + NUMBERS * obstacles, extent)])
         self._low = -self._high
-        self._low[-1] = 0.0
+        self._low[3 * robot.dof + 9] = 0.0
         self._columns: NDArray[np.intp] | None = None
         dof = robot.dof
         self.arm_columns = np.concatenate([np.arange(3 * dof), np.arange(3 * dof + 3, 3 * dof + 6)])
@@ -60,6 +66,10 @@ class ArmObservation:
         seen = episodes.matrix.take(self._columns, axis=1)
         seen -= self._middle
         seen *= self._scale
+        if self.obstacles:
+            there = episodes.extra("obstacles").reshape(len(seen), -1, NUMBERS)
+            near = seen_from(episodes.end_effector, there, self.obstacles)
+            seen = np.concatenate([seen, near.reshape(len(seen), -1)], axis=1)
         np.maximum(seen, self._low, out=seen)
         np.minimum(seen, self._high, out=seen)
         return seen.astype(np.float32)

@@ -1,11 +1,13 @@
 """Where the episodes of a batch stand: one matrix, whose first columns are the row that a trace records."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.errors import SimulationDiverged
-from harness.record.trace import COLUMN, SCALARS
+from harness.record.trace import COLUMN, NO_EXTRAS, SCALARS
 from harness.reward import Sample
 from harness.simulator import State
 from harness.task import Goal, Situation
@@ -34,15 +36,23 @@ class Episodes:
         qvel: (num_envs, dof), [rad/s].
         qvel_change: Since the step before.
         action: (num_envs, action_size).
+        extras: Columns that the record has beside the usual ones, and their widths; see `harness.record.trace`.
         sample: What rewards are given: the same arrays.
         numbers: What belongs to the target beside its position, (num_envs, goal.numbers); (num_envs, 0) without a goal.
         situation: What a goal is given: the same arrays; without a goal it tells nothing.
     """
 
-    def __init__(self, num_envs: int, dof: int, action_size: int, goal: Goal | None = None) -> None:
-        width = len(SCALARS) + dof + action_size
-        self.goal = goal
-        self._places = _places(dof, action_size, goal)
+    def __init__(
+        self,
+        num_envs: int,
+        dof: int,
+        action_size: int,
+        extras: Mapping[str, int] = NO_EXTRAS,
+        goal: Goal | None = None,
+    ) -> None:
+        self._sizes, self.extras, self.goal = (num_envs, dof, action_size), extras, goal
+        width = len(SCALARS) + dof + action_size + sum(extras.values())
+        self._places = _places(dof, action_size, extras, goal)
         self.matrix = matrix = np.zeros((num_envs, max(end for _, end in self._places.values())))
         matrix[:, COLUMN["env"]] = np.arange(num_envs)
         matrix[:, COLUMN["episode"]] = -1
@@ -72,13 +82,22 @@ class Episodes:
         """Where in `matrix` the arrays of these names stand, one after the other."""
         return np.concatenate([np.arange(*self._places[name]) for name in names])
 
+    def another(self) -> "Episodes":
+        """New ones of the same sizes."""
+        return Episodes(*self._sizes, self.extras, self.goal)
+
+    def extra(self, name: str) -> Float:
+        """One of `extras`, (num_envs, its width)."""
+        return self._part(name)
+
     def start(self, mask: Mask, state: State, target: Float, numbers: Float | None = None) -> None:
         """Begin new episodes in the envs of `mask` with `target`, (num_envs, 3), and the `numbers` of a goal."""
-        self.qpos[mask], self.qvel[mask] = state.qpos[mask], state.qvel[mask]
-        self.end_effector[mask] = state.end_effector[mask]
-        self.step[mask] = self.shaped[mask] = self.step_price[mask] = 0.0
-        self.qvel_change[mask] = self.events[mask] = self.flags[mask] = 0.0
-        self.action[mask] = 0.0
+        envs = np.flatnonzero(mask)  # of many envs few begin in a step: their numbers are quicker than the mask
+        self.qpos[envs], self.qvel[envs] = state.qpos[envs], state.qvel[envs]
+        self.end_effector[envs] = state.end_effector[envs]
+        self.step[envs] = self.shaped[envs] = self.step_price[envs] = 0.0
+        self.qvel_change[envs] = self.events[envs] = self.flags[envs] = 0.0
+        self.action[envs] = 0.0
         self.set_target(mask, target, numbers)
 
     def set_target(self, mask: Mask, target: Float, numbers: Float | None = None) -> None:
@@ -128,6 +147,11 @@ class Episodes:
         short: Mask = self._within < self.goal.steps_within
         return short
 
+    def measure_offset(self) -> None:
+        """Bring offset and distance up to target and end effector."""
+        np.subtract(self.target, self.end_effector, out=self.offset)
+        self.distance[...] = self._errors()
+
     def require_finite(self, distance: Float) -> None:
         """Raises SimulationDiverged where an end effector is nowhere."""
         if not np.isfinite(distance).all():
@@ -144,7 +168,7 @@ class Episodes:
         return self.matrix[:, slice(*self._places[name])]
 
 
-def _places(dof: int, action_size: int, goal: Goal | None) -> dict[str, tuple[int, int]]:
+def _places(dof: int, action_size: int, extras: Mapping[str, int], goal: Goal | None) -> dict[str, tuple[int, int]]:
     """First column of each array in the matrix, and the one after its last."""
     places = {name: (at, at + 1) for name, at in COLUMN.items()}
     groups = {
@@ -155,9 +179,10 @@ def _places(dof: int, action_size: int, goal: Goal | None) -> dict[str, tuple[in
     }
     places.update({name: (COLUMN[first], COLUMN[last] + 1) for name, (first, last) in groups.items()})
     at = len(SCALARS)
-    arm = (("qpos", dof), ("action", action_size), ("qvel", dof), ("qvel_change", dof), ("offset", 3))
+    arm, more = (("qpos", dof), ("action", action_size)), (("qvel", dof), ("qvel_change", dof), ("offset", 3))
     sizes = (goal.numbers, 3, 1, 1) if goal else (0, 0, 0, 0)
-    for name, size in (*arm, *zip(("numbers", "set_at", "since", "within"), sizes, strict=True)):
+    asked = zip(("numbers", "set_at", "since", "within"), sizes, strict=True)
+    for name, size in (*arm, *extras.items(), *more, *asked):
         places[name] = (at, at + size)
         at += size
     return places

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.arrays import Float
+from harness.conditions import conditions_of
 from harness.env.arm_observation import ArmObservation
 from harness.env.make import Given
 from harness.env.single_env import Action, ReachEnv
@@ -181,14 +182,15 @@ def _require_one_goal(given: Given, registry: Registry) -> None:
     if not _has_one_goal(choice.build(registry, "tasks")):
         allowed = [name for name, task in build_defaults(registry, "tasks").items() if _has_one_goal(task)]
         raise UsageError(
-            f"Task '{choice.label}' sets several goals in an episode, repeats an action for several steps, or asks for "
-            "more than a point that stays: its steps cannot be paid again for another goal. "
-            f"Allowed: {', '.join(allowed)}"
+            f"Task '{choice.label}' sets several goals in an episode, repeats an action for several steps, asks for "
+            "more than a point that stays, or has noise, delays, obstacles or varied arms: its steps cannot be paid "
+            f"again for another goal. Allowed: {', '.join(allowed)}"
         )
 
 
 def _has_one_goal(task: Task) -> bool:
-    return task.ends_at_target and task.decision_period == 1 and not hasattr(task, "goal")
+    is_simple = task.ends_at_target and task.decision_period == 1 and not hasattr(task, "goal")
+    return is_simple and conditions_of(task).are_plain
 
 
 def _column(infos: Sequence[Mapping[str, Any]], name: str) -> Float:

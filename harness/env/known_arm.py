@@ -33,6 +33,6 @@ def kinematics_policy(task: Task, robot: Robot, algorithm: str = "") -> InverseK
         algorithm: For the reader of the policy's card.
     """
     motion = cast(MoveJ | MoveJAbsolute | SetJoints, task.motion(robot))
-    goal = goal_of(task, robot)
-    more, turns = (0, False) if goal is None else (len(goal.bounds()[0]), goal.aim == "pose")
+    goal, size = goal_of(task, robot), len(task.observation(robot).low)
+    more, turns = size - (3 * robot.dof + 10), goal is not None and goal.aim == "pose"
     return InverseKinematics.of(robot, motion.limits, MODES[type(motion)], algorithm, more, turns)

@@ -88,6 +88,6 @@ class Streams:
     def _error(self, qpos: Float, end_effector: Float, target: Float, numbers: Float) -> float:
         if self._goal is None:
             return float(np.linalg.norm(target - end_effector))
-        arm, none = (part[None] for part in (qpos, end_effector, target, numbers)), np.zeros(1)
-        now = Situation(*arm, step=none, within=none)
+        none = np.zeros(1)
+        now = Situation(qpos[None], end_effector[None], target[None], numbers[None], none, none)
         return float(self._goal.errors(now)[0])

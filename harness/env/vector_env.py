@@ -9,9 +9,11 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Float32, Mask
+from harness.conditions import conditions_of
 from harness.env.episodes import Episodes
 from harness.env.logged_simulation import LoggedSimulation
-from harness.env.random_streams import Seed, Streams
+from harness.env.random_streams import TRIES, Seed, Streams
+from harness.env.surroundings import Surroundings, extra_columns
 from harness.errors import UsageError
 from harness.motion import Discrete, Move
 from harness.progress import TrainingState, as_state, prefixed, under
@@ -102,7 +104,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._define_spaces()
         self._allocate()
         self._streams = Streams(task, robot, num_envs, None)
-        self.simulation = simulation = simulator.open(robot, num_envs, task.control_period)
+        around, period = self._around, task.control_period
+        self.simulation = simulation = around.open(simulator) if around else simulator.open(robot, num_envs, period)
         self._log: LoggedSimulation | None = None
         if resumable:
             self.simulation = self._log = LoggedSimulation(simulation, robot, num_envs)
@@ -122,6 +125,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             self.rest(~(self._active | mask))
         if seed is not None:
             self._streams = Streams(self.task, self.robot, self.num_envs, seed)
+            if self._around:
+                self._around.seed(seed)
         self._start_episodes(mask)
         episodes = self.episodes
         infos = {
@@ -129,7 +134,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             "reward_shaped": episodes.shaped.copy(),
             "is_success": episodes.flags[:, REACHED] > 0.0,
         }
-        return self._observation.observe(episodes), infos
+        return self._observe(), infos
 
     def step(self, actions: Actions) -> tuple[Float32, Float, Mask, Mask, Infos]:  # type: ignore[override]
         """One decision in every env."""
@@ -142,10 +147,9 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         if self._events and self._same_step:
             ended = outcome.terminated | outcome.truncated
             if ended.any():
-                infos["final_obs"], infos["_final_obs"] = self._observation.observe(self.episodes), ended
+                infos["final_obs"], infos["_final_obs"] = self._observe(), ended
                 self._start_episodes(ended)
-        observations = self._observation.observe(self.episodes)
-        return observations, outcome.paid, outcome.terminated, outcome.truncated, infos
+        return self._observe(), outcome.paid, outcome.terminated, outcome.truncated, infos
 
     def rest(self, mask: Mask) -> None:
         """Leave the envs of `mask`, (num_envs,), as they are until they are reset: nothing of them is recorded.
@@ -176,7 +180,9 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             "events": self._events,
             "started": self._started.copy(),
         }
-        return {**as_state({**own, **prefixed("carry", carry)}), **prefixed("simulation.", self._resumable().state())}
+        around = prefixed("around.", self._around.state()) if self._around else {}
+        told = prefixed("simulation.", self._resumable().state())
+        return {**as_state({**own, **prefixed("carry", carry)}), **around, **told}
 
     def restore(self, state: TrainingState) -> None:
         """Stand where an env of the same kind stood when it told its `state`, in the middle of episodes too.
@@ -185,11 +191,13 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             UsageError: The env was opened without ``resumable=True``.
             SchemaError: The simulator does not bring the arms where they stood. The env has to be reset with a seed.
         """
+        episodes = self.episodes
+        episodes.matrix[...] = state["matrix"]
+        if self._around:
+            self._around.restore(under("around.", state))
         self._resumable().restore(under("simulation.", state))
         self.environment_steps = int(state["environment_steps"])
         self._streams.unpack(state["streams"])
-        episodes = self.episodes
-        episodes.matrix[...] = state["matrix"]
         episodes.sample.previous_distance[...] = state["previous_distance"]
         self._command, self._command_speed = state["command"].copy(), state["command_speed"].copy()
         self._inside, self._started = state["inside"].copy(), state["started"].copy()
@@ -230,7 +238,12 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._period, self._duration, self._jumps = task.decision_period, task.control_period, self._motion.jumps
         self._horizon, self._epsilon, self._step_reward = task.horizon, task.epsilon, task.step_reward
         self._goes_on = not task.ends_at_target
-        self.episodes = Episodes(n, dof, self._motion.action_size, goal_of(task, self.robot))
+        conditions = conditions_of(task)
+        self.episodes = Episodes(n, dof, self._motion.action_size, extra_columns(conditions), goal_of(task, self.robot))
+        self._around: Surroundings | None = None
+        if not conditions.are_plain:
+            robot, motion = self.robot, self._motion
+            self._around = Surroundings(conditions, robot, self.episodes, motion, self._epsilon, self._duration)
         self._command = np.zeros((n, dof))
         self._command_speed = np.zeros((n, dof))
         self._inside = np.zeros(n, bool)  # where the end effector was in the target one step earlier
@@ -240,6 +253,9 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._active = None
         self._events = False  # whether the record holds flags of the step before
         self._started = np.zeros(n, bool)
+
+    def _observe(self) -> Float32:
+        return self._observation.observe(self._around.senses.look() if self._around else self.episodes)
 
     # ------------------------------------------------------------------------------------------------ steps
 
@@ -271,7 +287,9 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         episodes = self.episodes
         if self._events:
             self._forget_events()
-        move = self._motion.advance(self._command, self._command_speed, episodes.action)
+        around = self._around
+        action = around.senses.act(episodes.action, active) if around else episodes.action
+        move = self._motion.advance(self._command, self._command_speed, action)
         self._command, self._command_speed = move.waypoints[-1], move.qvel
         state, ground = self._drive(move)
         distance = episodes.measure(state)
@@ -282,15 +300,22 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         reached = ~far
         if self._goes_on:
             reached, self._inside = reached & ~self._inside, reached
+        struck = around.struck() if around else None
+        if struck is not None:
+            reached = reached & ~struck
         self._until_horizon -= 1
         terminated = truncated = np.greater_equal(ground, far)  # on the ground, or not far
+        if struck is not None:
+            terminated = terminated | struck
         if self._until_horizon <= 0 or np.count_nonzero(terminated) or move.held is not None:
-            terminated, truncated = self._mark_events(ground, reached, move)
+            terminated, truncated = self._mark_events(ground, reached, struck, move)
             episodes.require_finite(distance)
             paid = paid + episodes.events.sum(axis=1)
         else:
             truncated = terminated.copy()  # none in either
         self._record(active)
+        if around:
+            around.senses.push(active)
         np.minimum(episodes.previous_best, distance, out=episodes.previous_best)
         outcome = Outcome(paid, terminated, truncated, reached, distance, episodes.shaped.copy())
         if self._goes_on and reached.any():
@@ -312,15 +337,19 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             ground |= state.ground_contact
         return state, ground
 
-    def _mark_events(self, ground: Mask, reached: Mask, move: Move) -> tuple[Mask, Mask]:
+    def _mark_events(self, ground: Mask, reached: Mask, struck: Mask | None, move: Move) -> tuple[Mask, Mask]:
         """Flags and event terms into the record; returns where episodes are terminated and truncated."""
         episodes = self.episodes
         terminated = ground | reached if not self._goes_on else ground.copy()
+        if struck is not None:
+            terminated |= struck
         truncated = (episodes.step >= self._horizon) & ~terminated
         held = np.zeros_like(ground) if move.held is None else move.held
         for column, flag in enumerate((ground, reached, held, terminated, truncated)):
             episodes.flags[:, column] = flag
         episodes.events[:, 0] = ground * self.task.ground_reward
+        if struck is not None:
+            episodes.events[:, 0] += struck * conditions_of(self.task).obstacle_reward
         if reached.any():
             episodes.events[reached, 1] = self.task.target_rewards(self.robot, episodes.qpos[reached])
         self._events = True
@@ -346,11 +375,15 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         for k in envs:
             self._command[k] = self._streams.start(k)
         self._command_speed[mask] = 0.0
+        if self._around:
+            self._around.draw(mask)
         state = self.simulation.reset(self._command, mask)
         target, numbers = episodes.target.copy(), episodes.numbers.copy()
         for k in envs:
-            target[k], numbers[k] = self._streams.target_apart(k, state.end_effector[k], state.qpos[k])
+            target[k], numbers[k] = self._first_target(k, state)
         episodes.start(mask, state, target, numbers)
+        if self._around:
+            self._around.begin(mask)
         self._inside[mask] = False
         self._restart_reward(mask)
         # An episode that was left before its first step left no row: its number is free.
@@ -358,6 +391,17 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._started |= mask
         self._starting = True
         self._until_horizon = self._horizon - int(episodes.step.max())
+
+    def _first_target(self, env: int, state: State) -> tuple[Float, Float]:
+        """A target, (3,), that the arm is not at, and the numbers of a goal.
+
+        One that it can reach, where the arm is not as drawn.
+        """
+        for _ in range(TRIES):
+            target, numbers = self._streams.target_apart(env, state.end_effector[env], state.qpos[env])
+            if self._around is None or self._around.is_reached(env, target, state.qpos[env]):
+                return target, numbers
+        raise UsageError("length_variation leaves next to no target that a shorter arm reaches: choose less")
 
     def _set_next_targets(self, mask: Mask) -> None:
         """Give the envs of `mask`, which reached their targets, the next ones."""
@@ -378,7 +422,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         """Write the start rows when the first step follows: an episode without a step leaves no trace."""
         if self.recorder is not None:
             rows = self.episodes.record[self._started]
-            rows[:, -self.episodes.action.shape[1] :] = 0.0
+            rows[:, self.episodes.columns("action")] = 0.0
             self.recorder.append(rows)
         self._started[:] = False
         self._starting = False

@@ -11,6 +11,8 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float32
+from harness.conditions import conditions_of
+from harness.conditions.varied_robot import Factors, draw_factors
 from harness.env.make import World
 from harness.experiment.work_meter import WorkMeter
 from harness.policy import Policy
@@ -50,7 +52,8 @@ def evaluate(
         facts_of(world.task, world.robot), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes])
     )
     try:
-        with TraceWriter(path, env.robot.dof, env.episodes.action.shape[1], episodes=1, facts=facts) as writer:
+        sizes, extras = (env.robot.dof, env.episodes.action.shape[1]), env.episodes.extras
+        with TraceWriter(path, *sizes, episodes=1, facts=facts, extras=extras) as writer:
             env.recorder = meter = WorkMeter(writer, world)
             observations, _ = env.reset(seed=seed)
             running = np.ones(env.num_envs, bool)
@@ -66,8 +69,15 @@ def evaluate(
 
 def facts_of(task: Task, robot: Robot) -> EpisodeFacts:
     """What is known of the episodes of a task before there are any."""
-    facts, goal = EpisodeFacts(horizon=task.horizon, control_period=task.control_period), goal_of(task, robot)
+    goal, facts = goal_of(task, robot), EpisodeFacts(task.horizon, task.control_period, arms=_arms(task, robot))
     return facts if goal is None else replace(facts, error=goal.error, unit=goal.unit, target_moves=goal.moves)
+
+
+def _arms(task: Task, robot: Robot) -> tuple[Factors, ...] | None:
+    conditions = conditions_of(task)
+    if not conditions.is_varied:
+        return None
+    return tuple(draw_factors(conditions, robot, number) for number in range(conditions.variants))
 
 
 def act_of(policy: Policy, deterministic: bool) -> Act:

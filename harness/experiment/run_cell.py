@@ -127,12 +127,11 @@ class _Run:
         self, algorithm: Algorithm, env: ReachVectorEnv, attempt: Attempt, evaluations: CellEvaluations
     ) -> Policy:
         """Train on `env`, which stands where the attempt begins, and close it."""
-        cell, watch, facts = self.cell, self.watch, facts_of(env.task, env.robot)
+        cell, watch = self.cell, self.watch
         env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
         try:
-            with TraceParts(
-                attempt.folder / TRACE, env.robot.dof, env.episodes.action.shape[1], facts, attempt.parts
-            ) as parts:
+            sizes, facts = (env.robot.dof, env.episodes.action.shape[1]), facts_of(env.task, env.robot)
+            with TraceParts(attempt.folder / TRACE, *sizes, facts, attempt.parts, env.episodes.extras) as parts:
                 env.recorder = learning = LearningSoFar(parts, attempt.begun_from)
                 if attempt.checkpoint is None:
                     env.reset(seed=env_seed)

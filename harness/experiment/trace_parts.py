@@ -1,6 +1,6 @@
 """A trace that is written in parts, so that a training that is killed can go on behind the last finished one."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
@@ -11,7 +11,7 @@ from harness.errors import SchemaError
 from harness.files.bounded import digest_of
 from harness.files.whole_file import sync
 from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import FACTS_KEY, Rows, TraceWriter
+from harness.record.trace import FACTS_KEY, NO_EXTRAS, Rows, TraceWriter
 
 
 class TraceParts:
@@ -25,7 +25,13 @@ class TraceParts:
     """
 
     def __init__(
-        self, path: Path, dof: int, action_size: int, facts: EpisodeFacts, digests: Sequence[str] = ()
+        self,
+        path: Path,
+        dof: int,
+        action_size: int,
+        facts: EpisodeFacts,
+        digests: Sequence[str] = (),
+        extras: Mapping[str, int] = NO_EXTRAS,
     ) -> None:
         """Go on behind the parts that are finished, each of which has a digest.
 
@@ -35,8 +41,10 @@ class TraceParts:
             action_size: Length of the action.
             facts: What is known of the episodes.
             digests: SHA-256 of each finished part.
+            extras: See `TraceWriter`.
         """
         self._path, self._dof, self._action_size, self._facts = path, dof, action_size, facts
+        self._extras = extras
         self.digests = list(digests)
         discard_parts(path, len(digests))
         self._writer = self._open()
@@ -69,7 +77,7 @@ class TraceParts:
         return part_of(self._path, len(self.digests))
 
     def _open(self) -> TraceWriter:
-        return TraceWriter(self._present, self._dof, self._action_size, facts=self._facts)
+        return TraceWriter(self._present, self._dof, self._action_size, facts=self._facts, extras=self._extras)
 
     def _merge(self) -> None:
         parts = [part_of(self._path, number) for number in range(len(self.digests) + 1)]

@@ -36,7 +36,8 @@ class InverseKinematics(Policy):
     Acts on the observations of `harness.env.arm_observation.ArmObservation`, and of
     `harness.env.goal_observation.GoalObservation`: it goes to where the target is now.
 
-    All that it needs to know of the arm is in its arrays: no robot's file is read, and a robot that has changed since changes nothing.
+    All that it needs to know of the arm is in its arrays: no robot's file is read, and a robot that has changed since
+    changes nothing.
 
     Attributes:
         weights: ``joints`` (dof, 4, 4), ``axes`` (dof, 3) and ``tip`` (4, 4) of the `harness.robot.kinematics.Chain`;

@@ -4,8 +4,8 @@ import json
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
-OF_A_GOAL = ("error", "unit", "target_moves")
-"""Left out of the file where there is nothing to tell: it is, byte for byte, as it was before there were goals."""
+LATER = ("arms", "error", "unit", "target_moves")
+"""Left out of the file where there is nothing to tell: it stays, byte for byte, as it was before there were any."""
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,9 @@ class EpisodeFacts:
             cannot act, see `harness.env.known_arm`.
         work: Of an evaluation: the mechanical work of each env's episode, see `harness.robot.energy`, [J]. None where
             the arm jumps from pose to pose or its links have no mass.
+        arms: Where the arms of episodes differ, how: for each arm the factors of the masses of the links that move,
+            those of their sizes, and that of the friction of the drives; 1 is as drawn. The column `arm` of a row is
+            the number of its episode's. None where they do not differ.
         error: What the columns of distances hold, of a task that asks for more than a point that stays, as ``pose
             error``; None of one that does not: the distance from end effector to target, in metres.
         unit: Of the error.
@@ -30,13 +33,14 @@ class EpisodeFacts:
     control_period: float | None = None
     ik_steps: tuple[int | None, ...] | None = None
     work: tuple[float, ...] | None = None
+    arms: tuple[tuple[tuple[float, ...], tuple[float, ...], float], ...] | None = None
     error: str | None = None
     unit: str | None = None
     target_moves: bool | None = None
 
     def to_bytes(self) -> bytes:
         """For a file; `from_bytes` gives the same facts back."""
-        told = {name: value for name, value in asdict(self).items() if value is not None or name not in OF_A_GOAL}
+        told = {name: value for name, value in asdict(self).items() if value is not None or name not in LATER}
         return json.dumps(told).encode()
 
     @classmethod
@@ -53,4 +57,4 @@ class EpisodeFacts:
 
 
 def _frozen(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value

@@ -22,13 +22,22 @@ qpos                joint positions after the step, list of dof numbers, [rad]
 action              what the policy asked for, list of numbers; zeros in the start row
 ==================  ===========================================================================================
 
+A task with obstacles or varied arms leaves some of these columns too, behind the others:
+
+==================  ===========================================================================================
+arm                 which of the varied arms the episode has, see `EpisodeFacts.arms`
+obstacle            whether the step touched an obstacle; what that pays is in `reward_ground`
+obstacles           those of the episode, list of 7 numbers each, see `harness.conditions.obstacles`
+==================  ===========================================================================================
+
 What is known of the episodes beside their rows is in the file's metadata, see `harness.record.episode_facts`.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Protocol
 
 import numpy as np
@@ -72,12 +81,17 @@ FLAGS = ("ground", "reached", "held", "terminated", "truncated")
 SINCE_2 = ("held", "terminated")
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
+EXTRAS = {"arm": pa.int32(), "obstacle": pa.bool_(), "obstacles": pa.list_(pa.float64())}
+"""Columns that not every trace has, in the order in which they stand."""
+OBSTACLE, OBSTACLES = "obstacle", "obstacles"
+"""Columns; the first is False throughout where a trace does not have it."""
+NO_EXTRAS: Mapping[str, int] = MappingProxyType({})
 
 Rows = Float
 
 
 class Recorder(Protocol):
-    """Takes the rows of an environment. A row is one vector of `SCALARS`, then qpos, then the action."""
+    """Takes the rows of an environment. A row is `SCALARS`, then qpos, the action, and what there is of `EXTRAS`."""
 
     def append(self, rows: Rows) -> None:
         """Take a batch of rows, (n, width), which belong to the caller: keep copies."""
@@ -99,6 +113,7 @@ class TraceWriter:
         action_size: int,
         episodes: int | None = None,
         facts: EpisodeFacts = NOTHING_KNOWN,
+        extras: Mapping[str, int] = NO_EXTRAS,
     ) -> None:
         """Start the file.
 
@@ -108,12 +123,14 @@ class TraceWriter:
             action_size: Length of the action.
             episodes: Keep the first so many episodes of each env only; all if None.
             facts: What is known of the episodes.
+            extras: Those of `EXTRAS` that a row has, in their order, and the width of each.
         """
         self.facts = facts
-        self._dof, self._episodes = dof, episodes
-        self._block = np.empty((self.BLOCK, len(SCALARS) + dof + action_size))
+        self._episodes = episodes
+        self._widths = {"qpos": dof, "action": action_size, **extras}
+        self._block = np.empty((self.BLOCK, len(SCALARS) + sum(self._widths.values())))
         self._filled = 0
-        self.schema = trace_schema(dof, action_size)
+        self.schema = trace_schema(dof, action_size, extras)
         self._file = pq.ParquetWriter(path, self.schema, compression="zstd")
 
     def append(self, rows: Rows) -> None:
@@ -161,23 +178,35 @@ class TraceWriter:
         bad = np.argwhere(~np.isfinite(rows))
         if len(bad):
             row, column = bad[0]
-            name = SCALARS[column] if column < len(SCALARS) else "qpos or action"
+            name = SCALARS[column] if column < len(SCALARS) else ", ".join(self._widths)
             where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
             raise SimulationDiverged(f"{name} is not finite at {where}")
 
     def _table(self, rows: Rows) -> pa.Table:
         columns = [pa.array(rows[:, index].astype(_numpy_type(name))) for name, index in COLUMN.items()]
-        joints = rows[:, len(SCALARS) : len(SCALARS) + self._dof]
-        actions = rows[:, len(SCALARS) + self._dof :]
-        lists = [pa.FixedSizeListArray.from_arrays(part.ravel(), part.shape[1]) for part in (joints, actions)]
-        return pa.Table.from_arrays(columns + lists, schema=self.schema)
+        ends = len(SCALARS) + np.cumsum(list(self._widths.values()))
+        for end, (name, width) in zip(ends, self._widths.items(), strict=True):
+            columns.append(_to_arrow(rows[:, end - width : end], self.schema.field(name).type))
+        return pa.Table.from_arrays(columns, schema=self.schema)
 
 
-def trace_schema(dof: int, action_size: int) -> pa.Schema:
+def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTRAS) -> pa.Schema:
     """Columns and types of a trace file."""
     scalars = [(name, pa.from_numpy_dtype(_numpy_type(name))) for name in SCALARS]
     lists = [("qpos", pa.list_(pa.float64(), dof)), ("action", pa.list_(pa.float64(), action_size))]
-    return pa.schema(scalars + lists, metadata={FORMAT_KEY: str(FORMAT).encode()})
+    more = [(name, _sized(EXTRAS[name], width)) for name, width in extras.items()]
+    return pa.schema(scalars + lists + more, metadata={FORMAT_KEY: str(FORMAT).encode()})
+
+
+def _sized(kind: pa.DataType, width: int) -> pa.DataType:
+    return pa.list_(kind.value_type, width) if pa.types.is_list(kind) else kind
+
+
+def _to_arrow(part: Rows, kind: pa.DataType) -> pa.Array:
+    """A part of the rows, (n, width), as a column."""
+    if pa.types.is_fixed_size_list(kind):
+        return pa.FixedSizeListArray.from_arrays(part.ravel(), part.shape[1])
+    return pa.array(part[:, 0].astype(kind.to_pandas_dtype()))
 
 
 def _numpy_type(name: str) -> type[np.generic]:
@@ -194,7 +223,9 @@ class Trace:
     facts: EpisodeFacts = NOTHING_KNOWN
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """A column, (rows,), or (rows, n) for qpos and action."""
+        """A column, (rows,), or (rows, n) for qpos, action and obstacles."""
+        if name == OBSTACLE and name not in self.columns:
+            return np.zeros(len(self), bool)
         return self.columns[name]
 
     def __len__(self) -> int:
@@ -228,6 +259,8 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
         require_regular(path, TRACE_BYTES)
         file = pq.ParquetFile(path)
         version = _version(file.schema_arrow, path)
+        if columns is not None and OBSTACLE not in file.schema_arrow.names:
+            columns = [name for name in columns if name != OBSTACLE]
         there = columns if version > 1 or columns is None else _columns_of_1(columns)
         _require_columns(file.schema_arrow, there or [], path)
         _require_rows(file, path)
@@ -260,7 +293,7 @@ def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
     missing = [name for name in columns if name not in schema.names]
     if missing:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
-    known = trace_schema(1, 1)
+    known = trace_schema(1, 1, dict.fromkeys(EXTRAS, 1))
     for name in (name for name in schema.names if name in known.names):
         found, expected = schema.field(name).type, known.field(name).type
         if pa.types.is_fixed_size_list(expected):

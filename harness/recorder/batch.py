@@ -90,10 +90,15 @@ class BatchStep:
         if not (isinstance(values, np.ndarray) and values.shape == (count,) and values.dtype.kind in "biuf"):
             return np.zeros(count), np.zeros(count, bool)
         told = np.ones(count, bool) if mask is None else np.asarray(mask, bool)
-        return values.astype(float), told & ~self.ended if self.reset_at_once else told
+        return values.astype(float), told & ~self.ended if self._tells_apart else told
+
+    @property
+    def _tells_apart(self) -> bool:
+        """Whether ended envs told of their last step apart; a batch without infos of resets does not need to."""
+        return self.reset_at_once and FINAL_INFO in self.infos
 
     def _infos_behind(self, env: int) -> Mapping[str, Any]:
-        if self.reset_at_once and self.ended[env]:
+        if self._tells_apart and self.ended[env]:
             final: Mapping[str, Any] = self.infos[FINAL_INFO]
             return final
         return self.infos

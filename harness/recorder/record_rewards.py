@@ -21,7 +21,8 @@ NAN = float("nan")
 class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action]):
     """Records what several rewards pay for each step of an env, and changes nothing of the env.
 
-    The learner is paid by the env itself; with `pay`, by the reward that it is trained with, in its place. A reward, or a measure of behaviour, is one of these:
+    The learner is paid by the env itself; with `pay`, by the reward that it is trained with, in its place. A reward, or
+    a measure of behaviour, is one of these:
 
     * a function of (observation, action, next_observation, info) that returns one finite number. `observation` is what
       the env returned before the step. Both observations are copies.

@@ -1,11 +1,11 @@
-"""How the episodes of the trained policies ended: at the target, on the ground, or when the time was over."""
+"""How the episodes of the trained policies ended: at the target, on the ground, at an obstacle, or out of time."""
 
 from typing import NamedTuple
 
 from harness.eta.headline import SUCCESS
 from harness.results.combination import Combination
 
-TIMEOUTS = "timeouts"
+TIMEOUTS, OBSTACLES = "timeouts", "obstacle_hits"
 LEAST = 0.08
 """A share below this is too narrow for its number."""
 
@@ -14,7 +14,7 @@ class Part(NamedTuple):
     """One way to end."""
 
     kind: str
-    """``reached``, ``ground`` or ``time-out``."""
+    """``reached``, ``ground``, ``obstacle`` or ``time-out``."""
     share: float
     """Of the episodes, in [0, 1]."""
     text: str
@@ -37,22 +37,25 @@ def outcome_bars(combination: Combination) -> list[Bar]:
     success, timeouts = changes.get(SUCCESS), changes.get(TIMEOUTS)
     if success is None or timeouts is None:
         return []
-    names = combination.names
+    names, hits = combination.names, changes.get(OBSTACLES)
+    struck = (None, None, None) if hits is None else (hits.baseline, hits.proposed, hits.random)
     sides = (
-        ("Baseline", names.baseline, success.baseline, timeouts.baseline),
-        ("Proposed", names.proposed, success.proposed, timeouts.proposed),
-        ("Random", "random actions", success.random, timeouts.random),
+        ("Baseline", names.baseline, success.baseline, timeouts.baseline, struck[0]),
+        ("Proposed", names.proposed, success.proposed, timeouts.proposed, struck[1]),
+        ("Random", "random actions", success.random, timeouts.random, struck[2]),
     )
     return [
-        _bar(who, reward, reached, over)
-        for who, reward, reached, over in sides
+        _bar(who, reward, reached, over, hit or 0.0)
+        for who, reward, reached, over, hit in sides
         if reached is not None and over is not None
     ]
 
 
-def _bar(who: str, reward: str, reached: float, over: float) -> Bar:
-    """What neither reached the target nor ran out of time ended on the ground."""
-    shares = {"reached": reached, "ground": max(0.0, 1.0 - reached - over), "time-out": over}
+def _bar(who: str, reward: str, reached: float, over: float, hit: float) -> Bar:
+    """What neither reached the target nor ran out of time, and touched no obstacle, ended on the ground."""
+    shares = {"reached": reached, "ground": max(0.0, 1.0 - reached - over - hit), "time-out": over}
+    if hit:
+        shares["obstacle"] = hit
     told = ", ".join(f"{kind} {share:.1%}" for kind, share in shares.items())
     parts = (Part(kind, share, f"{share:.0%}" if share >= LEAST else "") for kind, share in shares.items())
     return Bar(who, reward, tuple(part for part in parts if part.share > 0.0), told)

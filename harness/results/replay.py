@@ -13,13 +13,13 @@ from harness.errors import SchemaError, UsageError
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, SCENE, other_manner
 from harness.record.scene import Scene, read_scene
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import OBSTACLE, OBSTACLES, Trace, read_trace
 from harness.results.combination import Combination, Group
 from harness.results.measured import Values
 from harness.results.results import Results
 from harness.results.single_episode import single_episode
 
-Outcome = Literal["reached", "ground", "time-out"]
+Outcome = Literal["reached", "ground", "obstacle", "time-out"]
 FIRST, DIFFERENT, MOST = 1, 3, 6
 """Episodes of a show: the first ones, those that end differently, and all of them."""
 FRAMES = 150
@@ -32,6 +32,7 @@ SHOWN, LARGEST = ("qpos", "distance", *PAID, *(f"target_{axis}" for axis in AXES
 """Columns, and what no number in them may exceed."""
 REACHED, TIMEOUTS = "success_rate", "timeouts"
 """Metrics that tell how the episodes of a cell ended."""
+NO_OBSTACLES: Float = np.empty((0, 7))
 CONTROL_PERIOD = 0.1
 """Of an evaluation that does not tell its own, [s]."""
 
@@ -52,6 +53,8 @@ class Episode(NamedTuple):
     outcome: Outcome
     values: Values
     """Every metric of this episode alone."""
+    obstacles: Float = NO_OBSTACLES
+    """See `harness.conditions.obstacles`, world frame, [m], (count, 7); of a task without any (0, 7)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +259,8 @@ def _show(results: Results, pair: Pair, most: int) -> Show | None:
 
 def _read(path: Path, scene: Scene) -> Trace:
     trace = read_trace(path)
-    if max(float(np.abs(trace[name]).max(initial=0.0)) for name in SHOWN) > LARGEST:
+    shown = (*SHOWN, OBSTACLES) if OBSTACLES in trace.columns else SHOWN
+    if max(float(np.abs(trace[name]).max(initial=0.0)) for name in shown) > LARGEST:
         raise SchemaError(f"{path} holds numbers beyond {LARGEST:g}, which cannot be shown")
     dof = trace["qpos"].shape[1]
     if dof != len(scene.joints):
@@ -277,10 +281,20 @@ def _episode(results: Results, trace: Trace, rows: NDArray[np.int64]) -> Episode
         paid[steps],
         _outcome(trace, rows),
         results.measure(single_episode(trace, rows)),
+        _obstacles(trace, rows),
     )
+
+
+def _obstacles(trace: Trace, rows: NDArray[np.int64]) -> Float:
+    if OBSTACLES not in trace.columns:
+        return NO_OBSTACLES
+    all_of_them: Float = trace[OBSTACLES][rows[0]].reshape(-1, NO_OBSTACLES.shape[1])
+    return all_of_them[all_of_them[:, 3:].any(axis=1)]
 
 
 def _outcome(trace: Trace, rows: NDArray[np.int64]) -> Outcome:
     if trace["reached"][rows].any():
         return "reached"
+    if trace[OBSTACLE][rows[-1]]:
+        return "obstacle"
     return "ground" if trace["ground"][rows[-1]] and trace["terminated"][rows[-1]] else "time-out"

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import FLAGS, INTEGERS, NUMBERS, Trace
+from harness.record.trace import FLAGS, INTEGERS, NUMBERS, OBSTACLE, Trace
 
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2
@@ -17,8 +17,8 @@ FACTS = EpisodeFacts(horizon=9, control_period=0.1, ik_steps=(3,), work=(2.5,))
 def recorded_trace(seed: int, ends: tuple[str, ...]) -> Trace:
     """One env's episodes, one per item of `ends`.
 
-    ``ground``, ``reached``, ``truncated``; ``touched``: the target was reached on the way, the horizon at the end; or
-    ``""``: left unfinished. The numbers are random; an episode has 3 to 9 steps after its start row.
+    ``ground``, ``obstacle``, ``reached``, ``truncated``; ``touched``: the target was reached on the way, the horizon at
+    the end; or ``""``: left unfinished. The numbers are random; an episode has 3 to 9 steps after its start row.
     """
     rng = np.random.default_rng(seed)
     parts = [_episode(rng, number, end) for number, end in enumerate(ends)]
@@ -41,6 +41,6 @@ def _episode(rng: np.random.Generator, number: int, end: str) -> dict[str, NDArr
 def _rows(rng: np.random.Generator, rows: int) -> dict[str, NDArray[Any]]:
     columns: dict[str, NDArray[Any]] = {name: np.zeros(rows, np.int32) for name in INTEGERS}
     columns.update({name: rng.uniform(0.0, 1.0, rows) for name in NUMBERS})
-    columns.update({name: np.zeros(rows, bool) for name in FLAGS})
+    columns.update({name: np.zeros(rows, bool) for name in (*FLAGS, OBSTACLE)})
     columns.update({name: rng.uniform(-1.0, 1.0, (rows, DOF)) for name in ("qpos", "action")})
     return columns

@@ -18,6 +18,7 @@ def register_metrics(register: harness.Register) -> None:
     )
     register("smoothness", f"{here}.smoothness:Smoothness", summary="how jerky the joints move")
     register("ground_hits", f"{here}.ground_hits:GroundHits", summary="share of episodes that end on the ground")
+    register("obstacle_hits", f"{here}.obstacle_hits:ObstacleHits", summary="share of episodes that end at an obstacle")
     register("time_to_target", f"{here}.time_to_target:TimeToTarget", summary="time to the target, a failure: horizon")
     register("spl", f"{here}.spl:Spl", summary="success weighted by how direct the path is")
     register("optimality", f"{here}.optimality:Optimality", summary="steps of the arm's kinematics over the policy's")

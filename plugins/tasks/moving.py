@@ -72,7 +72,8 @@ class MovingGoal(Goal):
         length = np.linalg.norm(numbers, axis=1)
         gone = self.speed * self.period * step
         along = length - np.abs(np.mod(gone, 2.0 * np.maximum(length, SHORTEST)) - length)
-        return along[:, None] * _unit(numbers, length)
+        moved: Float = along[:, None] * _unit(numbers, length)
+        return moved
 
     def errors(self, now: Situation) -> Float:
         """The distance from the end effector to where the target is now, (n,), [m]."""

@@ -22,8 +22,8 @@ class Pose(ReachTask):
     """Bring the end effector to a target and into its orientation: within `epsilon` and within `angle`.
 
     The error is the larger of the distance d and L times the angle that is left, with L = epsilon / angle, in metres:
-    it is at most epsilon where both hold. A target's orientation is one that the arm can take there: that of a pose which
-    inverse kinematics find from the home pose, each joint of it turned by up to `turn`.
+    it is at most epsilon where both hold. A target's orientation is one that the arm can take there: that of a pose
+    which inverse kinematics find from the home pose, each joint of it turned by up to `turn`.
     """
 
     epsilon: Annotated[Positive, Field(description="the target is reached within this pose error [m]")] = 0.02

@@ -159,3 +159,14 @@ def test_tasks_take_another_robot(task: str, robot: str):
     env.close()
     assert np.isfinite(rewards).all()
     assert (infos["distance"] > 0.0).all()
+
+
+def test_conditions_and_goals_go_together(make: Call, wander: Call):
+    """What is seen with noise has the error of what is seen; the goal's numbers stand before the obstacles'."""
+    task = Pose(horizon=12, joint_noise=0.02, obstacle_count=1)
+    env = make(2, task)
+    env.reset(seed=0)
+    seen = wander(env, 3)[-1][0]
+    assert seen.shape[1] == len(task.observation(ROBOT).low) > 28 + 9
+    assert not np.allclose(seen[:, 27], env.episodes.distance, atol=1e-6)
+    np.testing.assert_allclose(seen[:, 28:34], env.episodes.numbers, atol=1e-6)

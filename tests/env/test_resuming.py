@@ -28,6 +28,18 @@ TASKS: dict[str, dict[str, Any]] = {
     "long decisions": {**UNITY, "action": "movej"},
     "next targets": UNITY,
     "choices": {**SHORT, "action": "discrete"},
+    "worse": {
+        **SHORT,
+        "joint_noise": 0.02,
+        "target_noise": 0.01,
+        "action_noise": 0.1,
+        "action_delay": 2,
+        "observation_delay": 3,
+        "obstacle_count": 2,
+        "mass_variation": 0.2,
+        "length_variation": 0.05,
+        "variants": 2,
+    },
 }
 MOMENTS = (1, 22, 23, 61)
 """Decisions after which the env's state is taken: early and late in episodes, and where one has just begun."""
@@ -75,7 +87,8 @@ def _is_same(first: list[list[Any]], second: list[list[Any]]) -> bool:
     ("simulator", "task", "num_envs"),
     [*((simulator, "joints", num_envs) for simulator in REGISTRY.names("simulators") for num_envs in (1, 3)),
      *(("kinematic", task, 3) for task in TASKS if task != "joints"),
-     ("mujoco", "next targets", 3), ("mujoco", "arcs", 1), ("pybullet", "long decisions", 3), ("pybullet", "poses", 1)],
+     ("mujoco", "next targets", 3), ("mujoco", "arcs", 1),
+     ("mujoco", "worse", 1), ("pybullet", "long decisions", 3), ("pybullet", "poses", 1)],
 )  # fmt: skip
 def test_restored_env_goes_on_as_the_other(simulator: str, task: str, num_envs: int):
     """Observations, rewards, ends, infos and the whole record, in the middle of episodes and where they end."""

@@ -57,3 +57,9 @@ def test_damaged_facts_are_refused(tmp_path: Path, written: bytes):
     pq.write_table(table.replace_schema_metadata(metadata), tmp_path / "trace.parquet")
     with pytest.raises(SchemaError, match=r"trace\.parquet"):
         read_trace(tmp_path / "trace.parquet")
+
+
+def test_facts_of_varied_arms_come_back():
+    """The factors of each, nested as they were."""
+    facts = EpisodeFacts(7, 0.5, arms=(((1.0, 0.9), (1.1, 1.0), 1.0), ((1.2, 1.0), (1.0, 1.0), 0.5)))
+    assert EpisodeFacts.from_bytes(facts.to_bytes()) == facts

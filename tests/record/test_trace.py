@@ -273,3 +273,20 @@ def test_missing_column_is_refused(path: Path):
     pq.write_table(table, path)
     with pytest.raises(SchemaError, match=r"trace\.parquet"):
         read_trace(path, ["reward", "distance"])
+
+
+def test_extra_columns_stand_behind_the_others(path: Path):
+    """Each with its type; a trace without them tells that nothing was touched, also where that alone is asked for."""
+    extras = {"arm": 1, "obstacle": 1, "obstacles": 14}
+    rows = np.concatenate([make_rows(3), np.arange(48.0).reshape(3, 16)], axis=1)
+    with TraceWriter(path, DOF, ACTION_SIZE, extras=extras) as writer:
+        writer.append(rows)
+    trace = read_trace(path)
+    assert list(trace.columns)[-3:] == list(extras)
+    np.testing.assert_array_equal(trace["arm"], [0, 16, 32])
+    np.testing.assert_array_equal(trace["obstacle"], [True, True, True])
+    np.testing.assert_array_equal(trace["obstacles"], rows[:, -14:])
+    np.testing.assert_array_equal(trace["action"], rows[:, WIDTH - ACTION_SIZE : WIDTH])
+    write(path, make_rows(3))
+    assert not read_trace(path)["obstacle"].any()
+    assert not read_trace(path, ["reward", "obstacle"])["obstacle"].any()

@@ -189,6 +189,27 @@ def test_observations_of_several_parts(tmp_path: Path):
     assert found.rewards["seen"][found.env == 1].tolist() == [1111, 1221, 1111]
 
 
+def test_batch_that_tells_of_the_last_step_itself(tmp_path: Path):
+    """The harness's own env resets at once, and its infos are those of the step, without `final_info`."""
+    envs = gymnasium.make_vec("harness/Reach-v0", num_envs=2, simulator="kinematic", task="fd100-reach")
+    recorded = harness.RecordVectorRewards(
+        envs,
+        tmp_path,
+        trained_with="own",
+        rewards={"far": lambda before, action, after, info: info["distance"]},
+        behaviour={"distance": "distance"},
+    )
+    recorded.reset(seed=0)
+    recorded.action_space.seed(0)
+    told = [recorded.step(recorded.action_space.sample())[4]["distance"].copy() for _ in range(60)]
+    recorded.close()
+    found = read_recording(tmp_path)
+    assert found.facts.failures == ()
+    assert (found.terminated | found.truncated).any()
+    assert np.array_equal(found.behaviour["distance"], np.concatenate(told))
+    assert np.array_equal(found.rewards["far"], found.behaviour["distance"])
+
+
 def _fail_in_second_env(before: Any, action: Any, after: Any, info: Any) -> float:
     if after[0] == 2 and info["left"] == 0:
         raise ValueError("at the end of the shorter")

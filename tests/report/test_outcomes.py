@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.report.outcomes import outcome_bars
+from harness.report.outcomes import _bar, outcome_bars
 
 
 def test_shares_make_one(build):
@@ -24,3 +24,14 @@ def test_nothing_measured_no_bars(build):
     """Without a finished pair."""
     (combination,) = build(seeds=1, ended={("arp", 0): ("failed", "it broke")}).combinations
     assert outcome_bars(combination) == []
+
+
+def test_obstacles_are_told_apart_from_the_ground():
+    """What neither reached the target nor ran out of time nor touched an obstacle ended on the ground."""
+    bar = _bar("Baseline", "dense", 0.5, 0.125, 0.25)
+    assert {part.kind: part.share for part in bar.parts} == {
+        "reached": 0.5,
+        "ground": 0.125,
+        "time-out": 0.125,
+        "obstacle": 0.25,
+    }

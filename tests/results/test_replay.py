@@ -7,9 +7,10 @@ import pytest
 
 from harness.errors import SchemaError, UsageError
 from harness.record.folder import EVALUATION, SCENE, STOCHASTIC
-from harness.record.trace import read_trace
-from harness.results import Results
+from harness.record.trace import Trace, read_trace
+from harness.results import Results, replay
 from harness.results.replay import Pair, choose_episodes, first_show, show_cells, shows_of
+from harness.testing.traces import recorded_trace
 
 R, G, T = "reached", "ground", "time-out"
 
@@ -117,3 +118,14 @@ def test_an_arm_of_other_joints_is_refused(recorded: Results):
         )
     with pytest.raises(SchemaError, match="7 joints"):
         shows_of(recorded)
+
+
+def test_an_obstacle_is_a_way_to_end_and_is_shown():
+    """Those that a trace does not have are none; seven zeros are none either."""
+    trace = recorded_trace(0, ("obstacle", "ground"))
+    first, second = trace.episodes
+    assert [replay._outcome(trace, rows) for rows in (first, second)] == ["obstacle", "ground"]
+    assert replay._obstacles(trace, first).shape == (0, 7)
+    sphere = [0.5, 0.1, 0.6, 0.0, 0.0, 0.0, 0.08]
+    cluttered = Trace({**trace.columns, "obstacles": np.tile([*sphere, *[0.0] * 7], (len(trace), 1))})
+    np.testing.assert_array_equal(replay._obstacles(cluttered, first), [sphere])

@@ -59,6 +59,7 @@ class RecordingWriter:
         """
         folder.mkdir(parents=True, exist_ok=True)
         self.folder, self.number, self.facts = folder, number, facts
+        self._written_facts: TrainingFacts | None = None
         self._lock = FileLock(folder / f"recording-{number}.lock")
         self._process = os.getpid()
         self._schema = part_schema(facts)
@@ -151,7 +152,9 @@ class RecordingWriter:
 
     def _write(self) -> None:
         """The facts first: no reader finds NaN of which they do not tell."""
-        self.facts.write(self.folder / facts_name(self.number))
+        if self.facts is not self._written_facts:
+            self.facts.write(self.folder / facts_name(self.number))
+            self._written_facts = self.facts
         if self._filled:
             with whole_file(self.folder / part_name(self.number, self._part)) as partial:
                 pq.write_table(

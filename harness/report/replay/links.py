@@ -8,10 +8,12 @@ from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
 from harness.report.behaviour_rows import value_text
 from harness.results.combination import Combination
-from harness.results.replay import Episode, Show
+from harness.results.replay import Episode, Outcome, Show
 
 BASELINE, PROPOSED = 0, 1
 """Places of the sides in a show."""
+ENDS: tuple[Outcome, ...] = ("reached", "time-out", "ground", "obstacle")
+"""The first of them that an episode has is linked to."""
 
 
 class Link(NamedTuple):
@@ -59,7 +61,7 @@ class EpisodeLinks:
     def success(self) -> dict[str, Link | None]:
         """By column of the overview: to an episode that reached the target, or else to one that shows how it fails."""
         return {
-            column: next(filter(None, (self.ending(side, end) for end in ("reached", "time-out", "ground"))), None)
+            column: next(filter(None, (self.ending(side, end) for end in ENDS)), None)
             for side, column in ((BASELINE, "success, baseline"), (PROPOSED, "success, proposed"))
         }
 

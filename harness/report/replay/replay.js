@@ -60,6 +60,7 @@ function unpack(episode, scene) {
   const path = rows.map((row) => origin(place(scene, row).at(-1)));
   return {
     rows, path, dof, outcome: episode.outcome, last: episode.last, targets: episode.targets,
+    obstacles: episode.obstacles ?? [],
     distance: rows.map((row) => row[dof]), paid: rows.map((row) => row[dof + 1]),
     stepOf: (frame) => (frames > 1 ? frame * episode.last / (frames - 1) : 0),
   };
@@ -210,7 +211,7 @@ function prepare() {
   gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   const uniform = Object.fromEntries(["camera", "frame", "light", "colour", "shadow"].map((name) => [name, gl.getUniformLocation(program, name)]));
   gl.uniform3fv(uniform.light, LIGHT);
-  return { uniform, ball: upload(...ball()), scenes: data.scenes.map((scene) => scene.bodies.map(load)) };
+  return { uniform, ball: upload(...ball()), cube: upload(...cube()), scenes: data.scenes.map((scene) => scene.bodies.map(load)) };
 }
 
 function load(body) {
@@ -228,6 +229,13 @@ function ball() {
       if (ring < rings && at < around) faces.push(here, here + around + 1, here + 1, here + 1, here + around + 1, here + around + 2);
     }
   }
+  return [Float32Array.from(points), Uint16Array.from(faces)];
+}
+
+function cube() {
+  const points = [], faces = [];
+  for (let corner = 0; corner < 8; corner++) points.push(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+  for (const [a, b, c, d] of [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]) faces.push(a, b, c, a, c, d);
   return [Float32Array.from(points), Uint16Array.from(faces)];
 }
 
@@ -265,6 +273,7 @@ function upload(points, faces) {
   return { vertices, count: faces.length };
 }
 
+const OBSTACLE = [0.78, 0.36, 0.36, 1];
 const STILL = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 
 function drawSurfaces(side, frames, target, matrix, width, height) {
@@ -276,6 +285,9 @@ function drawSurfaces(side, frames, target, matrix, width, height) {
   gl.uniformMatrix4fv(uniform.camera, false, matrix);
   const bodies = drawer.scenes[data.shows[state.show].sides[state.sides.indexOf(side)].scene].map((body) => [body, body.joint < 0 ? STILL : frames[body.joint], body.colour]);
   bodies.push([drawer.ball, [size, 0, 0, target[0], 0, size, 0, target[1], 0, 0, size, target[2]], [0, 0.62, 0.45, 1]]);
+  for (const [x, y, z, a, b, c, radius] of side.now.obstacles) {
+    bodies.push([radius ? drawer.ball : drawer.cube, [a || radius, 0, 0, x, 0, b || radius, 0, y, 0, 0, c || radius, z], OBSTACLE]);
+  }
   gl.enable(gl.STENCIL_TEST);  // a shadow darkens a pixel once
   gl.stencilFunc(gl.EQUAL, 0, 255);
   gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
@@ -296,13 +308,19 @@ function drawBody(body, f, colour, shadow) {
 }
 
 // A circle around the target that faces the camera: seen where the hand hides the ball.
-function ring(target) {
-  const { turn, rise } = state.view, size = 0.045 * state.radius;
+function ring(target, size = 0.045 * state.radius) {
+  const { turn, rise } = state.view;
   return Array.from({ length: 25 }, (_, index) => {
     const u = size * Math.cos(index * Math.PI / 12), v = size * Math.sin(index * Math.PI / 12);
     return [target[0] - u * Math.sin(turn) - v * Math.sin(rise) * Math.cos(turn),
       target[1] + u * Math.cos(turn) - v * Math.sin(rise) * Math.sin(turn), target[2] + v * Math.cos(rise)];
   });
+}
+
+// A way along the edges of a box.
+function edges(x, y, z, a, b, c) {
+  const corner = (at) => [x + (at & 1 ? a : -a), y + (at & 2 ? b : -b), z + (at & 4 ? c : -c)];
+  return [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4].map(corner);
 }
 
 // --- one view --------------------------------------------------------------------------------------------------------
@@ -343,6 +361,7 @@ function drawSide(figure, side, index) {
     pen.drawImage(stage, 0, 0);
   } else {
     draw([[0, 0, 0], ...frames.map(origin)], INK, 5, 0.8);
+    for (const [x, y, z, a, b, c, radius] of side.now.obstacles) draw(radius ? ring([x, y, z], radius) : edges(x, y, z, a, b, c), INK, 1.5, 0.8);
   }
   const way = [...side.now.path.slice(0, Math.floor(frame) + 1), tip];
   draw(side.now.path, COLOURS[index], 1.5, 0.35);

@@ -85,6 +85,7 @@ def _episode(episode: Episode) -> dict[str, Any]:
         "scales": [float(scale) for scale in scales],
         "values": base64.b64encode(np.rint(values / scales).astype("<i2").tobytes()).decode(),
         "targets": _changes(episode.target),
+        **({"obstacles": np.round(episode.obstacles, 5).tolist()} if len(episode.obstacles) else {}),
     }
 
 

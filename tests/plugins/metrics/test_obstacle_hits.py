@@ -1,0 +1,24 @@
+"""How often the arm runs into an obstacle."""
+
+from dataclasses import replace
+
+import pytest
+
+from harness.testing.traces import recorded_trace
+from harness_plugins.metrics.obstacle_hits import ObstacleHits
+
+
+@pytest.mark.parametrize(
+    ("ends", "share"),
+    [(("obstacle", "truncated", "reached", "ground"), 0.25), (("obstacle",), 1.0), (("ground", "obstacle", ""), 0.5)],
+)
+def test_share_of_the_finished_episodes(ends: tuple[str, ...], share: float):
+    """The ground is no obstacle."""
+    assert ObstacleHits()(recorded_trace(0, ends)) == share
+
+
+def test_none_where_the_task_has_no_obstacles():
+    """There is nothing to hit."""
+    trace = recorded_trace(0, ("ground", "reached"))
+    without = {name: column for name, column in trace.columns.items() if name != "obstacle"}
+    assert ObstacleHits()(replace(trace, columns=without)) is None
