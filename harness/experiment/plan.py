@@ -164,7 +164,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     simulators = _choose_each(registry, "simulators", experiment.sim)
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
     baseline = choose(registry, "rewards", experiment.baseline or DEFAULT_BASELINE)
-    proposed = list(DEFAULT_REWARDS) if experiment.reward is None else experiment.reward
+    proposed: list[Given] = [*DEFAULT_REWARDS] if experiment.reward is None else experiment.reward
     rewards = _choose_each(registry, "rewards", proposed)
     task = choose(registry, "tasks", experiment.task)
     built = task.build(registry, "tasks")

@@ -19,7 +19,7 @@ def register_environments(register: harness.Register) -> None:
         f"{here}.inverted_double_pendulum:InvertedDoublePendulum",
         summary="two poles on a cart, paid as versions 4 and 5 of Gymnasium's environment pay",
         requires=["mujoco", "imageio"],
-        extra="robotics",
+        extra="gymnasium",
     )
     register(
         "fetch-reach",

@@ -40,9 +40,10 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         """
         self._envs, self.num_envs = envs, len(envs)
         self._space, actions = envs[0].observation_space, envs[0].action_space
-        self.single_observation_space = flat_observations(self._space)
+        self.single_observation_space = flat = flat_observations(self._space)
         self.single_action_space = flat_actions(actions)
-        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.observation_space = batch_space(flat, self.num_envs)
+        self._shape = self.num_envs, *flat.shape
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._is_discrete, self._action_type = isinstance(actions, Discrete), actions.dtype
         self.environment_steps = 0
@@ -54,7 +55,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Float32, dict[str, Any]]:
         """Start an episode in every env; a seed is that of the first env, and the next ones have the next."""
-        seeds = [None if seed is None else seed + k for k in range(self.num_envs)] if _is_one(seed) else list(seed)
+        seeds = _seeds(seed, self.num_envs)
         self._paid[:] = 0.0
         rows = [env.reset(seed=one, options=options)[0] for env, one in zip(self._envs, seeds, strict=True)]
         return np.stack([flat_observation(self._space, row) for row in rows]), {}
@@ -66,7 +67,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
             Observations (num_envs, observation_size), payments, terminations, truncations, and in `infos`
             ``is_success`` (num_envs,), and where an episode ended ``final_obs``, as the observations.
         """
-        observations = np.empty((self.num_envs, *self.single_observation_space.shape), np.float32)
+        observations = np.empty(self._shape, np.float32)
         paid, success = np.empty(self.num_envs), np.zeros(self.num_envs, bool)
         terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         final = np.zeros_like(observations)
@@ -104,5 +105,8 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         return told > 0
 
 
-def _is_one(seed: Any) -> bool:
-    return seed is None or isinstance(seed, (int, np.integer))
+def _seeds(seed: int | Sequence[int | None] | None, count: int) -> list[int | None]:
+    """Of each env."""
+    if isinstance(seed, Sequence):
+        return list(seed)
+    return [None if seed is None else seed + k for k in range(count)]

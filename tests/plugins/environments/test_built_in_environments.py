@@ -1,0 +1,87 @@
+"""The built-in environments: their contract, where their libraries are, and that they pay what they say."""
+
+import importlib.util
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from harness.environment import Environment
+from harness.errors import UsageError
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness.testing import check_environment
+
+NEEDS = {
+    "gymnasium:id=Pendulum-v1": (),
+    "gymnasium:id=CartPole-v1": (),
+    "inverted-double-pendulum": ("mujoco", "imageio"),
+    "fetch-reach": ("gymnasium_robotics",),
+    "meta-world": ("metaworld",),
+}
+
+
+def _built(given: str) -> Environment:
+    missing = [name for name in NEEDS.get(given, ()) if importlib.util.find_spec(name) is None]
+    if missing:
+        pytest.skip(f"needs {', '.join(missing)}")
+    registry = load_registry()
+    built: Environment = choose(registry, "environments", given).build(registry, "environments")
+    return built
+
+
+@pytest.mark.parametrize("given", NEEDS)
+def test_it_keeps_the_contract(given: str):
+    """As anybody's environment has to."""
+    check_environment(_built(given))
+
+
+def test_any_id_is_made_with_what_is_given():
+    """Numbers are numbers; rewards and measures are keys of info."""
+    built = _built("gymnasium:id=Pendulum-v1,made_with=g=1.5,pays=a+b,tells=c+d,lower=d")
+    env = built.make()
+    assert env.unwrapped.g == 1.5  # type: ignore[attr-defined]
+    assert dict(built.rewards(env)) == {"own": "own", "a": "a", "b": "b"}
+    assert dict(built.behaviour(env)) == {"c": "c", "d": "d"}
+    assert built.lower_is_better == {"d"}  # type: ignore[attr-defined]
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("gymnasium:id=Pendulm-v1", "gymnasium.make.'Pendulm-v1'. fails"),
+        ("gymnasium:id=Pendulum-v1,made_with=height", "'height' is malformed: write name=value"),
+        ("gymnasium:id=Pendulum-v1,made_with=height=3", "gymnasium.make.'Pendulum-v1'. fails"),
+    ],
+)
+def test_what_gymnasium_cannot_make_is_told(given: str, told: str):
+    """In a line."""
+    with pytest.raises(UsageError, match=told):
+        _built(given).make()
+
+
+def test_the_double_pendulum_pays_as_both_versions_do():
+    """Stepped alike, versions 4 and 5 of Gymnasium pay what the two rewards pay, the fall included."""
+    built = _built("inverted-double-pendulum")
+    env = built.make()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # version 4 is outdated, as it says
+        older = gymnasium.make("InvertedDoublePendulum-v4")
+    rewards: Any = built.rewards(env)
+    told, _ = env.reset(seed=3)
+    older.reset(seed=3)
+    older.unwrapped.set_state(env.unwrapped.data.qpos, env.unwrapped.data.qvel)  # type: ignore[attr-defined]
+    ended = False
+    while not ended:
+        action = np.array([0.5], np.float32)
+        after, v5, ended, _, info = env.step(action)
+        _, v4, *_ = older.step(action)
+        assert rewards["v4"](told, action, after, info) == pytest.approx(v4)
+        assert rewards["v5"](told, action, after, info) == pytest.approx(v5)
+        told = after
+    assert v4 - v5 == pytest.approx(10.0)
+    env.close()
+    older.close()
