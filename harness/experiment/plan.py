@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.algorithm import Algorithm, why_not
 from harness.errors import UsageError, sentence
-from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, why_not_in
+from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
 from harness.experiment.task_form import task_for
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
 from harness.record.plan_file import control_seeds
@@ -55,17 +55,17 @@ DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("a
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
 
 
-@checked_dataclass(frozen=True)
+@checked_dataclass(frozen=True, kw_only=True)
 class Experiment:
     """A matrix of combinations; each field is a key of an experiment file and a flag of ``harness run``.
 
     Names stand as text (``"arp:k2=2"``) or, in a file, as a table (``{name = "arp", k2 = 2}``).
     """
 
-    algo: Annotated[Names, Field(description="algorithms")]
     sim: Annotated[
         list[Given], Field(max_length=MOST_NAMES, description="simulators; none where the task is an environment")
     ] = Field(default_factory=list)
+    algo: Annotated[Names, Field(description="algorithms")]
     reward: Annotated[
         Annotated[list[Given], Field(max_length=MOST_NAMES)] | None,
         Field(description="proposed rewards; an empty list: the baseline is trained alone"),
@@ -160,12 +160,14 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     if kind_of_task(experiment.task, registry) == "environments":
         return _expand_in_environment(experiment, registry)
     if not experiment.sim:
+        require_known(experiment.task, registry)
         raise UsageError(_unnamed("sim", "experiment"))
     simulators = _choose_each(registry, "simulators", experiment.sim)
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
     baseline = choose(registry, "rewards", experiment.baseline or DEFAULT_BASELINE)
     proposed: list[Given] = [*DEFAULT_REWARDS] if experiment.reward is None else experiment.reward
     rewards = _choose_each(registry, "rewards", proposed)
+    require_known(experiment.task, registry)
     task = choose(registry, "tasks", experiment.task)
     built = task.build(registry, "tasks")
     robot = _locate(experiment.robot or built.robot, registry)

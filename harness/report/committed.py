@@ -105,12 +105,20 @@ class RecordForm(TypedDict):
 
 
 @with_config(OPEN)
+class AgentHeadlineForm(TypedDict):
+    """The same of a comparison of recorded trainings."""
+
+    answer: Name
+    agent: Line
+
+
+@with_config(OPEN)
 class PairForm(TypedDict):
     """See `harness.trainings.comparison.Comparison`."""
 
     baseline: Name
     proposed: Name
-    headline: HeadlineForm
+    headline: AgentHeadlineForm
 
 
 @with_config(OPEN)
@@ -211,7 +219,7 @@ def _place(place: PlaceForm) -> list[RenderableType]:
         return [*parts, Text(f"{place['reason']}.")]
     for pair in place["study"]["comparisons"]:
         told = pair["headline"]
-        parts.append(Text(f"{pair['proposed']} against {pair['baseline']}: {told['answer'].upper()}. {told['robot']}"))
+        parts.append(Text(f"{pair['proposed']} against {pair['baseline']}: {told['answer'].upper()}. {told['agent']}"))
     return parts
 
 

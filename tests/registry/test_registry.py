@@ -86,6 +86,11 @@ def test_register_trackers(write_plugin: Write):
     _assert_hook_registers("trackers", write_plugin)
 
 
+def test_register_environments(write_plugin: Write):
+    """A name that is registered as an environment is found among the environments alone."""
+    _assert_hook_registers("environments", write_plugin)
+
+
 def test_register_commands(write_plugin: Write):
     """A name that is registered as a command is found among the commands alone."""
     _assert_hook_registers("commands", write_plugin)

@@ -57,25 +57,30 @@ class Looked:
 
 
 def kind_of_task(given: Given, registry: Registry) -> str:
-    """Whether a name is that of a task or of an environment: ``"tasks"`` or ``"environments"``.
+    """Whether a name is that of a task or of an environment: ``"tasks"`` or ``"environments"``; the former of neither.
 
     Raises:
-        UsageError: It is both, or neither.
+        UsageError: It is both.
     """
     name = str(_name_of(given))
     kinds = [kind for kind in registry.kinds_of(name) if kind in PLACES]
     if len(kinds) > 1:
         claims = " and ".join(f"{spec.kind[:-1]} of package {spec.package}" for spec in _specs(registry, name))
         raise UsageError(f"'{name}' is both a task and an environment: {claims}. Leave one out with HARNESS_PLUGINS")
-    if kinds:
-        return kinds[0]
-    known = {kind: registry.names(kind) for kind in PLACES}
+    return kinds[0] if kinds else "tasks"
+
+
+def require_known(task: Given, registry: Registry) -> None:
+    """See that a task is registered.
+
+    Raises:
+        UsageError: It is not; names the environments too, of which it might have been one.
+    """
     try:
-        registry.get("tasks", name)  # says also which plugins did not load
+        registry.get("tasks", str(_name_of(task)))
     except UsageError as error:
-        there = f" Environments: {', '.join(known['environments']) or 'none'}."
+        there = f" Environments: {', '.join(registry.names('environments')) or 'none'}."
         raise UsageError(f"{error}{there}") from None
-    return "tasks"
 
 
 def refuse_places(sim: Sequence[Given], robot: str | None, evaluate_every: int) -> None:

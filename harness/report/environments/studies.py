@@ -1,6 +1,7 @@
 """The recorded trainings of an experiment's cells, one study for each algorithm and environment."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from harness.errors import UsageError
@@ -49,6 +50,8 @@ def _study(results: Results, group: Group, cells: Sequence[Cell]) -> PlaceStudy:
         reason = f"nothing to compare: all done cells were trained with {trained[0]}"
         return PlaceStudy(group, tuple(cells), None, reason)
     try:
-        return PlaceStudy(group, tuple(cells), load_study(results.folder, results.kind, only, results.baseline), "")
+        study = load_study(results.folder, results.kind, only, results.baseline)
     except UsageError as error:
         return PlaceStudy(group, tuple(cells), None, str(error))
+    named = replace(study, runs=study.runs._replace(env=group.task.label))
+    return PlaceStudy(group, tuple(cells), named, "")

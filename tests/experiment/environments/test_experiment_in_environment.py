@@ -250,8 +250,9 @@ def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: P
 
 
 @pytest.fixture
-def report(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
-    """`harness report` with arguments, and what it prints."""
+def report(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """`harness report` with arguments, and what it prints into a wide window."""
+    monkeypatch.setenv("COLUMNS", "200")
 
     def run(*arguments: object) -> str:
         with pytest.raises(SystemExit) as ended:
@@ -267,7 +268,7 @@ def test_the_report_is_printed(folder: Path, report: Callable[..., str]):
     """The cells, and a line for each comparison."""
     text = report(folder)
     assert "toy · random" in text
-    assert "right against" in text
+    assert "right against near" in text
 
 
 def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[..., str]):
