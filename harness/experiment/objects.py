@@ -7,7 +7,7 @@ from typing import Any
 
 from harness.errors import UsageError
 from harness.registry.given import Given, PluginClass, class_given
-from harness.registry.members import MEMBERS
+from harness.registry.members import MEMBERS, missing_members
 from harness.registry.parameters import values_of
 from harness.registry.registry import load_registry
 
@@ -36,6 +36,8 @@ def _named(key: str, item: Any, found: dict[PluginClass, None]) -> Any:
     if isinstance(item, str | Mapping):
         return item
     kind = KINDS[key]
+    if key == "task" and not missing_members("environments", item):
+        kind = "environments"
     if inspect.isclass(item) or not dataclasses.is_dataclass(item):
         told = f"{key}={item!r}: give a name, or an object of a dataclass with {', '.join(MEMBERS[kind])}"
         raise UsageError(f"{told}. A function, a lambda or a class cannot be sent to a worker")

@@ -13,6 +13,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.errors import UsageError, sentence
+from harness.experiment.environments.plan import kind_of_task
 from harness.experiment.plan import (
     Episodes,
     Given,
@@ -146,6 +147,8 @@ def resolve(tuning: Tuning, registry: Registry) -> Setup:
     Raises:
         UsageError: A name or parameter is unknown, a library is missing, or the algorithm cannot do the task.
     """
+    if kind_of_task(tuning.task, registry) == "environments":
+        raise UsageError(f"harness tune searches in tasks of the harness, and '{tuning.task}' is an environment")
     given = {key: getattr(tuning, key) for key in ("sim", "algo", "reward", "baseline", "task", "robot", "steps")}
     plan = expand(check_experiment(given, NOUN), registry)
     for _, reason in plan.skipped:

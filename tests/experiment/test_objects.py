@@ -9,6 +9,7 @@ from harness.errors import UsageError
 from harness.experiment.objects import name_objects
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
+from harness_plugins.environments.any_gymnasium import AnyGymnasium
 from harness_plugins.rewards.arp import Arp
 
 
@@ -71,3 +72,11 @@ def test_object_of_another_kind_is_refused():
     """A reward is no simulator."""
     with pytest.raises(UsageError, match="Arp has no open; a simulator has open"):
         name_objects({"sim": Arp()})
+
+
+def test_an_environment_may_stand_for_a_task():
+    """An object of a registered environment has the plugin's name."""
+    named, classes = name_objects({"task": AnyGymnasium("Pendulum-v1", lower="speed")})
+    assert named["task"]["name"] == "gymnasium"
+    assert (named["task"]["id"], named["task"]["lower"]) == ("Pendulum-v1", "speed")
+    assert classes == ()

@@ -40,6 +40,7 @@ from harness.report.trainings.rows import (
 from harness.results import Results
 from harness.trainings.comparison import Comparison
 
+OF_SUMS = "I_N and I_P of the summed reward: eta = proposed / baseline"
 NAMES = ("id", "task", "algorithm", "reward", "seed", "steps", "status", "reason", "training_seconds", "seconds")
 
 
@@ -129,7 +130,7 @@ def _comparison(comparison: Comparison) -> list[str]:
 
 def _ratios(comparison: Comparison) -> tuple[Grid, ...]:
     returns, splits = return_splits(comparison), comparison.splits
-    of_sums = (ratio_grid(splits), split_grid(splits)) if splits else ()
+    of_sums = (ratio_grid(splits)._replace(title=OF_SUMS), split_grid(splits)) if splits else ()
     return (ratio_grid(returns), split_grid(returns), *of_sums)
 
 
