@@ -159,7 +159,11 @@ def kind_page(kind: str, registry: Registry) -> str:
 
 def api_page() -> str:
     """The public modules, from their docstrings."""
-    parts = ["# Python", "What you import, from the docstrings. Arrays name their shape, quantities their unit."]
+    parts = [
+        "# Python",
+        "What you import, from the docstrings. Arrays name their shape, quantities their unit. NOTE, ARP and UNITY are the "
+        "three [sources](../sources.md) of this project: NOTE eq. 21 is equation 21 of [the note](../note.md).",
+    ]
     for module in FLAT:
         parts += [f"## {module}", f"```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n   :undoc-members:\n```"]
     return _joined(parts)
