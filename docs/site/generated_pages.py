@@ -1,7 +1,7 @@
 """Pages of the site that are made from the code: commands, the experiment file, plugins with their fields, the API.
 
 A Sphinx extension. It writes them into ``docs/generated`` before Sphinx looks for pages; nothing there is kept. The
-committed records, the robots' read-mes and the files at the repository's top become pages too, and links to them lead there.
+committed records, the robots' read-mes and the files at the repository's top become pages too; links lead there.
 """
 
 import inspect
@@ -161,8 +161,8 @@ def api_page() -> str:
     """The public modules, from their docstrings."""
     parts = [
         "# Python",
-        "What you import, from the docstrings. Arrays name their shape, quantities their unit. NOTE, ARP and UNITY are the "
-        "three [sources](../sources.md) of this project: NOTE eq. 21 is equation 21 of [the note](../note.md).",
+        "What you import, from the docstrings. Arrays name their shape, quantities their unit. NOTE, ARP and UNITY are "
+        "the three [sources](../sources.md) of this project: NOTE eq. 21 is equation 21 of [the note](../note.md).",
     ]
     for module in FLAT:
         parts += [f"## {module}", f"```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n   :undoc-members:\n```"]

@@ -68,10 +68,19 @@ def test_link_to_nowhere_is_found(text: str, link: str):
     assert dead_links(PAGE, text) == [link]
 
 
-RIGHT = ["[a](glossary.md)", "[a](glossary.md#eta_n-and-eta_p)", "# Is it `x`?\n[a](#is-it-x)", "```\n[a](b)\n```", "`[a](b)`"]
+RIGHT = [
+    "[a](glossary.md)",
+    "[a](glossary.md#eta_n-and-eta_p)",
+    "# Is it `x`?\n[a](#is-it-x)",
+    "# A\n# A\n[b](#a-1)",
+    "[a](../examples)",
+    "[a](https://example.org/x#y)",
+    "```\n[a](b)\n```",
+    "`[a](b)`",
+]
 
 
-@pytest.mark.parametrize("text", [*RIGHT, "[a](https://example.org/x#y)", "[a](../examples)", "# A\n# A\n[b](#a-1)"])
+@pytest.mark.parametrize("text", RIGHT)
 def test_link_that_leads_somewhere_is_left_alone(text: str):
     """Code is no link, and the network is not asked."""
     assert dead_links(PAGE, text) == []

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 import typer
+from typer.exceptions import TyperException
 
 from harness.cli import main
 from harness.cli.app import build_app
@@ -24,7 +25,6 @@ from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.scaffold.package import package_files
 from harness.scaffold.plugin_name import PluginName
-
 from tests.docs.pages import ROOT, Block, Command, blocks, blocks_of, commands_of
 from tests.docs.ways import HELD, NEEDS, NOT_RUN, SKIPPED
 
@@ -83,7 +83,6 @@ def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     (tmp_path / "my_reward.py").write_text(own.text, encoding="utf-8")
     (tmp_path / "my_package").mkdir()
     shutil.copy(ROOT / "examples/reward-plugin/cautious_reward/reward.py", tmp_path / "my_package" / "cautious.py")
-    monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -142,8 +141,9 @@ PAGES_OF_PYTHON = [
         for page, its in PAGES_OF_PYTHON
     ],
 )
-def test_python_of_a_page_is_executed(its: list[Block], folder: Path):
+def test_python_of_a_page_is_executed(its: list[Block], folder: Path, monkeypatch: pytest.MonkeyPatch):
     """One block after the other, as who follows the page types them; what trains does so in fewer steps."""
+    monkeypatch.syspath_prepend(folder)  # `my_package`, which some pages call the reader's
     script = "\n".join(it.text for it in its if not any(part in it.text for part in SKIPPED))
     for long, short in SHORTER:
         script = script.replace(long, short)
@@ -156,7 +156,7 @@ def test_every_snippet_is_accounted_for(capsys: pytest.CaptureFixture[str]):
     skipped = [it for it in PYTHON if any(part in it.text for part in SKIPPED)]
     held = [it for it in PYTHON if any(it.page.startswith(page) for page in HELD)]
     with capsys.disabled():
-        print(
+        typer.echo(
             f"\nsnippets: {len(EXECUTED)} commands executed, {len(PARSED)} parsed, {len(PATTERNS)} patterns compared; "
             f"{len(TOML)} TOML files read; of {len(PYTHON)} blocks of Python {len(held)} in other tests, "
             f"{len(skipped)} skipped, {len(PYTHON) - len(held) - len(skipped)} executed"
@@ -183,3 +183,24 @@ def test_commands_are_found():
         "harness watch DIR",
         "harness video DIR",
     ]
+
+
+@pytest.mark.parametrize(
+    "text", ["harness run --simulator mujoco", "harness run --seeds", "harness describe", "harness status DIR --jsn"]
+)
+def test_command_that_is_wrong_cannot_be_typed(text: str, known: Mapping[str, typer.core.TyperCommand]):
+    """The mutants: a flag that is not there, and a value or an argument that is missing."""
+    with pytest.raises(TyperException):
+        test_command_can_be_typed(Command("page:1", text), known)
+
+
+def test_pattern_of_a_flag_that_is_gone_is_found(known: Mapping[str, typer.core.TyperCommand]):
+    """The mutant."""
+    with pytest.raises(AssertionError):
+        test_pattern_names_a_command_and_its_flags(Command("page:1", "harness run [--sims NAME]"), known)
+
+
+def test_command_that_fails_is_found(folder: Path, recorded: Results, capsys: pytest.CaptureFixture[str]):
+    """The mutant: it can be typed, and ends with status 2."""
+    with pytest.raises(AssertionError, match="No name 'arpp'"):
+        test_command_is_executed(Command("page:1", "harness describe arpp"), folder, recorded, capsys)

@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from harness.cli import main
-
 from tests.docs.pages import ROOT, blocks_of, commands_of
 
 TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")

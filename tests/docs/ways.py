@@ -20,13 +20,13 @@ NOT_RUN: Mapping[str, str] = MappingProxyType(
 
 NEEDS: Mapping[str, str] = MappingProxyType(
     {
-        r"(?<!new-plugin )\bmy-(?!results|first)": "the package is not there: `make plugins` writes, installs and runs it",
+        r"(?<!new-plugin )\bmy-(?!results|first)": "the package is not there; `make plugins` tries such ones",
         "cautious|steady|mesh-arm|pinocchio|sbx-sac": "the package is not installed: `make examples` does it",
         "slurm|ray:address": "takes a cluster",
         "cells/|CELL": "takes a trained policy; tests/plugins/commands",
         "--cells": "names cells of the reader's",
         "tuned.toml|tuning.toml": "takes a finished search; tests/tune",
-        "base/|k2/|recorded": "takes the reader's recordings; tests/cli/test_eta.py",
+        "base/|k2/|recorded|report runs": "takes the reader's recordings; tests/cli/test_eta.py, tests/trainings",
     }
 )
 """Patterns of commands that are only parsed."""
@@ -36,15 +36,15 @@ HELD: Mapping[str, str] = MappingProxyType(
         "docs/your-environment.md": "tests/test_your_environment.py",
         "docs/authoring.md": "tests/authoring/test_public_names.py",
         "docs/writing/": "tests/scaffold/test_pages.py, tests/plugins/tasks/test_writing_page.py",
-        "docs/plugin-names.md": "tests/cli/test_plugin_files.py; here commands are executed with the file that it shows",
+        "docs/plugin-names.md": "tests/cli/test_plugin_files.py; commands here use the file that it shows",
     }
 )
 """Pages whose Python other tests hold."""
 
 SKIPPED: Mapping[str, str] = MappingProxyType(
     {
-        "pyarrow.parquet.read_table(\"curves.parquet\")": "an excerpt: reads what `harness report --summary` wrote",
-        "policy = load_policy(Path(\"results/runs/mine": "an excerpt: the folder is the reader's; tests/policy",
+        'pyarrow.parquet.read_table("curves.parquet")': "an excerpt: reads what `harness report --summary` wrote",
+        'policy = load_policy(Path("results/runs/mine': "an excerpt: the folder is the reader's; tests/policy",
         "from harness.transfer.jobs import transfer": "the folder is the reader's; tests/transfer",
         "from harness.tune.tune import tune": "trains; tests/tune",
         "RecordVideo(": "takes moviepy, which writes films; tests/env/test_single_env.py draws",
