@@ -110,12 +110,23 @@ def test_command_is_executed(command: Command, folder: Path, recorded: Results, 
         is_made = words[number - 1] in {"--out", "--summary", "--into", "--html", "--plot"}
         if FOLDERS.fullmatch(word) and not is_made and not (folder / word).exists() and words[0] != "run":
             shutil.copytree(recorded.folder, folder / word)
+    if "base/" in command.text:
+        _record_csv_files(recorded.folder)
     with pytest.raises(SystemExit) as stopped:
         main([*words, *["--dry-run"] * (words[0] == "run" and "--dry-run" not in words)])
     out, err = capsys.readouterr()
     if stopped.value.code and "pip install" in err:
         pytest.skip(err.strip())
     assert stopped.value.code == 0, f"{command.text}\n{out}{err}"
+
+
+def _record_csv_files(folder: Path) -> None:
+    """Into `base` and `k2` here: the trainings of an experiment under its two rewards."""
+    with pytest.raises(SystemExit):
+        main(["export", str(folder), "--csv", "--out", "exported"])
+    for reward, name in (("baseline", "base"), ("arp", "k2")):
+        (path,) = Path("exported").glob(f"*/{reward}")
+        path.rename(name)
 
 
 @pytest.mark.parametrize("block", TOML, ids=_ids(TOML))

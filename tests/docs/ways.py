@@ -26,7 +26,7 @@ NEEDS: Mapping[str, str] = MappingProxyType(
         "cells/|CELL": "takes a trained policy; tests/plugins/commands",
         "--cells": "names cells of the reader's",
         "tuned.toml|tuning.toml": "takes a finished search; tests/tune",
-        "base/|k2/|recorded|report runs": "takes the reader's recordings; tests/cli/test_eta.py, tests/trainings",
+        "recorded|report runs": "takes the reader's recordings; tests/cli/test_eta.py, tests/trainings",
     }
 )
 """Patterns of commands that are only parsed."""
