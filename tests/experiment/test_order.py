@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from harness.bench.speed.entry import Entry, Setting
+from harness.bench.speed.timed_contest import TimeContest
 from harness.bench.timed_cell import TimeCell
 from harness.executor import CellOptions
 from harness.experiment.installation import Describe
@@ -26,6 +28,8 @@ WORKS: dict[str, Callable[[Cell], Work]] = {
     "validate by a file": lambda cell: ValidatePolicy(Path("/a/cell"), 8, PLUGINS),
     "describe": lambda cell: Describe((cell,), PLUGINS),
     "time": lambda cell: TimeCell(cell, 12.5),
+    "time by a file": lambda cell: TimeCell(cell, 12.5, PLUGINS),
+    "time a simulator of a file": lambda cell: TimeContest(Entry("simulators", "simulators", "mine"), Setting(), PLUGINS),
 }
 
 
