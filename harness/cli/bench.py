@@ -188,7 +188,9 @@ def _again(path: Path, rounds: int | None, plugin: Names, as_json: bool, html: P
     for number, whose in ((old.rounds, f"'{path}' has"), (times, "--rounds gives")):
         if number < FEWEST_ROUNDS:
             raise UsageError(f"{whose} {number} rounds: noise is only known from {FEWEST_ROUNDS} on")
-    found = measure_speeds(load_registry(given=read_given(plugin)), [speed.entry for speed in old.speeds], (), old.setting, times, _tell)
+    found = measure_speeds(
+        load_registry(given=read_given(plugin)), [speed.entry for speed in old.speeds], (), old.setting, times, _tell
+    )
     comparison = compare_speeds(old, found)
     _show(found, comparison, as_json, html)
     return 1 if found.failed or comparison.slower else 0

@@ -20,6 +20,7 @@ from harness.transfer.evaluation import EvaluateElsewhere
 from harness.tune.validation import ValidatePolicy
 
 PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
+ENTRY = Entry("simulators", "simulators", "mine")
 WORKS: dict[str, Callable[[Cell], Work]] = {
     "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tracked=True)),
     "evaluate elsewhere": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco", (("substeps", 4),), "m")),
@@ -29,7 +30,7 @@ WORKS: dict[str, Callable[[Cell], Work]] = {
     "describe": lambda cell: Describe((cell,), PLUGINS),
     "time": lambda cell: TimeCell(cell, 12.5),
     "time by a file": lambda cell: TimeCell(cell, 12.5, PLUGINS),
-    "time a simulator of a file": lambda cell: TimeContest(Entry("simulators", "simulators", "mine"), Setting(), PLUGINS),
+    "time a simulator of a file": lambda cell: TimeContest(ENTRY, Setting(), PLUGINS),
 }
 
 

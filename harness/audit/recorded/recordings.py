@@ -120,9 +120,9 @@ def _pairs(folder: Path, runs: Sequence[Run], rewards: tuple[str, ...]) -> tuple
         recording = read_recording(run.path)
         paid = paid_in(recording, run.episodes)
         notes += _unknown(_name(folder, run), paid, rewards)
-        for pair in each:
+        for pair, found in each.items():
             if set(pair) <= paid.steps.keys():
-                each[pair].append(compare_paid(paid, *pair))
+                found.append(compare_paid(paid, *pair))
                 largest[pair] = _most(largest[pair], _name(folder, run), recording, *pair)
     notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
     return tuple(pair_of(*pair, each[pair], largest[pair]) for pair in each), notes

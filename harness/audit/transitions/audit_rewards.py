@@ -1,4 +1,4 @@
-"""`harness.audit_rewards`: how far apart rewards are in any Gymnasium environment, also apart from potential shaping."""
+"""`harness.audit_rewards`: how far apart rewards are in any Gymnasium environment, potential shaping left out too."""
 
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -169,8 +169,8 @@ def _check(
     for name, policy in policies.items():
         if name == RANDOM or not callable(policy):
             raise UsageError(
-                f"policies: {name!r} is {policy!r}: give a function from an observation to an action, under a name other "
-                f"than {RANDOM!r}"
+                f"policies: {name!r} is {policy!r}: give a function from an observation to an action, under another "
+                f"name than {RANDOM!r}"
             )
 
 
@@ -245,7 +245,9 @@ def _record(
     env: Env, rewards: Mapping[str, Given], policy: Policy, path: Path, seeds: Iterable[int], steps: int
 ) -> list[Walk]:
     keeper = KeepWalks(TimeLimit(env, steps))
-    recorder = RecordRewards(keeper, path, trained_with=_own(rewards), rewards=rewards, evaluation=True, seed=0, on_error="raise")
+    recorder = RecordRewards(
+        keeper, path, trained_with=_own(rewards), rewards=rewards, evaluation=True, seed=0, on_error="raise"
+    )
     try:
         for seed in seeds:
             observation, _ = recorder.reset(seed=seed)

@@ -107,7 +107,9 @@ def test_what_cannot_be_audited_is_one_line(tmp_path, which):
     if which != "none":
         pays = {"plain": lambda a: a} if which == "one reward" else {"plain": lambda a: a, "b": lambda a: -a}
         record(runs / "0", "plain", 0, [] if which == "no step" else [0.1, 0.2], pays=pays)
-        told = {"one reward": "one reward, 'plain'", "no step": "no recording in it has a step"}.get(which, "several envs")
+        told = {"one reward": "one reward, 'plain'", "no step": "no recording in it has a step"}.get(
+            which, "several envs"
+        )
     if which == "two envs":
         record(runs / "1", "plain", 1, [0.1], env={"id": "Other-v0"})
     if which == "random of another env":

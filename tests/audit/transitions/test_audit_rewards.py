@@ -21,15 +21,18 @@ class Anywhere(gymnasium.Env):
         self.closed, self.state, self.left = False, 0, 0
 
     def reset(self, *, seed=None, options=None):
+        """Any state."""
         super().reset(seed=seed)
         self.state, self.left = int(self.np_random.integers(3)), 20
         return self.state, {}
 
     def step(self, action):
+        """Pays the action; ends after 20 steps."""
         self.state, self.left = int(self.np_random.integers(3)), self.left - 1
         return self.state, float(action), self.left == 0, False, {"left": self.left}
 
     def close(self):
+        """Keeps that it was called."""
         self.closed = True
 
 
@@ -54,6 +57,7 @@ class Counting:
     count = 0
 
     def __call__(self, state, action, following, info):
+        """How often it was called."""
         self.count += 1
         return float(self.count)
 
@@ -62,6 +66,7 @@ class Remembering(Counting):
     """Says that it has one."""
 
     def reset(self):
+        """Begins again."""
         self.count = 0
 
 
