@@ -20,12 +20,22 @@ RETURNS = "of the returns of the same episodes"
 def pair_grid(pair: Pair) -> Table:
     """What is asked, the answer, and what it means."""
     grid = answer_grid()
-    add_answer(grid, "distance by steps", distance_text(pair.steps), STEPS)
-    add_answer(grid, "distance by episodes", distance_text(pair.returns), RETURNS)
-    told = "" if pair.told_apart.mean is None else f"; these are {pair.told_apart.mean:.0%} of all pairs"
-    meaning = f"of the pairs of episodes that both tell apart{told}"
+    for question, mean, meaning, why in (
+        ("distance by steps", pair.steps, STEPS, "one of the two pays every step the same"),
+        ("distance by episodes", pair.returns, RETURNS, "one of the two pays every episode the same, or there is one"),
+    ):
+        add_answer(grid, question, distance_text(mean), why if mean.mean is None else told_in(mean, pair, meaning))
+    meaning = "there are no two episodes that both tell apart"
+    if pair.discordant.mean is not None and pair.told_apart.mean is not None:
+        told = f"of the pairs of episodes that both tell apart; these are {pair.told_apart.mean:.0%} of all pairs"
+        meaning = told_in(pair.discordant, pair, told)
     add_answer(grid, "opposite order", _share_text(pair.discordant), meaning)
     return grid
+
+
+def told_in(mean: SeedMean, pair: Pair, meaning: str) -> str:
+    """What a number means, and in how many recordings or measurements it is defined if not in all."""
+    return meaning if mean.seeds == len(pair.each) else f"{meaning}; defined in {mean.seeds} of {len(pair.each)}"
 
 
 def steps_text(pair: Pair) -> list[str]:

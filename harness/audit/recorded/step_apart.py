@@ -44,14 +44,20 @@ class StepApart:
 
 
 def steps_apart(folder: str, recording: RecordedTraining, one: str, other: str) -> list[StepApart]:
-    """The steps of a recording with the largest differences, largest first; none where a reward pays all the same."""
+    """The steps of a recording with the largest differences, largest first, one of an episode at most.
+
+    None where a reward pays all steps the same.
+    """
     values = np.stack([recording.rewards[one], recording.rewards[other]])
     spread = values.std(axis=1, keepdims=True)
     if not (spread > 1e-9 * np.abs(values).max(axis=1, keepdims=True)).all():
         return []
     deviations = (values - values.mean(axis=1, keepdims=True)) / spread
     difference = np.abs(deviations[0] - deviations[1])
-    largest = np.argsort(-difference, kind="stable")[:MOST]
+    falling = np.argsort(-difference, kind="stable")
+    most = int(recording.episode.max()) + 1
+    _, first = np.unique(recording.env[falling].astype(np.int64) * most + recording.episode[falling], return_index=True)
+    largest = falling[np.sort(first)[:MOST]]
     return [
         StepApart(
             folder,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
-from harness.audit.recorded.pair_grid import MISSING, add_answer, distance_text, earned_grid, pair_grid
+from harness.audit.recorded.pair_grid import MISSING, add_answer, distance_text, earned_grid, pair_grid, told_in
 from harness.audit.transitions.form_distances import DARD, EPIC, STARC
 
 if TYPE_CHECKING:
@@ -33,9 +33,10 @@ def _table(audit: "RewardAudit") -> RenderableType:
     parts: list[RenderableType] = [Text(f"{audit.env}: rewards {names}; discount {audit.gamma:g}")]
     for it in audit.pairs:
         parts += [Text(), Text(f"{it.pair.one} and {it.pair.other}"), _grid(it)]
+    new = "1 new episode" if audit.episodes == 1 else f"{audit.episodes} new episodes"
     measured = (
         f"{SCALE} Measured {audit.measurements} times in the transitions of {', '.join(audit.policies)}, each time "
-        f"with {audit.episodes} new episodes of each and new samples, {audit.steps:,} steps in all. The 95% intervals "
+        f"with {new} of each and new samples, {audit.steps:,} steps in all. The 95% intervals "
         "are over these measurements: they say how much another measurement with the same policies would differ. Other "
         "policies meet other transitions, and there the distances are others."
     )
@@ -50,5 +51,6 @@ def _grid(it: "FormsOfPair") -> RenderableType:
         add_answer(grid, ", ".join(it.distances), MISSING, reasons.pop())
         return grid
     for form, distance in it.distances.items():
-        add_answer(grid, f"{form} distance", distance_text(distance), it.reasons.get(form, MEANING[form]))
+        meaning = told_in(distance, it.pair, MEANING[form])
+        add_answer(grid, f"{form} distance", distance_text(distance), it.reasons.get(form, meaning))
     return grid

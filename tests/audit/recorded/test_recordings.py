@@ -41,6 +41,7 @@ def test_step_that_is_paid_most_differently_is_named(tmp_path):
     record(tmp_path / "0", "plain", 0, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], pays=pays)
     (pair,) = audit_recordings(tmp_path).pairs
     first = pair.largest[0]
+    assert len({(step.env, step.episode) for step in pair.largest}) == len(pair.largest) == 3
     assert (first.folder, first.env, first.episode, first.paid) == ("0", 0, 2, (0.3, pytest.approx(100.3)))
 
 
