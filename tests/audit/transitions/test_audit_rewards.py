@@ -150,7 +150,7 @@ def test_same_seed_gives_the_same():
 )
 def test_reward_that_is_no_function_of_a_transition_is_compared_in_steps_alone(given, told):
     """The reason is said, and every other pair has its distances."""
-    found = audit({"first": first, "odd": given, "second": second}, episodes=1)
+    found = audit({"first": first, "odd": given, "second": second}, episodes=1, steps=6)
     odd = pair_of(found, "first", "odd")
     assert all(mean.mean is None for mean in odd.distances.values())
     assert all(reason.startswith("odd: ") and told in reason for reason in odd.reasons.values())
