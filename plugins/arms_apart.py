@@ -1,7 +1,7 @@
 """Arms that each have a world of their own: all of a simulation but the physics, for simulators that step one arm."""
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,27 +14,30 @@ from harness.scene.scene import scene_of
 from harness.simulator import State
 
 
-class Arm(Protocol):
+class ArmAlone(Protocol):
     """One arm on the ground, alone in its world."""
 
     def put(self, qpos: Float) -> None:
         """At rest at `qpos`, (dof,), as if the world were new, contacts included."""
 
-    def turn(self, speeds: Float, duration: float) -> None:
-        """Drive each joint at its constant speed, (dof,), [rad/s] or [m/s], for `duration` [s]."""
-
     def read(self, state: State, env: int) -> None:
         """Write what holds now into row `env` of `state`."""
 
 
-class ArmsApart:
-    """See `harness.simulator.Simulation`.
+class Arm(ArmAlone, Protocol):
+    """One that is driven at constant speeds."""
 
-    Each period a joint gets the constant speed that leads from where it is to its target: what it misses in one
-    period, it makes up for in the next. Frames are drawn by the harness, not by the engine.
-    """
+    def turn(self, speeds: Float, duration: float) -> None:
+        """Drive each joint at its constant speed, (dof,), [rad/s] or [m/s], for `duration` [s]."""
 
-    def __init__(self, robot: Robot, num_envs: int, build_arm: Callable[[], Arm]) -> None:
+
+AnyArm = TypeVar("AnyArm", bound=ArmAlone)
+
+
+class Arms(Generic[AnyArm]):
+    """All of `harness.simulator.Simulation` but `drive`. Frames are drawn by the harness, not by the engine."""
+
+    def __init__(self, robot: Robot, num_envs: int, build_arm: Callable[[], AnyArm]) -> None:
         """Build the arms and put them at home.
 
         Args:
@@ -62,14 +65,6 @@ class ArmsApart:
         """See `harness.simulator.Simulation`."""
         return self.reset(qpos, np.ones(len(self.arms), bool))
 
-    def drive(self, qpos: Float, duration: float) -> State:
-        """See `harness.simulator.Simulation`."""
-        speeds = (qpos - self._state.qpos) / duration
-        for k in np.flatnonzero(self._awake).tolist():
-            self.arms[k].turn(speeds[k], duration)
-            self.arms[k].read(self._state, k)
-        return self._state
-
     def rest(self, mask: Mask) -> None:
         """See `harness.simulator.Simulation`."""
         self._awake = ~mask
@@ -87,6 +82,22 @@ class ArmsApart:
     def close(self) -> None:
         """See `harness.simulator.Simulation`."""
         self.arms = []
+
+
+class ArmsApart(Arms[Arm]):
+    """See `harness.simulator.Simulation`.
+
+    Each period a joint gets the constant speed that leads from where it is to its target: what it misses in one
+    period, it makes up for in the next.
+    """
+
+    def drive(self, qpos: Float, duration: float) -> State:
+        """See `harness.simulator.Simulation`."""
+        speeds = (qpos - self._state.qpos) / duration
+        for k in np.flatnonzero(self._awake).tolist():
+            self.arms[k].turn(speeds[k], duration)
+            self.arms[k].read(self._state, k)
+        return self._state
 
 
 def bare_loop(simulation: ArmsApart, targets: Float, period: float) -> Callable[[], None]:

@@ -9,8 +9,8 @@ from harness.simulator import family_of
 
 REGISTRY = load_registry()
 FAMILIES = {
-    "dm_control": "MuJoCo", "drake": "Drake", "kinematic": None, "mujoco": "MuJoCo", "physx": "PhysX",
-    "pybullet": "Bullet",
+    "dm_control": "MuJoCo", "drake": "Drake", "kinematic": None, "mjx": "MuJoCo", "mujoco": "MuJoCo",
+    "physx": "PhysX", "pybullet": "Bullet",
 }  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import gymnasium
 import pytest
 
+from harness.cli.app import main
 from harness.record.recording.recorded_training import read_recording
 
 PAGE = (Path(__file__).parents[1] / "docs" / "your-environment.md").read_text(encoding="utf-8")
@@ -23,6 +24,7 @@ def _run(folder: Path, monkeypatch: pytest.MonkeyPatch, needle: str) -> dict[str
     (example,) = [text for text in EXAMPLES if needle in text]
     short = example.replace("20_000", str(STEPS)).replace('PPO("MlpPolicy", env,', 'PPO("MlpPolicy", env, n_steps=64,')
     monkeypatch.chdir(folder)
+    short = short.replace("range(6)", "range(2)").replace('/evaluation", ', '/evaluation", episodes=1, ')
     (folder / "example.py").write_text(short.replace("n_steps=512", "n_steps=16"), encoding="utf-8")
     return runpy.run_path("example.py")
 
@@ -61,14 +63,26 @@ def test_first_training_is_recorded_and_read(
     assert row == pytest.approx((0, *(training.rewards[name].sum() for name in ("own", "upright"))))
 
 
-def test_trainings_with_both_rewards_are_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Each env pays the reward that its training is named for."""
+def test_verdict_takes_15_lines():
+    """With the installation and the report."""
+    (example,) = [text for text in EXAMPLES if "evaluate_policy" in text]
+    assert len([line for line in example.splitlines() if line.strip()]) + 2 <= 15
+
+
+def test_report_on_both_rewards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    """Trainings too short for an episode, two seeds: the evaluations tell, and what they cannot is said."""
     pytest.importorskip("stable_baselines3")
-    _run(tmp_path, monkeypatch, "class Pays")
-    for trained_with in ("v1", "v2"):
-        for seed in range(3):
+    _run(tmp_path, monkeypatch, "evaluate_policy")
+    for trained_with in ("own", "calm"):
+        for seed in range(2):
             training = _recorded(tmp_path, f"runs/{trained_with}-{seed}")
             assert (training.facts.trained_with, training.facts.seed, len(training)) == (trained_with, seed, STEPS)
+    capsys.readouterr()
+    with pytest.raises(SystemExit, match="0"):
+        main(["report", "runs", "--details"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "rests on evaluations of the final policies, 1 episode or more of each seed" in told
+    assert "over the training: n/a: own in 'runs/own-0': no episode ended" in told
 
 
 def test_memory_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

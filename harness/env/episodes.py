@@ -92,11 +92,12 @@ class Episodes:
 
     def start(self, mask: Mask, state: State, target: Float, numbers: Float | None = None) -> None:
         """Begin new episodes in the envs of `mask` with `target`, (num_envs, 3), and the `numbers` of a goal."""
-        self.qpos[mask], self.qvel[mask] = state.qpos[mask], state.qvel[mask]
-        self.end_effector[mask] = state.end_effector[mask]
-        self.step[mask] = self.shaped[mask] = self.step_price[mask] = 0.0
-        self.qvel_change[mask] = self.events[mask] = self.flags[mask] = 0.0
-        self.action[mask] = 0.0
+        envs = np.flatnonzero(mask)  # of many envs few begin in a step: their numbers are quicker than the mask
+        self.qpos[envs], self.qvel[envs] = state.qpos[envs], state.qvel[envs]
+        self.end_effector[envs] = state.end_effector[envs]
+        self.step[envs] = self.shaped[envs] = self.step_price[envs] = 0.0
+        self.qvel_change[envs] = self.events[envs] = self.flags[envs] = 0.0
+        self.action[envs] = 0.0
         self.set_target(mask, target, numbers)
 
     def set_target(self, mask: Mask, target: Float, numbers: Float | None = None) -> None:

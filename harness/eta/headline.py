@@ -251,5 +251,10 @@ def _text(ratio: Ratio) -> str:
 def _mean_text(mean: SeedMean) -> str:
     if mean.mean is None:
         return "n/a"
-    told = f"{mean.mean:+.3g}"
-    return told if mean.low is None or mean.high is None else f"{told} [{mean.low:.3g}, {mean.high:.3g}]"
+    told = _digits(mean.mean, "+")
+    return told if mean.low is None or mean.high is None else f"{told} [{_digits(mean.low)}, {_digits(mean.high)}]"
+
+
+def _digits(value: float, sign: str = "") -> str:
+    """Three of them, without an exponent up to a million."""
+    return f"{float(f'{value:.3g}'):{sign},.6g}"

@@ -69,12 +69,15 @@ class JointLimits:
         # From near enough to the middle every speed can be braked: most steps skip the square roots. Not a number is
         # near to nothing.
         distance = target - rows.middle
-        if np.count_nonzero(np.abs(distance, out=distance) <= self._free) == target.size:
+        is_free = np.abs(distance, out=distance) <= self._free
+        if np.count_nonzero(is_free) == target.size:
             return target, speed
         require_numbers(speed)
-        low, high = self._braking_bounds(qpos, qvel)
-        speed = np.maximum(np.minimum(speed, high), low)
-        return np.minimum(np.maximum(qpos + speed * self.period, self.lower), self.upper), speed
+        near_an_end = np.flatnonzero(~is_free.all(axis=1))
+        if len(near_an_end) == len(target):
+            return self._braked(qpos, qvel, speed)
+        target[near_an_end], speed[near_an_end] = self._braked(qpos[near_an_end], qvel[near_an_end], speed[near_an_end])
+        return target, speed
 
     def bounds(self, qpos: Float, qvel: Float) -> tuple[Float, Float]:
         """The lowest and the highest speed that each joint may have in the next period, (num_envs, dof) both."""
@@ -111,6 +114,12 @@ class JointLimits:
         }
         for name, value in derived.items():
             object.__setattr__(self, name, value)
+
+    def _braked(self, qpos: Float, qvel: Float, speed: Float) -> tuple[Float, Float]:
+        """As `advance`, for speeds that differ from the last ones by no more than allowed: slow enough to stop."""
+        low, high = self._braking_bounds(qpos, qvel)
+        speed = np.maximum(np.minimum(speed, high), low)
+        return np.minimum(np.maximum(qpos + speed * self.period, self.lower), self.upper), speed
 
     def _braking_bounds(self, qpos: Float, qvel: Float) -> tuple[Float, Float]:
         """Between these speeds a joint stops in its range.

@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.util
+import pkgutil
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -118,9 +119,10 @@ def _is_installed(module: str) -> bool:
     try:
         found = importlib.util.find_spec(package)
         for part in parts:
+            folders = [] if found is None else found.submodule_search_locations or []
+            places = pkgutil.extend_path([*folders], package)  # several distributions may fill a package
             package = f"{package}.{part}"
-            places = None if found is None else found.submodule_search_locations
-            found = PathFinder.find_spec(package, places) if places else None
+            found = PathFinder.find_spec(package, places)
     except (ImportError, ValueError):
         return False
     return found is not None

@@ -41,8 +41,8 @@ LEARNING = (
     "random actions."
 )
 CROSSOVER = (
-    "The cross-over is, as published, the first step after the first negative one at which the mean is not negative; it "
-    "may turn negative again. The regions are those of the note's Fig. 8."
+    "The cross-over is, as published, the first step after the first negative one at which the mean is not negative; "
+    "it may turn negative again. The regions are those of the note's Fig. 8."
 )
 OPEN = 2
 """So many comparisons stand open; of more, each is a line that opens."""

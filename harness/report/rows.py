@@ -145,8 +145,8 @@ PATH_NAMES = ("proposed runs", "baseline's runs")
 """Where the ruler of a path is read."""
 
 
-def sum_grid(total: SumSplit | None, amount: str = "I_N + I_P") -> Grid:
-    """The change of an amount, and what it is made of; no rows without any."""
+def sum_grid(total: SumSplit | None) -> Grid:
+    """The change of I_N + I_P, and what it is made of; no rows without any."""
     headings = ("", "difference", "95% interval")
     if total is None:
         return Grid(headings, [], [])
@@ -157,7 +157,7 @@ def sum_grid(total: SumSplit | None, amount: str = "I_N + I_P") -> Grid:
         if part.mean is not None
     ]
     reasons = dict.fromkeys(part.note for part in parts.values() if part.note)
-    return Grid(headings, rows, list(reasons), f"{amount}, proposed - baseline")
+    return Grid(headings, rows, list(reasons), "I_N + I_P, proposed - baseline")
 
 
 def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") -> Grid:

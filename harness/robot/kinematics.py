@@ -154,7 +154,8 @@ def position_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
     Raises:
         UsageError: The last axis of qpos is not dof long.
     """
-    return pose_jacobian(chain, qpos)[..., :3, :]
+    moves, _ = _motions_of_tip(chain, qpos)
+    return np.swapaxes(moves, -1, -2)
 
 
 def pose_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
@@ -172,6 +173,11 @@ def pose_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
     Raises:
         UsageError: The last axis of qpos is not dof long.
     """
+    return np.swapaxes(np.concatenate(_motions_of_tip(chain, qpos), axis=-1), -1, -2)
+
+
+def _motions_of_tip(chain: Chain, qpos: ArrayLike) -> tuple[Float, Float]:
+    """How the tip moves, and about what it turns, per unit of each joint: (..., dof, 3) both."""
     frames = child_frames(chain, qpos)
     tip = (frames[-1] @ chain.T_last_tip)[..., :3, 3]
     T_world_child = np.stack(frames, axis=-3)  # (..., dof, 4, 4)
@@ -179,8 +185,7 @@ def pose_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
     axes = (T_world_child[..., :3, :3] @ chain.axes[..., None])[..., 0]  # (..., dof, 3)
     levers = tip[..., None, :] - T_world_child[..., :3, 3]
     slides = chain.slides[:, None]
-    moves, turns = np.where(slides, axes, _cross(axes, levers)), np.where(slides, 0.0, axes)
-    return np.swapaxes(np.concatenate([moves, turns], axis=-1), -1, -2)
+    return np.where(slides, axes, _cross(axes, levers)), np.where(slides, 0.0, axes)
 
 
 def _cross(a: Float, b: Float) -> Float:

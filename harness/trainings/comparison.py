@@ -81,12 +81,12 @@ class Comparison:
     @property
     def baseline_index(self) -> Index | None:
         """None where the summed reward is not known."""
-        return self.indices and self.indices.baseline
+        return None if self.indices is None else self.indices.baseline
 
     @property
     def proposed_index(self) -> Index | None:
         """The same of the proposed reward."""
-        return self.indices and self.indices.proposed
+        return None if self.indices is None else self.indices.proposed
 
     def changes_in(self, manner: str) -> tuple[Change, ...]:
         """The measures of one manner."""
@@ -153,11 +153,12 @@ class Comparison:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, the curves left out."""
+        headline = {"agent" if name == "robot" else name: told for name, told in self.headline.to_json().items()}
         return {
             "baseline": self.baseline,
             "proposed": self.proposed,
             "seeds": list(self.seeds),
-            "headline": self.headline.to_json(),
+            "headline": headline,
             "rests_on": self.basis,
             "decided_in": self.manner,
             "deciding_measure": self.deciding,

@@ -58,8 +58,9 @@ class Episodes:
         return Part(count, returns, behaviour, reasons)
 
     def is_flag(self, measure: str) -> bool:
-        """Whether a measure is 0 or 1 in every episode: its mean is a share of episodes."""
-        return bool(np.isin(self.behaviour[measure], (0.0, 1.0)).all())
+        """Whether a measure is 0 or 1 in every episode that has it: its mean is a share of episodes."""
+        values = np.asarray(self.behaviour.get(measure, ()))
+        return bool(np.isin(values[~np.isnan(values)], (0.0, 1.0)).all())
 
 
 def episodes_of(recording: RecordedTraining) -> Episodes:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
-from harness.record.recording.facts import TrainingFacts
+from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, read_recording
 from harness.trainings.episodes import Episodes, Part, episodes_of
 
@@ -124,6 +124,7 @@ def read_runs(folder: Path) -> Runs:
         )
     shortest = min(run.steps for run in members.values())
     notes = [*env_notes, *seed_notes, *evaluation_notes, *empty, *_cut_notes(members.values(), shortest)]
+    notes += _code_notes(everything)
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     return Runs(
         env,
@@ -224,20 +225,29 @@ def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:
 
 
 def _cut_notes(runs: Iterable[Run], shortest: int) -> list[str]:
-    longer = [run for run in runs if run.steps > shortest]
+    longer = [run.steps for run in runs if run.steps > shortest]
     last = next(run for run in runs if run.steps == shortest)
-    notes = (
-        [
-            f"All are cut to the {shortest:,} steps of the shortest, '{last.path}': {_count(len(longer), 'training')} went "
-            f"on, for {max(run.steps for run in longer):,} steps at most"
-        ]
-        if longer
-        else []
-    )
+    told = f"All are cut to the {shortest:,} steps of the shortest, '{last.path}'"
+    notes = [f"{told}: {_count(len(longer), 'training')} went on, for {max(longer):,} steps at most"] if longer else []
     going = [run for run in runs if not run.facts.closed]
     if going:
         notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")
     return notes
+
+
+def _code_notes(runs: Iterable[Run]) -> list[str]:
+    """Rewards and measures that have one name and are not the same."""
+    found: dict[str, dict[str, Path]] = {}
+    for run in runs:
+        for column, source in run.facts.sources.items():
+            if source.text and source.text != OWN_SOURCE:
+                found.setdefault(column, {}).setdefault(source.text, run.path)
+    return [
+        f"The code of {column.replace('_', ' ', 1)} is not the same in '{paths[0]}' and '{paths[1]}': its numbers may "
+        "not be comparable"
+        for column, of in found.items()
+        if len(paths := list(of.values())) > 1
+    ]
 
 
 def _quoted(run: Run) -> str:

@@ -1,9 +1,11 @@
-"""Drake: every arm in a context and a simulator of its own, driven by velocity servos."""
+"""Drake: every arm in a context and a simulator of its own, driven by velocity servos or by torques."""
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from contextlib import contextmanager
-from typing import Annotated, Any, ClassVar, NamedTuple
+from functools import partial
+from itertools import combinations
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +19,22 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from harness.arrays import Float
+from harness.authoring.servo_track import servo_of
 from harness.authoring.substeps import Substeps
 from harness.errors import SimulationDiverged, UsageError
 from harness.robot import Robot
+from harness.robot.servo import Servo
 from harness.robot.shapes import Shape
 from harness.simulator import State
 
 from ..arms_apart import ArmsApart, bare_loop
 from ..bare_urdf import bare_urdf
+from ..dry_friction import DryFriction
+from ..self_collision import Pair, pair, pairs_apart, shapes_of_base
+from ..servo_arms import ServoArms, follow_alone
 
-FRICTION = 1.0
-"""Of links on the ground, Coulomb's coefficient."""
+FRICTION = CoulombFriction(1.0, 1.0)
+"""Of links on the ground and on one another, static and sliding."""
 
 
 @dataclass(frozen=True)
@@ -36,24 +43,42 @@ class Drake:
 
     Over a control period each servo holds the speed that leads from where the joint is to its target. Its damping is
     I w, I the diagonal of the joint-space inertia at the home pose. A physics step is one of the SAP contact solver,
-    which takes the servos implicitly. Arms are weightless: their drives make up for gravity. Frames are drawn by the
-    harness, not by Drake.
+    which takes the servos implicitly. Arms are weightless: their drives make up for gravity. With drive=servo each
+    joint has the drive that robot.toml describes, a torque in each physics step, and `bandwidth` has no part in it.
+    Frames are drawn by the harness, not by Drake.
     """
 
     family: ClassVar[str] = "Drake"
-    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.arms_apart", "harness_plugins.bare_urdf")
+    later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
+    sources: ClassVar[tuple[str, ...]] = (
+        "harness_plugins.arms_apart",
+        "harness_plugins.bare_urdf",
+        "harness_plugins.dry_friction",
+        "harness_plugins.self_collision",
+        "harness_plugins.servo_arms",
+    )
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
     bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 2000.0
+    drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"
+    self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
 
-    def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart:
+    def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart | ServoArms:
         """See `harness.simulator.Simulator`."""
-        substeps = Substeps(self.substeps, control_period)
-        model = _build_model(robot, control_period / self.substeps, self.bandwidth)
-        return ArmsApart(robot, num_envs, lambda: Arm(model, substeps))
+        substeps, timestep = Substeps(self.substeps, control_period), control_period / self.substeps
+        if self.drive == "servo":
+            servo = servo_of(robot)
+            model = _build_model(robot, timestep, partial(_add_servos, servo=servo), self.self_collision)
+            return ServoArms(robot, num_envs, substeps, lambda: ServoArm(model, substeps, servo))
+        damping = _inertia_at_home(robot) * self.bandwidth
+        model = _build_model(robot, timestep, partial(_add_ideal_drives, damping=damping), self.self_collision)
+        return ArmsApart(robot, num_envs, lambda: Arm(model, substeps, damping))
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
         """See `harness.simulator.Simulator`."""
-        return bare_loop(self.open(robot, targets.shape[1], period), targets, period)
+        simulation = self.open(robot, targets.shape[1], period)
+        if isinstance(simulation, ServoArms):
+            return follow_alone(simulation, targets, period, self.substeps)
+        return bare_loop(simulation, targets, period)
 
 
 class Model(NamedTuple):
@@ -71,12 +96,12 @@ class Model(NamedTuple):
     """Drake's scene graph, which tells collisions."""
     order: NDArray[np.intp]
     """Where each of the robot's joints stands in Drake's positions, (dof,)."""
-    damping: Float
-    """Of the servos, (dof,), [N m s] or [N s/m]."""
+    ground: Any
+    """Drake's number of the ground, where links collide with one another; else None."""
 
 
-class Arm:
-    """See `harness_plugins.arms_apart.Arm`."""
+class ArmAlone:
+    """See `harness_plugins.arms_apart.ArmAlone`."""
 
     def __init__(self, model: Model, substeps: Substeps) -> None:
         self.model, self._substeps, self._done = model, substeps, 0
@@ -86,10 +111,10 @@ class Arm:
         self.context = model.plant.GetMyMutableContextFromRoot(context)
         self._query = model.shapes.get_query_output_port()
         self._shapes_context = model.shapes.GetMyContextFromRoot(context)
-        self._servos = model.plant.get_actuation_input_port(model.arm)
+        self._torques = model.plant.get_actuation_input_port(model.arm)
 
     def put(self, qpos: Float) -> None:
-        """See `harness_plugins.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.ArmAlone`."""
         plant, self._done = self.model.plant, 0
         positions = np.empty_like(qpos)
         positions[self.model.order] = qpos
@@ -98,10 +123,9 @@ class Arm:
         plant.SetVelocities(self.context, np.zeros_like(qpos))
         self.simulator.Initialize()
 
-    def turn(self, speeds: Float, duration: float) -> None:
-        """See `harness_plugins.arms_apart.Arm`."""
-        self._servos.FixValue(self.context, self.model.damping * speeds)
-        self._done += self._substeps.within(duration)
+    def _advance(self, steps: int) -> None:
+        """So many physics steps."""
+        self._done += steps
         # Between two steps: on one, rounding would decide whether it is done.
         end = (self._done - 0.5) * self._substeps.period / self._substeps.count
         try:
@@ -110,30 +134,103 @@ class Arm:
             raise SimulationDiverged(f"Drake stops the arm: {' '.join(str(error).split())}") from error
 
     def read(self, state: State, env: int) -> None:
-        """See `harness_plugins.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.ArmAlone`."""
         plant, context = self.model.plant, self.context
         state.qpos[env] = plant.GetPositions(context)[self.model.order]
         state.qvel[env] = plant.GetVelocities(context)[self.model.order]
         state.end_effector[env] = plant.EvalBodyPoseInWorld(context, self.model.tip).translation()
-        # The ground is all that the arm's shapes can collide with.
-        state.ground_contact[env] = self._query.Eval(self._shapes_context).HasCollisions()
+        state.ground_contact[env] = self._touches_ground()
+
+    def _touches_ground(self) -> bool:
+        query, ground = self._query.Eval(self._shapes_context), self.model.ground
+        if ground is None:  # nothing else can be touched
+            return bool(query.HasCollisions())
+        return any(ground in (each.id_A, each.id_B) for each in query.ComputePointPairPenetration())
 
 
-def _build_model(robot: Robot, timestep: float, bandwidth: float) -> Model:
-    damping = _inertia_at_home(robot) * bandwidth
+class Arm(ArmAlone):
+    """See `harness_plugins.arms_apart.Arm`; `damping` is that of the servos, (dof,), [N m s] or [N s/m]."""
+
+    def __init__(self, model: Model, substeps: Substeps, damping: Float) -> None:
+        super().__init__(model, substeps)
+        self._damping = damping
+
+    def turn(self, speeds: Float, duration: float) -> None:
+        """See `harness_plugins.arms_apart.Arm`."""
+        self._torques.FixValue(self.context, self._damping * speeds)
+        self._advance(self._substeps.within(duration))
+
+
+class ServoArm(ArmAlone):
+    """See `harness_plugins.servo_arms.ServoArm`."""
+
+    def __init__(self, model: Model, substeps: Substeps, servo: Servo) -> None:
+        super().__init__(model, substeps)
+        self._servo, self._timestep = servo, substeps.period / substeps.count
+        self._friction = DryFriction(servo.dry_friction * self._timestep)
+        self._viscous, self._entries = (
+            np.diag(servo.viscous_friction * self._timestep),
+            np.ix_(model.order, model.order),
+        )
+
+    def put(self, qpos: Float) -> None:
+        """See `harness_plugins.arms_apart.ArmAlone`."""
+        super().put(qpos)
+        self._friction.forget()
+
+    def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
+        """See `harness_plugins.servo_arms.ServoArm`."""
+        for position, speed in zip(qpos_ref, qvel_ref, strict=True):
+            self._torques.FixValue(self.context, self._torque(position, speed))
+            self._advance(1)
+
+    def _torque(self, qpos_ref: Float, qvel_ref: Float) -> Float:
+        """Of the drives and of dry friction, (dof,). Drake itself adds armature and viscous friction."""
+        plant, context, order, servo = self.model.plant, self.context, self.model.order, self._servo
+        qpos, qvel = plant.GetPositions(context)[order], plant.GetVelocities(context)[order]
+        weight = -plant.CalcGravityGeneralizedForces(context)[order]
+        driven = servo.torque(qpos, qvel, qpos_ref, qvel_ref, weight)
+        load = driven - servo.viscous_friction * qvel - weight - plant.CalcBiasTerm(context)[order]
+        mobility = np.linalg.inv(plant.CalcMassMatrix(context)[self._entries] + self._viscous)
+        self._friction.slow(qvel + self._timestep * (mobility @ load), mobility)
+        torque: Float = driven - self._friction.impulses / self._timestep
+        return torque
+
+
+AddDrives = Callable[[Any, Any, list[Any]], None]
+"""Gives an arm of a plant its drives: the plant, Drake's number of the arm, its joints in the robot's order."""
+
+
+def _build_model(robot: Robot, timestep: float, add_drives: AddDrives, self_collision: bool) -> Model:
     builder, plant, shapes, arm = _read_arm(robot, timestep)
     joints = [plant.GetJointByName(name, arm) for name in robot.joint_names]
+    add_drives(plant, arm, joints)
+    groups = _add_shapes(plant, robot, joints, self_collision)
+    ground = plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", FRICTION)
+    pairs = pairs_apart(robot.dof) if self_collision else frozenset()
+    _part(shapes, groups, pairs)
+    plant.Finalize()
+    order = np.array([joint.position_start() for joint in joints])
+    tip = plant.GetBodyByName(robot.end_effector_link, arm)
+    model = Model(builder.Build(), plant, arm, tip, shapes, order, ground if self_collision else None)
+    if self_collision:
+        _part(shapes, groups, pairs - _touching_at(robot.home, model, groups))
+    return model
+
+
+def _add_ideal_drives(plant: Any, arm: Any, joints: list[Any], damping: Float) -> None:
     for joint, own in zip(joints, damping, strict=True):
         # A torque d v_target beside a damping d is a servo of the speed. The solver takes damping implicitly, which is
         # as stable as its own PD controllers, with the same result, and many times faster.
         joint.set_default_damping(own)
         plant.AddJointActuator(joint.name(), joint)
     plant.set_gravity_enabled(arm, False)
-    _add_shapes(plant, shapes, robot, joints)
-    plant.Finalize()
-    order = np.array([joint.position_start() for joint in joints])
-    tip = plant.GetBodyByName(robot.end_effector_link, arm)
-    return Model(builder.Build(), plant, arm, tip, shapes, order, damping)
+
+
+def _add_servos(plant: Any, arm: Any, joints: list[Any], servo: Servo) -> None:
+    for joint, viscous, armature in zip(joints, servo.viscous_friction, servo.armature, strict=True):
+        joint.set_default_damping(viscous)
+        plant.AddJointActuator(joint.name(), joint).set_default_rotor_inertia(armature)  # its gear is 1
 
 
 def _read_arm(robot: Robot, timestep: float) -> tuple[Any, Any, Any, Any]:
@@ -163,17 +260,41 @@ def _inertia_at_home(robot: Robot) -> Float:
     return inertia
 
 
-def _add_shapes(plant: Any, shapes: Any, robot: Robot, joints: list[Any]) -> None:
-    """The ground, and what the joints move. Links touch the ground, not one another."""
-    friction = CoulombFriction(FRICTION, FRICTION)
-    links: list[Any] = []
+def _add_shapes(plant: Any, robot: Robot, joints: list[Any], with_base: bool) -> list[list[Any]]:
+    """What the joints move, and the base where it counts; Drake's numbers of the shapes, group by group."""
     plant.set_adjacent_bodies_collision_filters(False)  # links beside a base in the ground would not touch it
-    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction)
-    for joint, moved in zip(joints, robot.joint_shapes, strict=True):
-        for shape in moved:
-            body, pose, name = joint.child_body(), RigidTransform(shape.T_link_shape), f"shape_{len(links)}"
-            links.append(plant.RegisterCollisionGeometry(body, pose, _solid(shape, name), name, friction))
-    shapes.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(links)))
+    bodies = [plant.world_body(), *(joint.child_body() for joint in joints)]
+    groups: list[list[Any]] = [[] for _ in bodies]
+    shapes = (shapes_of_base(robot) if with_base else (), *robot.joint_shapes)
+    for group, body, carried in zip(groups, bodies, shapes, strict=True):
+        for shape in carried:
+            pose, name = RigidTransform(shape.T_link_shape), f"shape_{sum(map(len, groups))}"
+            group.append(plant.RegisterCollisionGeometry(body, pose, _solid(shape, name), name, FRICTION))
+    return groups
+
+
+def _part(shapes: Any, groups: list[list[Any]], pairs: Set[Pair]) -> None:
+    """Let no links touch one another but those of `pairs`, which touched before."""
+    filters = CollisionFilterDeclaration()
+    for group in groups:
+        filters.ExcludeWithin(GeometrySet(group))
+    for one, other in combinations(range(len(groups)), 2):
+        if (one, other) not in pairs:
+            filters.ExcludeBetween(GeometrySet(groups[one]), GeometrySet(groups[other]))
+    shapes.collision_filter_manager().Apply(filters)
+
+
+def _touching_at(qpos: Float, model: Model, groups: list[list[Any]]) -> set[Pair]:
+    """The groups of links that touch one another at `qpos`, (dof,)."""
+    owner = {shape: number for number, group in enumerate(groups) for shape in group}
+    with _unsaid():
+        context = model.diagram.CreateDefaultContext()
+    positions = np.empty_like(qpos)
+    positions[model.order] = qpos
+    model.plant.SetPositions(model.plant.GetMyMutableContextFromRoot(context), positions)
+    query = model.shapes.get_query_output_port().Eval(model.shapes.GetMyContextFromRoot(context))
+    touching = [(each.id_A, each.id_B) for each in query.ComputePointPairPenetration()]
+    return {pair(owner[one], owner[other]) for one, other in touching if model.ground not in (one, other)}
 
 
 def _solid(shape: Shape, name: str) -> Any:

@@ -62,8 +62,9 @@ class KinematicSimulation:
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""
         state = self._state
-        state.qpos[mask], state.qvel[mask] = qpos[mask], 0.0
-        state.end_effector[mask], state.ground_contact[mask] = self._place_links(state.qpos[mask])
+        arms = np.flatnonzero(mask)
+        state.qpos[arms], state.qvel[arms] = qpos[arms], 0.0
+        state.end_effector[arms], state.ground_contact[arms] = self._place_links(state.qpos[arms])
         return state
 
     def place(self, qpos: Float) -> State:

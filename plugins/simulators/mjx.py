@@ -1,5 +1,6 @@
 """MJX: MuJoCo's equations in JAX, compiled by XLA for a processor or an accelerator."""
 
+import warnings
 from contextlib import redirect_stdout
 from functools import cached_property
 from io import StringIO
@@ -169,7 +170,8 @@ def _put_model(robot: Robot, timestep: float, bandwidth: float) -> Any:
     model = build_model(robot, timestep, bandwidth)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
     try:
-        with jax.enable_x64(True):
+        with jax.enable_x64(True), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of faces with many corners: contacts with a plane take corners, no faces
             return mjx.put_model(model)
     except NotImplementedError as error:
         reason = " ".join(str(error).split())

@@ -1,10 +1,10 @@
-"""PhysX by SAPIEN: every arm in a scene of its own, driven by velocity drives."""
+"""PhysX by SAPIEN: every arm in a scene of its own, driven by velocity drives or by torques."""
 
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,18 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
+from harness.authoring.servo_track import servo_of
 from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
+from harness.robot.servo import Servo
 from harness.robot.shapes import Shape
 from harness.simulator import State
 
 from ..arms_apart import ArmsApart, bare_loop
 from ..bare_urdf import bare_urdf
+from ..self_collision import Pair, pair, pairs_apart, partners, shapes_of_base
+from ..servo_arms import ServoArms, follow_alone
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it warns of graphics drivers, and nothing is drawn by them
@@ -31,8 +35,8 @@ Count = Annotated[int, Field(gt=0)]
 FRICTION = 1.0
 """Of links on the ground, static and sliding."""
 MATERIAL = (FRICTION, FRICTION, 0.0)
-GROUND, LINK = [1, 2, 0, 0], [2, 1, 0, 0]
-"""Collision groups: what has a bit of the first number touches what has it in its second."""
+GROUND, FIRST = [1, 0, 0, 0], 2
+"""Collision groups: what has a bit of the first number touches what has it in its second. The base's is FIRST."""
 UPWARDS = [np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0]
 """Turns the x axis, a plane's normal in PhysX and the axis of its capsules and cylinders, to z; a quaternion."""
 
@@ -41,6 +45,8 @@ AT_HOME, ALOFT = sapien.Pose(), sapien.Pose([0.0, 0.0, 1000.0])
 """Poses of the base."""
 DAMPING = 1e6
 """Of a drive, [N m s] or [N s/m]."""
+CREEP = 1e-4
+"""Speed at which dry friction has its full torque, [rad/s] or [m/s]; less is slower."""
 
 
 @dataclass(frozen=True)
@@ -49,24 +55,41 @@ class PhysX:
 
     Over a control period each drive holds the speed that leads from where the joint is to its target. Its damping is so
     large that nothing but the ground slows it. Arms are weightless: their drives make up for gravity. PhysX computes in
-    single precision. Frames are drawn by the harness, not by SAPIEN.
+    single precision. With drive=servo each joint has the drive that robot.toml describes, a torque in each physics
+    step, and PhysX's velocity drive is its dry friction. Frames are drawn by the harness, not by SAPIEN.
     """
 
     family: ClassVar[str] = "PhysX"
-    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.arms_apart", "harness_plugins.bare_urdf")
+    later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
+    sources: ClassVar[tuple[str, ...]] = (
+        "harness_plugins.arms_apart",
+        "harness_plugins.bare_urdf",
+        "harness_plugins.self_collision",
+        "harness_plugins.servo_arms",
+    )
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
     iterations: Annotated[Count, Field(le=255, description="of the constraint solver per physics step")] = 16
+    drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"
+    self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
 
-    def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart:
+    def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart | ServoArms:
         """See `harness.simulator.Simulator`."""
-        substeps = Substeps(self.substeps, control_period)
-        model = Model(robot, control_period / self.substeps, self.iterations)
+        substeps, timestep = Substeps(self.substeps, control_period), control_period / self.substeps
+        if self.drive == "servo":
+            servo = servo_of(robot)
+            model = Model(robot, timestep, self.iterations, servo, self.self_collision)
+            probe = Probe(model)
+            return ServoArms(robot, num_envs, substeps, lambda: ServoArm(model, probe, servo))
+        model = Model(robot, timestep, self.iterations, None, self.self_collision)
         probe = Probe(model)
         return ArmsApart(robot, num_envs, lambda: Arm(model, probe, substeps))
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
         """See `harness.simulator.Simulator`."""
-        return bare_loop(self.open(robot, targets.shape[1], period), targets, period)
+        simulation = self.open(robot, targets.shape[1], period)
+        if isinstance(simulation, ServoArms):
+            return follow_alone(simulation, targets, period, self.substeps)
+        return bare_loop(simulation, targets, period)
 
 
 class Body:
@@ -88,14 +111,19 @@ class Body:
         self.arm = model.builder.set_scene(self._scene).build()
         self.arm.set_solver_position_iterations(model.iterations)
         for link in self.arm.links:
-            link.disable_gravity = True
+            link.disable_gravity = model.servo is None
             link.linear_damping = link.angular_damping = 0.0
         robot = model.robot
         self.joints = [self.arm.find_joint_by_name(name) for name in robot.joint_names]
-        for joint, shapes in zip(self.joints, robot.joint_shapes, strict=True):
-            joint.set_drive_property(0.0, DAMPING)
+        for group, shapes in enumerate(model.shapes):
+            link = self.joints[group - 1].child_link if group else self.arm.root
             for shape in shapes:
-                joint.child_link.attach(_solid(shape))
+                link.attach(_solid(shape, model.masks[group]))
+        for number, joint in enumerate(self.joints):
+            if model.servo is None:
+                joint.set_drive_property(0.0, DAMPING)
+            else:
+                _add_servo(joint, model.servo, number)
         names = [joint.name for joint in self.arm.active_joints]
         self.order = np.array([names.index(name) for name in robot.joint_names])
         self.tip = self.arm.find_link_by_name(robot.end_effector_link)
@@ -106,9 +134,20 @@ class Body:
         self.arm.set_qpos(positions)
         self.arm.set_qvel(self._rest)
 
+    def put_joints(self, qpos: Float) -> None:
+        """At rest at `qpos`, (dof,), in the robot's order."""
+        positions = np.empty(len(qpos), np.float32)
+        positions[self.order] = qpos
+        self.put(positions)
+
     def points(self) -> Iterator[Any]:
         """Where the arm is near the ground or touches it, found at the beginning of the last step."""
-        return (point for contact in self.system.get_contacts() for point in contact.points)
+        return (point for contact in self.system.get_contacts() if _has_ground(contact) for point in contact.points)
+
+    def touching_groups(self) -> set[Pair]:
+        """Groups of links that touch one another, found at the beginning of the last step."""
+        touching = [each for each in self.system.get_contacts() if any(spot.separation <= 0.0 for spot in each.points)]
+        return {pair(*(_group_of(shape) for shape in each.shapes)) for each in touching if not _has_ground(each)}
 
 
 class Model:
@@ -119,11 +158,28 @@ class Model:
         timestep: Of a physics step, [s].
         iterations: Of the constraint solver.
         builder: SAPIEN's, of the arm without shapes.
+        servo: The drives; None where they are ideal.
+        shapes: Of each group of links, see `harness_plugins.self_collision`, dof + 1 of them.
+        masks: Their collision groups.
     """
 
-    def __init__(self, robot: Robot, timestep: float, iterations: int) -> None:
-        self.robot, self.timestep, self.iterations = robot, timestep, iterations
+    def __init__(
+        self, robot: Robot, timestep: float, iterations: int, servo: Servo | None = None, self_collision: bool = False
+    ) -> None:
+        self.robot, self.timestep, self.iterations, self.servo = robot, timestep, iterations, servo
         self.builder = _read_arm(robot)
+        self.shapes: tuple[tuple[Shape, ...], ...] = ((), *robot.joint_shapes)
+        self.masks = _masks(robot.dof, frozenset())
+        if self_collision:
+            self.shapes = (shapes_of_base(robot), *robot.joint_shapes)
+            self.masks = _masks(robot.dof, pairs_apart(robot.dof))
+            self.masks = _masks(robot.dof, pairs_apart(robot.dof) - self._touching_at_home())
+
+    def _touching_at_home(self) -> set[Pair]:
+        body = Body(self)
+        body.put_joints(self.robot.home)
+        body.system.step()
+        return body.touching_groups()
 
 
 class Probe:
@@ -147,19 +203,36 @@ class Probe:
         return any(point.separation <= 0.0 for point in body.points())
 
 
-class Arm:
-    """See `harness_plugins.arms_apart.Arm`."""
+class ArmAlone:
+    """See `harness_plugins.arms_apart.ArmAlone`."""
 
-    def __init__(self, model: Model, probe: Probe, substeps: Substeps) -> None:
-        self._model, self._probe, self._substeps = model, probe, substeps
+    def __init__(self, model: Model, probe: Probe) -> None:
+        self._model, self._probe = model, probe
         self._body = Body(model)
 
     def put(self, qpos: Float) -> None:
-        """See `harness_plugins.arms_apart.Arm`."""
+        """See `harness_plugins.arms_apart.ArmAlone`."""
         self._body = Body(self._model)  # nothing less makes PhysX forget contacts, and it takes a millisecond
-        positions = np.empty(len(qpos), np.float32)
-        positions[self._body.order] = qpos
-        self._body.put(positions)
+        self._body.put_joints(qpos)
+
+    def read(self, state: State, env: int) -> None:
+        """See `harness_plugins.arms_apart.ArmAlone`."""
+        body = self._body
+        positions = body.arm.qpos
+        state.qpos[env] = positions[body.order]
+        state.qvel[env] = body.arm.qvel[body.order]
+        state.end_effector[env] = body.tip.entity_pose.p
+        # A contact that bears a load may hover a little.
+        is_pressed = any(point.impulse.any() for point in body.points())
+        state.ground_contact[env] = is_pressed or self._probe.touches(positions)
+
+
+class Arm(ArmAlone):
+    """See `harness_plugins.arms_apart.Arm`."""
+
+    def __init__(self, model: Model, probe: Probe, substeps: Substeps) -> None:
+        super().__init__(model, probe)
+        self._substeps = substeps
 
     def turn(self, speeds: Float, duration: float) -> None:
         """See `harness_plugins.arms_apart.Arm`."""
@@ -169,16 +242,33 @@ class Arm:
         for _ in range(self._substeps.within(duration)):
             step()
 
-    def read(self, state: State, env: int) -> None:
-        """See `harness_plugins.arms_apart.Arm`."""
-        body = self._body
-        positions = body.arm.qpos
-        state.qpos[env] = positions[body.order]
-        state.qvel[env] = body.arm.qvel[body.order]
-        state.end_effector[env] = body.tip.entity_pose.p
-        # A contact that bears a load may hover a little.
-        is_pressed = any(point.impulse.any() for point in body.points())
-        state.ground_contact[env] = is_pressed or self._probe.touches(positions)
+
+class ServoArm(ArmAlone):
+    """See `harness_plugins.servo_arms.ServoArm`."""
+
+    def __init__(self, model: Model, probe: Probe, servo: Servo) -> None:
+        super().__init__(model, probe)
+        self._servo = servo
+
+    def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
+        """See `harness_plugins.servo_arms.ServoArm`."""
+        servo, order, arm, step = self._servo, self._body.order, self._body.arm, self._body.system.step
+        torque = np.empty(len(order), np.float32)
+        for position, speed in zip(qpos_ref, qvel_ref, strict=True):
+            qvel = arm.qvel[order].astype(np.float64)
+            weight = arm.compute_passive_force(True, False)[order] if servo.gravity_compensated else 0.0
+            driven = servo.torque(arm.qpos[order], qvel, position, speed, weight)
+            torque[order] = driven - servo.viscous_friction * qvel
+            arm.set_qf(torque)
+            step()
+
+
+def _add_servo(joint: Any, servo: Servo, number: int) -> None:
+    """Armature, and dry friction: a drive to speed 0 with a limit. The joint's own friction grows with its load."""
+    friction = servo.dry_friction[number]
+    joint.set_armature(servo.armature[number : number + 1].astype(np.float32))
+    joint.set_friction(0.0)
+    joint.set_drive_property(0.0, friction / CREEP, friction, "force")
 
 
 def _read_arm(robot: Robot) -> Any:
@@ -210,8 +300,25 @@ def _ground() -> Any:
     return entity
 
 
-def _solid(shape: Shape) -> Any:
-    """What touches the ground, in the frame of a joint's child link."""
+def _masks(dof: int, pairs: Iterable[Pair]) -> list[list[int]]:
+    """The collision groups of each group of links, dof + 1 of them, of which `pairs` touch one another."""
+    masks = []
+    for group in range(dof + 1):
+        touched = sum(FIRST << other for other in partners(group, pairs))
+        masks.append([FIRST << group, touched + (GROUND[0] if group else 0), 0, 0])
+    return masks
+
+
+def _group_of(shape: Any) -> int:
+    return int(shape.collision_groups[0]).bit_length() - FIRST.bit_length()
+
+
+def _has_ground(contact: Any) -> bool:
+    return any(shape.collision_groups[0] == GROUND[0] for shape in contact.shapes)
+
+
+def _solid(shape: Shape, mask: list[int]) -> Any:
+    """What collides, in the frame of the link that carries it."""
     material, pose = physx.PhysxMaterial(*MATERIAL), sapien.Pose(shape.T_link_shape)
     if shape.kind == "mesh":
         solid = physx.PhysxCollisionShapeConvexMesh(shape.points, [1.0, 1.0, 1.0], material)
@@ -224,5 +331,5 @@ def _solid(shape: Shape) -> Any:
         solid = ROUND[shape.kind](radius, length / 2.0, material)
         pose = pose * sapien.Pose(q=UPWARDS)
     solid.local_pose = pose
-    solid.set_collision_groups(LINK)
+    solid.set_collision_groups(mask)
     return solid

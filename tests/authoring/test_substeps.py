@@ -12,7 +12,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 
 REGISTRY = load_registry()
-SIMULATORS = ("kinematic", "mujoco", "pybullet", "dm_control", "drake", "physx")
+SIMULATORS = ("kinematic", "mujoco", "pybullet", "dm_control", "drake", "physx", "mjx")
 PERIOD = 0.1
 
 

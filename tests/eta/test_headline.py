@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve, curve_of
 from harness.eta.decompose import Decomposition, decompose
-from harness.eta.headline import Answer, Headline, Names, headline_of, margin_of
+from harness.eta.headline import Answer, Headline, Names, headline_of, judge, margin_of
 from harness.eta.power import seeds_to_tell
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.swaps import swaps_of
@@ -306,3 +306,23 @@ def test_json_is_plain():
     data = json.loads(json.dumps(found.to_json()))
     assert set(data) == {"answer", "robot", "number", "decided_by", "seeds_to_decide"}
     assert (data["answer"], data["seeds_to_decide"]) == ("cannot tell", list(found.seeds_to_decide))
+
+
+# Measures of any env
+
+
+def test_any_measure_decides_by_its_own_name():
+    """A share is told in percent and points, another measure in its unit, one without a unit as a number."""
+    share = Measure("has_landed", "", "higher", "in evaluations", 100)
+    height = Measure("end_height", "", "higher", "in evaluations")
+    decided = judge(NAMES, [change(about(0.5), about(0.9), share, p=0.01)], "number")
+    assert decided.robot.startswith("mine helps: has landed 90.0% with mine, 50.0% with base (difference +")
+    assert "points); 10 seeds" in decided.robot
+    open_ = judge(NAMES, [change(about(5.0, width=3.0), about(6.0, width=-3.0), height)], "number")
+    assert "end height 6 with mine, 5 with base (difference -" in open_.robot
+    assert open_.robot.endswith("would tell a difference of 10% of end height.")
+
+
+def test_without_a_measure_the_reason_is_told():
+    """As it was given."""
+    assert judge(NAMES, [], "number", unmeasured="Nobody looked.").robot == "Nobody looked."

@@ -26,7 +26,7 @@ def split(returns):
 
 @given(RETURNS)
 def test_parts_make_up_the_whole(returns):
-    """Ruler x behaviour = eta, and ruler + behaviour is the difference."""
+    """Their product is eta, and ruler + behaviour is the difference."""
     found = split(returns)
     ratio, total = found.ratio, found.total
     assert ratio.ruler.value * ratio.behaviour.value == pytest.approx(ratio.eta.value)

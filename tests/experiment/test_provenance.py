@@ -124,3 +124,10 @@ def test_repository_around_the_installation_does_not_count(
     for folder in (other, other / "site-packages"):
         monkeypatch.setattr(provenance, "CHECKOUT", folder)
         assert source_commit() == ""
+
+
+def test_module_in_a_package_is_of_its_own_distribution_where_there_is_one(monkeypatch: pytest.MonkeyPatch):
+    """``mujoco.mjx`` comes by ``mujoco-mjx``; a module that the package brings itself is the package's."""
+    monkeypatch.setattr(provenance, "_version", {"mujoco": "3.17", "mujoco-mjx": "3.17"}.get)
+    assert provenance.distribution_of("mujoco.mjx") == "mujoco-mjx"
+    assert provenance.distribution_of("mujoco.rollout") == "mujoco"

@@ -379,3 +379,15 @@ def test_unknown_name_tells_of_plugins_that_did_not_load(write_plugin: Write):
     assert "is incompatible: implements no hook" in str(error.value)
     assert "is broken: OSError" in str(error.value)
     assert len(registry.complaints()) == 2
+
+
+def test_module_of_a_package_is_looked_for_without_importing_the_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """It may stand in another folder than the package, as another distribution may bring it."""
+    for folder, file in (("one", "__init__.py"), ("two", "extra.py")):
+        (tmp_path / folder / "spread_out").mkdir(parents=True)
+        (tmp_path / folder / "spread_out" / file).write_text("raise RuntimeError('imported')")
+        monkeypatch.syspath_prepend(tmp_path / folder)
+    required = ("spread_out.extra", "spread_out.none", "no_such_package.extra")
+    assert _spec(required).missing == ("spread_out.none", "no_such_package.extra")

@@ -5,6 +5,7 @@ import pytest
 from harness.eta.headline import SUCCESS
 from harness.report.chart import Area, Line
 from harness.report.learning_figure import describe_learning, draw_learning
+from harness.report.rows import format_number
 from harness.results.learning import learning_of
 
 
@@ -57,3 +58,11 @@ def test_caption_says_where_the_curves_go(learning):
         "baseline 25.0% after 10 steps, 75.0% after 40 steps; "
         "arp 50.0% after 10 steps, 75.0% after 40 steps; random actions 0.0%."
     )
+
+
+def test_what_is_no_share_has_an_axis_of_numbers(learning):
+    """From the lowest to the highest value; words and dots tell numbers too."""
+    chart = draw_learning(learning, SUCCESS, format_number)
+    assert chart.y.low < min(value for band in _bands(chart) for value in band.y) < chart.y.high < 2.0
+    assert not [text for _, text in chart.y.ticks if "%" in text]
+    assert "baseline 0.250 after 10 steps" in describe_learning(learning, SUCCESS, format_number)

@@ -84,7 +84,7 @@ def own(reward: str, manner: str) -> float:
 
 @pytest.mark.parametrize("manner", [TRAINING, LAST, EVALUATION])
 def test_a_reward_that_only_scales_is_a_ruler_of_its_factor(study, manner):
-    """Eta = 3 x behaviour, and the behaviour is what the env itself pays more, to 1e-9."""
+    """The ratio is 3 x behaviour, and the behaviour is what the env itself pays more, to 1e-9."""
     split = study.comparisons[0].returns[manner]
     behaviour = own("scaled", manner) / own("plain", manner)
     assert study.comparisons[0].names == ("plain", "scaled")

@@ -173,6 +173,15 @@ def test_an_own_reward_that_was_given_up_leaves_no_return(tmp_path):
     assert comparison.decisive.seeds == 3
 
 
+def test_a_share_that_was_given_up_in_one_training_stays_a_share(tmp_path):
+    """Of the seeds that have it."""
+    record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"behaviour_success": 12})
+    record(tmp_path / "even", "plain", 2, RISING)
+    decisive = load_study(tmp_path).comparisons[0].decisive
+    assert (decisive.seeds, decisive.left_out, decisive.measure.episodes) == (2, 1, 4)
+    assert "given up in step 2 of episode 2" in decisive.reason
+
+
 def test_a_reward_that_one_training_did_not_record(tmp_path):
     """It cannot pay that one."""
     record(two(tmp_path) / "odd", "plain", 2, RISING, pays={"plain": PAYS["plain"]})
@@ -190,6 +199,28 @@ def test_what_the_env_pays_is_another_reward_in_another_training(tmp_path):
     (comparison,) = load_study(tmp_path).comparisons
     assert not comparison.returns[TRAINING].is_split
     assert "that was thrice here" in comparison.returns[TRAINING].ratio.ruler.note
+
+
+def test_code_that_changed_between_trainings_is_told(tmp_path):
+    """A reward of one name has to be one reward."""
+    for seed, text in enumerate(("return 1", "return 2")):
+        sources = {"reward_plain": Source("", text), "reward_thrice": Source("", "the same")}
+        for reward in PAYS:
+            record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, sources=sources)
+    (note,) = load_study(tmp_path).runs.notes
+    assert "The code of reward plain is not the same in" in note
+
+
+def test_an_evaluation_may_lack_a_measure(tmp_path):
+    """It is n/a there, with the reason."""
+    two(tmp_path)
+    for seed in range(2):
+        for reward in PAYS:
+            record(tmp_path / f"{reward}-{seed}" / "e", reward, seed, [0.1], evaluation=True, behaviour={})
+    comparison = load_study(tmp_path).comparisons[0]
+    assert comparison.manner == EVALUATION
+    assert "success is not known: success in " in comparison.headline.robot
+    assert "not recorded" in comparison.headline.robot
 
 
 def test_seeds_that_only_one_reward_has_are_not_compared(tmp_path):
@@ -246,7 +277,7 @@ def test_one_reward_alone_is_refused(tmp_path):
 
 def test_a_folder_without_recordings_is_refused(tmp_path):
     """What makes one is said."""
-    with pytest.raises(UsageError, match="no recorded training: harness.RecordRewards makes one"):
+    with pytest.raises(UsageError, match=r"no recorded training: harness\.RecordRewards makes one"):
         load_study(tmp_path)
 
 

@@ -1,4 +1,4 @@
-"""A study of recorded trainings as one HTML file that opens anywhere, offline: the page of an experiment, with no robot."""
+"""A study of recorded trainings as one HTML file that opens anywhere, offline; its template is an experiment's."""
 
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,7 @@ from harness.report.rows import (
     path_grid,
     ratio_grid,
     ratio_text,
+    seeds_text,
     split_grid,
     sum_grid,
 )
@@ -155,13 +156,11 @@ def _section(study: Study, comparison: Comparison) -> dict[str, Any]:
 
 
 def _summary(study: Study, comparison: Comparison) -> str:
-    seeds = ", ".join(map(str, comparison.seeds))
-    if not seeds:
+    if not comparison.seeds:
         return ""
-    return (
-        f"{study.runs.env} was learned {study.runs.steps:,} environment steps long with seeds {seeds}, once paid by "
-        f"{comparison.baseline}, once by {comparison.proposed}. {READING} {SCALES}"
-    )
+    length = f"{study.runs.steps:,} environment steps long, {seeds_text(comparison.seeds)}"
+    paid = f"once paid by {comparison.baseline}, once by {comparison.proposed}"
+    return f"{study.runs.env} was learned {length}: {paid}. {READING} {SCALES}"
 
 
 def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:

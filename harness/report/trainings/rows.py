@@ -21,8 +21,8 @@ READING = (
     "from the episodes."
 )
 TABLE = (
-    "What each reward (a row) pays the policies that each reward taught (a column). Compare within a row: down a column "
-    "the scale changes, not the behaviour."
+    "What each reward (a row) pays the policies that each reward taught (a column). Compare within a row: down a "
+    "column the scale changes, not the behaviour."
 )
 TESTS = (
     "p: how often chance alone gives a difference as large, corrected for all claims of the folder together. A result "
@@ -34,9 +34,10 @@ HEADINGS = ("", "baseline", "proposed", "difference", "better", "p", "result")
 def study_title(study: Study) -> str:
     """The question that it answers."""
     proposed = study.runs.trained[1:]
-    if len(proposed) == 1:
-        return f"Does the reward {proposed[0]} make the agent behave better, or only the numbers bigger?"
-    return f"Do the rewards {', '.join(proposed[:-1])} and {proposed[-1]} make the agent behave better, or only the numbers bigger?"
+    asked = f"Does the reward {proposed[0]}"
+    if len(proposed) > 1:
+        asked = f"Do the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"
+    return f"{asked} make the agent behave better, or only the numbers bigger?"
 
 
 def pair_text(comparison: Comparison) -> str:
@@ -82,7 +83,7 @@ def returns_grid(comparison: Comparison) -> Grid:
 
 
 def return_splits(comparison: Comparison) -> dict[str, Split]:
-    """Eta of the mean return by name, one for each manner; those that are no number stand with their reason."""
+    """The ratio of mean returns by name, one for each manner; one that is no number stands with its reason."""
     return {f"eta {manner}": split.ratio for manner, split in comparison.returns.items()}
 
 

@@ -14,6 +14,7 @@ from harness.report.rows import (
     index_grid,
     ratio_grid,
     ratio_text,
+    seeds_text,
     split_grid,
     sum_grid,
 )
@@ -36,11 +37,14 @@ from harness.results.overview import NOTHING
 from harness.trainings.comparison import Comparison
 from harness.trainings.study import Study
 
-HEADINGS = ("", "the agent", "return", "eta", "ruler", "behaviour")
+HEADINGS = ("", "the agent", "return")
+RATIO, DIFFERENCE = ("eta", "ruler", "behaviour"), ("difference", "ruler", "behaviour")
 OVERVIEW = (
-    "return: baseline > proposed, each training paid by its own reward. eta = ruler x behaviour is the ratio of both; the "
-    "ruler is what comes from counting the same episodes otherwise."
+    "return: baseline > proposed, each training paid by its own reward. {whole}; the ruler is what comes from counting "
+    "the same episodes otherwise."
 )
+RATIO_IS = "eta = ruler x behaviour is the ratio of both"
+DIFFERENCE_IS = "difference = ruler + behaviour, for a ratio takes returns above 0"
 
 
 def study_overview(study: Study, details: str) -> RenderableType:
@@ -53,9 +57,11 @@ def study_overview(study: Study, details: str) -> RenderableType:
     comparisons = study.comparisons
     parts: list[RenderableType] = [Text(study_text(study), style="bold"), *_notes(study)]
     parts += show_grid(paid_grid(study, _first_manner(study)))
-    headings = (*HEADINGS, *(name.replace("_", " ") for name in study.runs.measures[:1]))
-    parts += show_grid(Grid(headings, [_line(it) for it in comparisons], []), STYLES)
-    parts += [Text(), Text(OVERVIEW, style="dim")]
+    is_ratio = all(it.main is not None and it.main.ratio.eta.value is not None for it in comparisons if it.seeds)
+    measures = (name.replace("_", " ") for name in study.runs.measures[:1])
+    headings = (*HEADINGS, *(RATIO if is_ratio else DIFFERENCE), *measures)
+    parts += show_grid(Grid(headings, [_line(it, is_ratio) for it in comparisons], []), STYLES)
+    parts += [Text(), Text(OVERVIEW.format(whole=RATIO_IS if is_ratio else DIFFERENCE_IS), style="dim")]
     if len(comparisons) == 1:
         parts += [part for line in _sentences(comparisons[0]) for part in (Text(), Text(line))]
     else:
@@ -79,8 +85,10 @@ def _block(study: Study, comparison: Comparison) -> list[RenderableType]:
     parts: list[RenderableType] = [Text(pair_text(comparison), style="bold")]
     if not comparison.seeds:
         return [*parts, Text(headline.robot), Text()]
-    seeds = ", ".join(map(str, comparison.seeds))
-    parts += [Text(f"Seeds {seeds} compared"), *show_grid(returns_grid(comparison)._replace(title=RETURNS))]
+    parts += [
+        Text(f"{seeds_text(comparison.seeds)} compared"),
+        *show_grid(returns_grid(comparison)._replace(title=RETURNS)),
+    ]
     parts += [Text(), Text("The number", style="bold"), Text(comparison.number)]
     returns = return_splits(comparison)
     grids = [ratio_grid(returns), split_grid(returns)]
@@ -110,18 +118,20 @@ def _first_manner(study: Study) -> str:
     return next(iter(study.comparisons)).manner
 
 
-def _line(comparison: Comparison) -> tuple[str, ...]:
-    """What stands under `HEADINGS`."""
+def _line(comparison: Comparison, is_ratio: bool) -> tuple[str, ...]:
+    """What stands under the headings."""
     main, change = comparison.main, comparison.decisive
     measures = [] if comparison.deciding is None else [NOTHING]
     if change is not None:
         text = text_of(change)
         measures = [f"{text(change.baseline)} > {text(change.proposed)}"]
-    returns, ratios = NOTHING, (NOTHING,) * 3
+    returns, whole = NOTHING, [NOTHING] * 3
     if main is not None:
         returns = f"{format_number(main.returns[BB].mean)} > {format_number(main.returns[KK].mean)}"
-        ratios = tuple(map(ratio_text, (main.ratio.eta, main.ratio.ruler, main.ratio.behaviour)))
-    return (pair_text(comparison), answer_text(comparison.headline), returns, *ratios, *measures)
+        ratio, total = main.ratio, main.total
+        whole = [format_number(it.mean) for it in (total.change, total.ruler, total.behaviour)]
+        whole = [ratio_text(it) for it in (ratio.eta, ratio.ruler, ratio.behaviour)] if is_ratio else whole
+    return (pair_text(comparison), answer_text(comparison.headline), returns, *whole, *measures)
 
 
 def _sentences(comparison: Comparison) -> list[str]:

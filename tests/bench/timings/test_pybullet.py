@@ -8,7 +8,8 @@ import pytest
 
 import harness
 from harness.record.trace import TraceWriter
-from harness_plugins.simulators.pybullet import Arm, PyBullet, exact_timestep
+from harness_plugins.bullet_arms import Arm, exact_timestep
+from harness_plugins.simulators.pybullet import PyBullet
 
 pytestmark = pytest.mark.bench
 SUBSTEPS, PERIOD = 20, 0.1

@@ -15,7 +15,7 @@ from harness.errors import UsageError
 from harness.robot import Robot
 from harness.robot.normal_urdf import normal_urdf
 from harness.robot.urdf import parse_urdf
-from harness_plugins.simulators.pybullet import exact_timestep
+from harness_plugins.bullet_arms import exact_timestep
 
 Call = Callable[..., Any]
 

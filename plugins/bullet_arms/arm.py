@@ -1,0 +1,76 @@
+"""One arm in the world of one client."""
+
+import pybullet
+
+from harness.arrays import Float
+from harness.robot import Robot
+from harness.simulator import State
+
+from .world import BASE, LOAD_FLAGS, add_ground, load_body, numbers, part_neighbours, set_joints, set_options
+
+FORCE = 1e6
+"""Of a motor at most, [N m] or [N]: drives are strong enough, whatever a URDF has as effort."""
+DISTANCE, NORMAL_FORCE = 8, 9
+"""Their places in a contact point."""
+
+
+class Arm:
+    """One arm on the ground in the world of one client."""
+
+    def __init__(
+        self, client: int, robot: Robot, period: float, substeps: int, iterations: int, self_collision: bool = False
+    ) -> None:
+        self.client = client
+        set_options(client, period, substeps, iterations)
+        flags = pybullet.URDF_USE_SELF_COLLISION if self_collision else 0
+        self.body = load_body(client, robot, LOAD_FLAGS | pybullet.URDF_IGNORE_VISUAL_SHAPES | flags)
+        links, self.joints = numbers(client, self.body, robot)
+        if self_collision:
+            part_neighbours(client, self.body, self.joints, robot.home)
+        self.forces = [FORCE] * robot.dof
+        self.tip = links[robot.end_effector_link]
+        self.ground = add_ground(client, self.body, self.joints)
+        pybullet.changeDynamics(self.body, BASE, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
+        self._new = pybullet.saveState(physicsClientId=client)
+
+    def put(self, qpos: Float) -> None:
+        """At rest at `qpos`, (dof,), as if the world were new, contacts included."""
+        pybullet.restoreState(self._new, physicsClientId=self.client)
+        set_joints(self.client, self.body, self.joints, qpos)
+
+    def turn(self, speeds: list[float]) -> None:
+        """Turn the joints at constant `speeds`, (dof,), for one control period."""
+        pybullet.setJointMotorControlArray(
+            self.body, self.joints, pybullet.VELOCITY_CONTROL,
+            targetVelocities=speeds, forces=self.forces, physicsClientId=self.client,
+        )  # fmt: skip
+        pybullet.stepSimulation(physicsClientId=self.client)
+
+    def read(self, state: State, env: int, placed: bool = False) -> None:
+        """Write what holds now into row `env` of `state`; an arm that was `placed` has not moved since."""
+        client = self.client
+        joints = pybullet.getJointStates(self.body, self.joints, physicsClientId=client)
+        state.qpos[env] = [joint[0] for joint in joints]
+        state.qvel[env] = [joint[1] for joint in joints]
+        tip = pybullet.getLinkState(self.body, self.tip, computeForwardKinematics=1, physicsClientId=client)
+        state.end_effector[env] = tip[4]  # the link's frame, not that of its inertia
+        pybullet.performCollisionDetection(physicsClientId=client)  # a step ends with the contacts of its beginning
+        points = pybullet.getContactPoints(self.body, self.ground, physicsClientId=client)
+        state.ground_contact[env] = any(
+            # Bullet also tells near misses. One that bears a load is a contact; a placed arm's load is of before.
+            point[DISTANCE] <= 0.0 or (point[NORMAL_FORCE] > 0.0 and not placed)
+            for point in points
+        )
+
+
+def turn_alone(arm: Arm, speeds: list[float]) -> None:
+    """Bullet's calls for one period of one arm, what is read at its end included."""
+    body, client = arm.body, {"physicsClientId": arm.client}
+    pybullet.setJointMotorControlArray(
+        body, arm.joints, pybullet.VELOCITY_CONTROL, targetVelocities=speeds, forces=arm.forces, **client
+    )
+    pybullet.stepSimulation(**client)
+    pybullet.getJointStates(body, arm.joints, **client)
+    pybullet.getLinkState(body, arm.tip, computeForwardKinematics=1, **client)
+    pybullet.performCollisionDetection(**client)
+    pybullet.getContactPoints(body, arm.ground, **client)

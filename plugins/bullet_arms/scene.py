@@ -1,0 +1,43 @@
+"""Frames by Bullet's own software renderer."""
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.robot import Robot
+
+from .world import LOAD_FLAGS, load_body, numbers, set_joints
+
+
+class Scene:
+    """A world to look at: ground, arm and target, drawn by Bullet's own software renderer."""
+
+    def __init__(self, client: int, robot: Robot) -> None:
+        self.client = client
+        self.body = load_body(client, robot, LOAD_FLAGS)
+        _, self.joints = numbers(client, self.body, robot)
+        _add_shape(client, [0.0, 0.0, -0.01], pybullet.GEOM_BOX, halfExtents=[3, 3, 0.01], rgbaColor=[0.8, 0.8, 0.8, 1])
+        red = [0.85, 0.2, 0.15, 1]
+        self.target = _add_shape(client, [0.0, 0.0, 0.0], pybullet.GEOM_SPHERE, radius=0.03, rgbaColor=red)
+
+    def frame(self, qpos: Float, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        """The arm at `qpos`, (dof,), and a marker at `target`, (3,), [m]; RGB, (height, width, 3)."""
+        client = self.client
+        set_joints(client, self.body, self.joints, qpos)
+        pybullet.resetBasePositionAndOrientation(self.target, list(target), [0, 0, 0, 1], physicsClientId=client)
+        view = pybullet.computeViewMatrixFromYawPitchRoll([0.4, 0.0, 0.6], 3.0, 40.0, -20.0, 0.0, 2)
+        image = pybullet.getCameraImage(
+            width, height, view, pybullet.computeProjectionMatrixFOV(45.0, width / height, 0.05, 20.0),
+            renderer=pybullet.ER_TINY_RENDERER, physicsClientId=client,
+        )  # fmt: skip
+        pixels = np.array(image[2], np.uint8).reshape(height, width, 4)  # the array is Bullet's, the copy ours
+        return np.ascontiguousarray(pixels[..., :3])
+
+
+def _add_shape(client: int, position: list[float], kind: int, **shape: object) -> int:
+    """Something to see at `position`, [m], that touches nothing."""
+    visual = pybullet.createVisualShape(kind, physicsClientId=client, **shape)
+    return int(
+        pybullet.createMultiBody(0.0, baseVisualShapeIndex=visual, basePosition=position, physicsClientId=client)
+    )

@@ -1,0 +1,68 @@
+"""One arm whose joints are moved by the drives of its robot.toml."""
+
+import numpy as np
+import pybullet
+
+from harness.arrays import Float
+from harness.robot import Robot
+from harness.robot.servo import Servo
+
+from ..dry_friction import DryFriction
+from .arm import Arm
+from .free_arm import FreeArm, add_armature
+from .world import exact_timestep, set_steps
+
+
+class ServoArm(Arm):
+    """An arm in the world of one client that is driven by torques.
+
+    An arm that touches nothing moves by (M + armature) a + h = torque - friction, the frictions those of the end of the
+    step. Bullet knows neither armature nor such a friction: it gets the torque that accelerates its links like that.
+    So that links that touch something are as heavy as they should be, each one has the armature of its joint as inertia
+    about the joint's axis. The links before it carry it too, and one that slides has none: only for them, and only
+    while something touches, it makes a difference.
+    """
+
+    def __init__(
+        self, client: int, robot: Robot, servo: Servo, free: FreeArm,
+        period: float, substeps: int, iterations: int, self_collision: bool,
+    ) -> None:  # fmt: skip
+        self._servo, self._free, self._timestep = servo, free, exact_timestep(period, substeps)
+        self._friction = DryFriction(servo.dry_friction * self._timestep)
+        super().__init__(client, robot, period, substeps, iterations, self_collision)
+        set_steps(client, self._timestep, 1)
+        nothing = [0.0] * robot.dof
+        pybullet.setJointMotorControlArray(
+            self.body, self.joints, pybullet.VELOCITY_CONTROL,
+            targetVelocities=nothing, forces=nothing, physicsClientId=client,
+        )  # fmt: skip
+        add_armature(client, self.body, robot, servo.armature)
+
+    def put(self, qpos: Float) -> None:
+        """See `Arm`."""
+        super().put(qpos)
+        self._friction.forget()
+
+    def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
+        """See `harness_plugins.servo_arms.ServoArm`."""
+        body, joints, client = self.body, self.joints, self.client
+        for position, speed in zip(qpos_ref, qvel_ref, strict=True):
+            states = pybullet.getJointStates(body, joints, physicsClientId=client)
+            qpos, qvel = [state[0] for state in states], [state[1] for state in states]
+            torque = self._torque(qpos, qvel, position, speed)
+            pybullet.setJointMotorControlArray(
+                body, joints, pybullet.TORQUE_CONTROL, forces=torque.tolist(), physicsClientId=client
+            )
+            pybullet.stepSimulation(physicsClientId=client)
+
+    def _torque(self, qpos: list[float], qvel: list[float], qpos_ref: Float, qvel_ref: Float) -> Float:
+        """What accelerates Bullet's links as the drives accelerate the arm, (dof,)."""
+        servo, free, timestep = self._servo, self._free, self._timestep
+        gravity = free.gravity(qpos) if servo.gravity_compensated else 0.0
+        driven = servo.torque(qpos, qvel, qpos_ref, qvel_ref, gravity)
+        # What turns a torque, or an impulse, of a step into a change of speed; viscous friction is that of its end.
+        inertia = free.inertia(qpos) + np.diag(servo.armature + timestep * servo.viscous_friction)
+        mobility = np.linalg.inv(inertia).astype(np.float64, copy=False)
+        load = driven - servo.viscous_friction * qvel - free.bias(qpos, qvel)
+        slowed = self._friction.slow(qvel + timestep * (mobility @ load), mobility)
+        return free.torque_with_armature(qpos, qvel, ((slowed - qvel) / timestep).tolist())

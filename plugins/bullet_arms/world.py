@@ -1,0 +1,139 @@
+"""Bullet's worlds: clients, their options, and the bodies in them."""
+
+import ctypes
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pybullet
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.robot import Robot
+
+GRAVITY = -9.81
+"""Along z, [m/s^2]."""
+LOAD_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
+BASE = -1
+"""Bullet's number of the root link."""
+
+
+def connect() -> int:
+    """A new client without a window.
+
+    Raises:
+        UsageError: This process has as many as it can have.
+    """
+    try:
+        return int(pybullet.connect(pybullet.DIRECT))
+    except pybullet.error as error:
+        raise UsageError(f"PyBullet opens no more clients ({error}): take fewer envs, or another simulator") from error
+
+
+def load_body(client: int, robot: Robot, flags: int) -> int:
+    """The robot's URDF as a body with a fixed base at the origin, links not touching one another.
+
+    Raises:
+        UsageError: Bullet cannot load it.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "robot.urdf")
+        path.write_text(robot.urdf, encoding="utf-8")
+        try:
+            with _c_prints_on_stderr():
+                return int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
+        except pybullet.error as error:
+            raise UsageError(f"PyBullet cannot load the URDF of robot '{robot.name}': {error}") from error
+
+
+def exact_timestep(period: float, substeps: int) -> float:
+    """The duration of a physics step [s], `period / substeps` in single precision.
+
+    Bullet, which computes in double precision, divides a period by the physics step and keeps the rest for later.
+    With so few bits the quotient is exact: there is never a rest, and no period depends on those before it.
+    """
+    return float(np.float32(period / substeps))
+
+
+def set_options(client: int, period: float, substeps: int, iterations: int) -> None:
+    """Gravity, solver and physics steps of a world; `stepSimulation` does `substeps` in a `period` [s]."""
+    pybullet.setGravity(0.0, 0.0, GRAVITY, physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(
+        numSolverIterations=iterations, deterministicOverlappingPairs=1, physicsClientId=client
+    )
+    set_steps(client, exact_timestep(period, substeps), substeps)
+
+
+def set_steps(client: int, timestep: float, steps: int) -> None:
+    """Let every `stepSimulation` do so many physics steps."""
+    pybullet.setPhysicsEngineParameter(fixedTimeStep=timestep * steps, numSubSteps=steps, physicsClientId=client)
+
+
+def numbers(client: int, body: int, robot: Robot) -> tuple[dict[str, int], list[int]]:
+    """Bullet's numbers of the links by name, and of the driven joints in the robot's order."""
+    count = pybullet.getNumJoints(body, physicsClientId=client)
+    infos = [pybullet.getJointInfo(body, number, physicsClientId=client) for number in range(count)]
+    links = {info[12].decode(): info[0] for info in infos}
+    joints = {info[1].decode(): info[0] for info in infos}
+    return links, [joints[name] for name in robot.joint_names]
+
+
+def add_ground(client: int, body: int, joints: list[int]) -> int:
+    """The plane z = 0. What no driven joint moves may stand in it."""
+    shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
+    ground = pybullet.createMultiBody(0.0, shape, physicsClientId=client)
+    for link in (link for link, group in _groups(client, body, joints).items() if not group):
+        pybullet.setCollisionFilterPair(body, ground, link, BASE, 0, physicsClientId=client)
+    return int(ground)
+
+
+def part_neighbours(client: int, body: int, joints: list[int], home: Float) -> None:
+    """Let links of a body that collides with itself touch, but for neighbours and those that touch at `home`, (dof,).
+
+    Neighbours are moved by the same joint or connected by one.
+    """
+    groups = _groups(client, body, joints)
+    set_joints(client, body, joints, home)
+    for first, second in combinations(groups, 2):
+        points = pybullet.getClosestPoints(body, body, 0.0, first, second, physicsClientId=client)
+        if abs(groups[first] - groups[second]) <= 1 or points:
+            pybullet.setCollisionFilterPair(body, body, first, second, 0, physicsClientId=client)
+
+
+def _groups(client: int, body: int, joints: list[int]) -> dict[int, int]:
+    """For each link how many driven joints are between it and the world."""
+    groups = {BASE: 0}
+    for link in range(pybullet.getNumJoints(body, physicsClientId=client)):  # parents come first
+        parent = pybullet.getJointInfo(body, link, physicsClientId=client)[16]
+        groups[link] = groups[parent] + (link in joints)
+    return groups
+
+
+def set_joints(client: int, body: int, joints: list[int], qpos: Float) -> None:
+    """Put the driven joints at rest at `qpos`, (dof,)."""
+    for joint, position in zip(joints, qpos, strict=True):
+        pybullet.resetJointState(body, joint, position, 0.0, physicsClientId=client)
+
+
+@contextmanager
+def _c_prints_on_stderr() -> Iterator[None]:
+    """What Bullet prints about a file goes to stderr: stdout is for results."""
+    if os.name != "posix":
+        yield
+        return
+    sys.stdout.flush()
+    flush = ctypes.CDLL(None).fflush
+    flush(None)
+    kept = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        yield
+    finally:
+        flush(None)
+        os.dup2(kept, 1)
+        os.close(kept)

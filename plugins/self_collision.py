@@ -1,0 +1,41 @@
+"""Which links of an arm may touch one another, for engines to which its shapes are added by hand.
+
+A group is what moves together: group 0 the base, group k what the k-th joint moves and no later one.
+"""
+
+from collections.abc import Iterable
+from itertools import combinations
+
+from harness.robot import Robot
+from harness.robot.shapes import Shape, moving_carrier
+from harness.robot.urdf import parse_urdf
+
+Pair = tuple[int, int]
+"""Two groups, the lower number first."""
+
+
+def shapes_of_base(robot: Robot) -> tuple[Shape, ...]:
+    """The collision shapes that no joint moves, in the world's frame."""
+    carriers = parse_urdf(robot.urdf).carriers
+    return tuple(
+        Shape(shape.kind, shape.size, T_world_link @ shape.T_link_shape, shape.points)
+        for link, shapes in robot.link_shapes.items()
+        for joint, T_world_link in [moving_carrier(link, carriers)]
+        if joint is None
+        for shape in shapes
+    )
+
+
+def pairs_apart(dof: int) -> frozenset[Pair]:
+    """All pairs of groups of an arm with `dof` joints but those that a joint connects."""
+    return frozenset((a, b) for a, b in combinations(range(dof + 1), 2) if b - a > 1)
+
+
+def pair(one: int, other: int) -> Pair:
+    """Two groups as a `Pair`."""
+    return min(one, other), max(one, other)
+
+
+def partners(group: int, pairs: Iterable[Pair]) -> set[int]:
+    """The groups that a group makes one of `pairs` with."""
+    return {a if b == group else b for a, b in pairs if group in (a, b)}

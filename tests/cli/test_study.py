@@ -1,0 +1,99 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.trainings.conftest import record
+
+ARMS = np.linspace(0.0, 1.0, 10)
+
+
+@pytest.fixture
+def recorded(harness, tmp_path: Path) -> Path:
+    """Two rewards, three seeds, in the folder ``runs``."""
+    for seed in range(3):
+        for reward in ("plain", "thrice"):
+            record(tmp_path / "runs" / f"{reward}-{seed}", reward, seed, ARMS + 0.01 * seed)
+    return tmp_path / "runs"
+
+
+def test_report_shows_returns_first_then_what_they_come_to(harness, recorded):
+    """The table, then a line for the comparison, then both answers and what shows more."""
+    answer = harness("report", "runs")
+    assert (answer.status, answer.err) == (0, "")
+    places = [answer.out.index(told) for told in ("paid by", "CANNOT TELL", "The mean return with thrice", "--details")]
+    assert places == sorted(places)
+
+
+def test_eta_shows_all_of_it(harness, recorded):
+    """As `harness report --details` does."""
+    told = harness("eta", "runs").out
+    assert told == harness("report", "runs", "--details").out
+    for part in ("of it ruler", "of it behaviour", "eta in its last fifth", "eta_P", "Behaviour over the training"):
+        assert part in told
+
+
+def test_no_word_is_of_a_robot(harness, recorded):
+    """The env has none."""
+    told = harness("eta", "runs").out + harness("report", "runs").out + harness("report", "runs", "--json").out
+    for word in ("robot", "simulator", "arm's", "FD100", "end effector", "target", "ground", "shaped"):
+        assert word not in told
+
+
+@pytest.mark.parametrize("command", ["eta", "report"])
+def test_json_is_all_that_goes_to_standard_output(harness, recorded, command):
+    """The same from both commands."""
+    answer = harness(command, "runs", "--json")
+    data = json.loads(answer.out)
+    assert (answer.status, answer.err) == (0, "")
+    assert (data["env"], data["trained"], data["steps"]) == ("Bandit-v0", ["plain", "thrice"], 50)
+    (comparison,) = data["comparisons"]
+    ratio = comparison["returns"]["over the training"]["ratio"]
+    assert ratio["ruler"]["value"] * ratio["behaviour"]["value"] == pytest.approx(ratio["eta"]["value"])
+    assert len(comparison["learning"]["success"]["baseline"]) == 20
+    assert len(data["returns"]["over the training"]) == 4
+    assert data["trainings"][0]["folder"] == "plain-0"
+
+
+@pytest.mark.parametrize("flags", [("report", "runs", "--html", "page.html"), ("eta", "runs", "--plot", "page.html")])
+def test_the_page_is_written(harness, recorded, tmp_path, flags):
+    """Where it is told."""
+    pytest.importorskip("jinja2")
+    answer = harness(*flags)
+    assert (answer.status, answer.err) == (0, "Report: page.html\n")
+    assert "Bandit-v0" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+def test_the_curve_of_the_indices_can_be_chosen(harness, recorded):
+    """As of recorded runs."""
+    assert json.loads(harness("eta", "runs", "--curve", "per-step", "--json").out)["curve"] == "per-step"
+
+
+def test_a_damaged_recording_is_told(harness, recorded):
+    """The rest is shown, and the exit status is 1."""
+    (recorded / "plain-2" / "recording-0.json").write_text("{}")
+    answer = harness("report", "runs")
+    assert (answer.status, answer.err.count("\n")) == (1, 1)
+    assert "left out, damaged" in answer.err
+    assert "2 seeds by plain" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("flags", "told"),
+    [
+        (("eta", "nowhere"), "'nowhere' holds no recorded training"),
+        (("eta", "runs", "--baseline", "base/*.csv"), "'runs' belongs to no flag: quote the pattern"),
+        (("eta", "runs", "--with-events"), "--with-events does not go with a folder of recorded trainings"),
+        (("eta", "runs", "--plot", "page.png"), "--plot writes .html, not 'page.png'"),
+        (("eta",), "Missing option '--baseline'; or name a folder of recorded trainings"),
+        (("report", "runs", "--summary", "here"), "--summary does not go with a folder of recorded trainings"),
+        (("report", "runs", "runs"), "'runs' holds recorded trainings: name one folder that all of them lie in"),
+        (("report", "runs/plain-0"), "nothing to compare: all trainings in it were trained with plain"),
+    ],
+)
+def test_what_cannot_be_shown_is_told_in_one_line(harness, recorded, flags, told):
+    """Exit status 2, the reason on standard error, nothing on standard output."""
+    answer = harness(*flags)
+    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert told in answer.err

@@ -1,0 +1,114 @@
+import re
+from html import unescape
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.report.trainings.page import write_study_page
+from harness.trainings import load_study
+from tests.trainings.conftest import PAYS, record
+
+pytest.importorskip("jinja2")
+ROBOT_WORDS = ("robot", "simulator", "FD100", "end effector", "ground", "shaped", "Fig.")
+
+
+def pages(folder: Path, rewards: int, **facts) -> tuple[str, str]:
+    """A page on so many rewards, and its visible words."""
+    pays = {**PAYS, "loss": lambda arm: arm - 2.0, "tiny": lambda arm: arm / 1e3}
+    for reward in list(pays)[:rewards]:
+        for seed in range(3):
+            arms = np.linspace(0.0, 1.0, 10) + 0.01 * seed
+            record(folder / f"{reward}-{seed}", reward, seed, arms, pays=pays, **facts)
+    write_study_page(load_study(folder), folder / "page.html")
+    page = (folder / "page.html").read_text(encoding="utf-8")
+    words = re.sub(r"(?s)<(style|script).*?</\1>|<[^>]*>", " ", page)
+    return page, " ".join(unescape(words).split())
+
+
+@pytest.fixture(scope="module")
+def of_two(tmp_path_factory) -> tuple[str, str]:
+    """Two rewards: one comparison."""
+    return pages(tmp_path_factory.mktemp("two"), 2)
+
+
+@pytest.fixture(scope="module")
+def of_four(tmp_path_factory) -> tuple[str, str]:
+    """Four: six comparisons."""
+    return pages(tmp_path_factory.mktemp("four"), 4)
+
+
+def test_no_word_is_of_a_robot(of_two, of_four):
+    """The page is that of an experiment, told of any agent."""
+    for _, words in (of_two, of_four):
+        assert not [word for word in ROBOT_WORDS if word in words]
+        assert "The agent." in words
+
+
+def test_returns_come_before_behaviour(of_two):
+    """Then how they split, then the curves."""
+    _, words = of_two
+    headings = (
+        "Mean return of an episode",
+        "Behaviour in its last fifth",
+        "The number, taken apart",
+        "Accumulated reward",
+    )
+    places = [words.index(heading) for heading in headings]
+    assert places == sorted(places)
+
+
+def test_every_measure_and_every_ruler_has_a_learning_curve(of_two):
+    """The rewards that taught nobody are rulers too."""
+    page, _ = of_two
+    for name in ("Success", "Arm", "Return paid by plain", "Return paid by loss"):
+        assert f"<h4>{name}</h4>" in page
+
+
+def test_pairs_of_several_rewards_are_a_map(of_four):
+    """A row for each reward but the first, a column for each but the last, half of them filled."""
+    page, words = of_four
+    table = re.search(r'(?s)<table class="map">.*?</table>', page)[0]
+    assert (table.count("<tr>"), table.count("<a ")) == (1 + 3, 6)
+    assert "Its success, proposed - baseline [pp]" in words
+
+
+def test_every_training_paid_by_every_reward_is_open(of_four):
+    """However many there are."""
+    _, words = of_four
+    assert "paid by trained by plain trained by thrice trained by loss trained by tiny" in words
+
+
+def test_nothing_is_loaded(of_two):
+    """All links lead to places on the page, and there is no section without content."""
+    page, _ = of_two
+    assert all(link.startswith("#") for link in re.findall(r'href="([^"]*)"', page))
+    assert 'id="repeat"' not in page
+
+
+def test_what_was_left_out_is_told(tmp_path):
+    """Below the recordings."""
+    record(tmp_path / "short", "plain", 9, [0.1])
+    _, words = pages(tmp_path, 2)
+    assert "All are cut to the 5 steps of the shortest" in words
+
+
+def test_names_are_text(tmp_path):
+    """A reward may be called anything."""
+    odd = "<b>&amp;[red]"
+    pays = {odd: PAYS["plain"], "thrice": PAYS["thrice"]}
+    for reward in pays:
+        record(tmp_path / str(len(reward)), reward, 0, [0.1, 0.2], pays=pays)
+    write_study_page(load_study(tmp_path), tmp_path / "page.html")
+    assert odd not in (tmp_path / "page.html").read_text(encoding="utf-8").replace("&lt;b&gt;&amp;amp;[red]", "")
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(1440, "light"), (390, "dark")])
+def test_the_page_fits_and_keeps_nobody_out(of_four, show, barriers, tmp_path, width, scheme):
+    """In a browser: it complains of nothing, nothing is wider than the window, axe finds nothing serious."""
+    (tmp_path / "page.html").write_text(of_four[0], encoding="utf-8")
+    page = show((tmp_path / "page.html").as_uri(), width, scheme)
+    page.evaluate("for (const part of document.querySelectorAll('details')) part.open = true")
+    assert page.complaints == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert barriers(page) == []
