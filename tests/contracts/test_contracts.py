@@ -212,6 +212,7 @@ def test_tracker(check: Callable[..., None], name: str, tmp_path: Path, monkeypa
     if missing:
         pytest.skip(f"{', '.join(missing)} is not installed")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("WANDB_X_SAVE_REQUIREMENTS", "false")  # else each of its runs reads about every distribution
     experiment = tmp_path / "experiment"
     experiment.mkdir()
     check(choose(REGISTRY, "trackers", LOCAL.get(name, name)).build(REGISTRY, "trackers"), experiment)
