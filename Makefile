@@ -16,7 +16,8 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 RUN_EXTRAS := mujoco sb3 report
 DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev docs
 
-.PHONY: install dev lock run reference test coverage slow plugins examples browser bench check docs wheel format clean
+.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench check docs wheel format \
+	clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
@@ -64,6 +65,17 @@ examples: dev
 # The pages in a Chromium that is installed; without one these tests are skipped, and say why.
 browser: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
+
+# The simulators that are in no lock, in an environment of their own that sees the packages of this one.
+engines: ENV = build/engines-env
+engines: dev
+	test -x $(ENV)/bin/python || $(BIN)/python -m venv --without-pip $(ENV)
+	$(BIN)/python -c "import sysconfig; print(f'import site; site.addsitedir({sysconfig.get_path(\"purelib\")!r})')" \
+		> $$($(ENV)/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")/above.pth
+	$(PIP) --python $(ENV) install --quiet --no-build-isolation --constraint constraints.txt \
+		--editable '.[drake,physx,mjx]'
+	$(ENV)/bin/harness check drake && $(ENV)/bin/harness check physx
+	OMP_NUM_THREADS=1 $(ENV)/bin/python -m pytest tests/plugins/simulators -k "drake or physx or test_mjx" -n 2 --benchmark-disable
 
 bench: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s

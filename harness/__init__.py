@@ -8,6 +8,7 @@ import wrapt
 from harness.hookspecs import Register, hookimpl
 
 if TYPE_CHECKING:
+    from harness.audit.transitions.audit_rewards import audit_rewards
     from harness.env.make import make_env
     from harness.experiment.experiment import run
     from harness.recorder.evaluate_policy import evaluate_policy
@@ -23,6 +24,7 @@ __all__ = [
     "RecordVectorRewards",
     "Register",
     "__version__",
+    "audit_rewards",
     "evaluate_policy",
     "hookimpl",
     "load_results",
@@ -36,6 +38,7 @@ __all__ = [
 _HOMES = {
     "RecordRewards": "harness.recorder.record_rewards",
     "RecordVectorRewards": "harness.recorder.record_vector_rewards",
+    "audit_rewards": "harness.audit.transitions.audit_rewards",
     "evaluate_policy": "harness.recorder.evaluate_policy",
     "load_results": "harness.results.results",
     "load_robot": "harness.robot.load",

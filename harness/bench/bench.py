@@ -138,7 +138,7 @@ def measure(plan: Plan, registry: Registry, rounds: int, on_event: OnEvent) -> B
     with TemporaryDirectory(prefix="harness-bench-") as folder:
         for _ in range(rounds):
             for cell in _without(plan.cells, failed):
-                times = time_cell(cell, Path(folder) / cell.id, on_event)
+                times = time_cell(cell, Path(folder) / cell.id, on_event, registry.given)
                 if isinstance(times, Failed):
                     failed[cell] = times.reason
                 else:

@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
@@ -10,18 +10,19 @@ from typing import Any, ClassVar, NamedTuple, Self
 from harness.bench.cell_times import CellTimes
 from harness.bench.meter import CLOCK
 from harness.bench.stopwatch import Stopwatch
-from harness.executor import Event, OnEvent
+from harness.executor import CellOptions, Event, OnEvent
 from harness.experiment.order import Order, Report
 from harness.experiment.run_cell import run_cell
 from harness.experiment.workers import News, run_orders
 from harness.record.cell import Cell
 from harness.record.manifest import read_manifest
+from harness.registry.given import Given, given_from_json, given_to_json
 
 FILE = "times.json"
 """In the cell's folder: its times, and what the clock showed when they were told."""
 
 
-def run_timed(cell: Cell, folder: Path, report: Report, begun: float) -> None:
+def run_timed(cell: Cell, folder: Path, report: Report, begun: float, plugins: tuple[Given, ...] = ()) -> None:
     """Do what `run_cell` does, and leave the times too.
 
     Args:
@@ -29,9 +30,10 @@ def run_timed(cell: Cell, folder: Path, report: Report, begun: float) -> None:
         folder: Of the cell.
         report: Told how far it is.
         begun: What the clock showed before this process was started.
+        plugins: Given by hand.
     """
     stopwatch = Stopwatch(begun)
-    run_cell(cell, folder, report, watch=stopwatch)
+    run_cell(cell, folder, report, CellOptions(plugins=plugins), watch=stopwatch)
     times = stopwatch.stop()
     # Last of all: what follows is the end of the process.
     (folder / FILE).write_text(json.dumps({"times": times.to_json(), "told": begun + times.whole}))
@@ -44,25 +46,27 @@ class TimeCell:
     Attributes:
         cell: What to do.
         begun: What the clock showed before the worker was started.
+        plugins: Given by hand.
     """
 
     cell: Cell
     begun: float
+    plugins: tuple[Given, ...] = ()
 
     noun: ClassVar[str] = "cell"
 
     def to_json(self) -> dict[str, Any]:
         """See `harness.experiment.order.Work`."""
-        return {"cell": self.cell.to_json(), "begun": self.begun}
+        return {"cell": self.cell.to_json(), "begun": self.begun, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """See `harness.experiment.order.Work`."""
-        return cls(Cell.from_json(data["cell"]), data["begun"])
+        return cls(Cell.from_json(data["cell"]), data["begun"], given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.order.Work`."""
-        run_timed(self.cell, folder, report, self.begun)
+        run_timed(self.cell, folder, report, self.begun, self.plugins)
         return False  # the end of the process is timed too
 
 
@@ -72,13 +76,14 @@ class Failed(NamedTuple):
     reason: str
 
 
-def time_cell(cell: Cell, folder: Path, on_event: OnEvent) -> CellTimes | Failed:
+def time_cell(cell: Cell, folder: Path, on_event: OnEvent, plugins: Sequence[Given] = ()) -> CellTimes | Failed:
     """Have a fresh one-thread process run a cell, as ``harness run`` does.
 
     Args:
         cell: What to do.
         folder: Where; removed again.
         on_event: Told what happens to the cell.
+        plugins: Given by hand.
     """
     ended: list[tuple[float, str]] = []
 
@@ -89,7 +94,7 @@ def time_cell(cell: Cell, folder: Path, on_event: OnEvent) -> CellTimes | Failed
             ended.append((now, reason))
         on_event(Event(news.kind, cell, news.steps, reason, scalars=news.scalars))
 
-    run_orders([Order(folder, TimeCell(cell, CLOCK()), fresh=True)], 1, tell)
+    run_orders([Order(folder, TimeCell(cell, CLOCK(), tuple(plugins)), fresh=True)], 1, tell)
     [(end, reason)] = ended
     if reason:
         return Failed(reason)

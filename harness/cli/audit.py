@@ -1,18 +1,28 @@
-"""``harness audit``: what a reward pays for."""
+"""``harness audit``: what a reward pays for, or what the rewards of recorded trainings paid."""
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from harness.cli.options import REWARDS, SIMULATORS, TASKS, PluginFiles, RobotName
+from harness.cli.lines import complain
+from harness.cli.options import REWARDS, SIMULATORS, Names, PluginFiles, RobotName, TaskName
 from harness.errors import UsageError
 
 
 def audit(
-    reward: Annotated[str, typer.Option(help="The reward, as arp:k2=2.", metavar="NAME", autocompletion=REWARDS)],
-    task: Annotated[
-        str, typer.Option(help="As fd100-reach:epsilon=0.02.", metavar="NAME", autocompletion=TASKS)
-    ] = "fd100-reach",
+    folder: Annotated[
+        Path | None,
+        typer.Argument(
+            help="Trainings in any env, recorded by harness.RecordRewards.", metavar="[FOLDER]", show_default=False
+        ),
+    ] = None,
+    reward: Annotated[
+        str | None,
+        typer.Option(help="The reward, as arp:k2=2.", metavar="NAME", autocompletion=REWARDS, show_default=False),
+    ] = None,
+    task: TaskName = None,
     robot: RobotName = None,
     sim: Annotated[
         str | None,
@@ -23,15 +33,95 @@ def audit(
         ),
     ] = None,
     against: Annotated[
-        str,
-        typer.Option(help="The reward that the distance is measured to.", metavar="NAME", autocompletion=REWARDS),
-    ] = "baseline",
-    episodes: Annotated[int, typer.Option(help="Episodes of each scripted policy.", metavar="N")] = 100,
-    gamma: Annotated[float, typer.Option(help="The learner's discount per step.", metavar="G")] = 0.95,
+        str | None,
+        typer.Option(
+            help="The reward that the distance is measured to.",
+            show_default="baseline",
+            metavar="NAME",
+            autocompletion=REWARDS,
+        ),
+    ] = None,
+    episodes: Annotated[
+        int | None, typer.Option(help="Episodes of each scripted policy.", show_default="100", metavar="N")
+    ] = None,
+    gamma: Annotated[
+        float | None, typer.Option(help="The learner's discount per step.", show_default="0.95", metavar="G")
+    ] = None,
+    random: Annotated[
+        Path | None,
+        typer.Option(help="Recordings of random actions, beside FOLDER.", metavar="FOLDER", show_default=False),
+    ] = None,
     plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> int:
+    """Say what a reward pays for: scripted policies are scored under it, and it is tried on numbers. Trains nothing.
+
+    Of a FOLDER of recorded trainings it says how far apart the rewards are in the steps that were taken, and what each
+    behaviour earned under each.
+    """
+    if folder is not None:
+        _refuse_beside(
+            folder,
+            {
+                "--reward": reward, "--task": task, "--robot": robot, "--sim": sim, "--against": against,
+                "--episodes": episodes, "--gamma": gamma, "--plugin": plugin,
+            },
+        )  # fmt: skip
+        return _audit_folder(folder, random, as_json)
+    if random is not None:
+        raise UsageError("--random goes with a FOLDER of recorded trainings: name it before")
+    if reward is None:
+        raise UsageError("Missing option '--reward'; or name a folder of recorded trainings")
+    _audit_reward(
+        reward,
+        "fd100-reach" if task is None else task,
+        robot,
+        sim,
+        "baseline" if against is None else against,
+        100 if episodes is None else episodes,
+        0.95 if gamma is None else gamma,
+        plugin,
+        as_json,
+    )
+    return 0
+
+
+def _refuse_beside(folder: Path, flags: Mapping[str, object]) -> None:
+    for flag, given in flags.items():
+        if given is not None:
+            raise UsageError(f"{flag} does not go with a folder of recorded trainings: leave out {flag} or '{folder}'")
+
+
+def _audit_folder(folder: Path, random: Path | None, as_json: bool) -> int:
+    """Status 1 where a recording is damaged."""
+    from harness.audit.recorded.recordings import audit_recordings
+
+    found = audit_recordings(folder, random)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
+    else:
+        from harness.audit.recorded.recorded_table import recorded_table
+        from harness.cli.terminal import show
+
+        show(recorded_table(found))
+    for line in found.damaged:
+        complain(f"left out, damaged: {line}")
+    return 1 if found.damaged else 0
+
+
+def _audit_reward(
+    reward: str,
+    task: str,
+    robot: str | None,
+    sim: str | None,
+    against: str,
+    episodes: int,
+    gamma: float,
+    plugin: Names,
+    as_json: bool,
 ) -> None:
-    """Say what a reward pays for: scripted policies are scored under it, and it is tried on numbers. Trains nothing."""
     from harness.audit.audit import audit_reward
     from harness.audit.rollout import record_rollouts
     from harness.audit.score import score_rollout

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from harness.cli.lines import say
-from harness.cli.options import ALGORITHMS, REWARDS, SIMULATORS, Names, RobotName, TaskName
+from harness.cli.options import ALGORITHMS, REWARDS, SIMULATORS, Names, PluginFiles, RobotName, TaskName
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def bench(
             help="Measure again what this file holds, and exit with 1 if something became slower.", metavar="OLD.json"
         ),
     ] = None,
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     html: Annotated[Path | None, typer.Option(help="Write a page with a figure to this file.", metavar="FILE")] = None,
 ) -> int:
@@ -75,7 +76,7 @@ def bench(
         of_old = {"WHAT": what, "--sim": sim, "--algo": algo, "--task": task, "--robot": robot, "--steps": steps}
         others = {"--reward": reward, "--evaluation-episodes": evaluation_episodes, "--num-envs": num_envs}
         _refuse({**of_old, **others}, "--compare measures what OLD.json holds, as it was measured then")
-        return _again(compare, rounds, as_json, html)
+        return _again(compare, rounds, plugin, as_json, html)
     if not what or what == ["cells"]:
         _refuse(
             {"--num-envs": num_envs, "--html": html}, "it belongs to 'harness bench simulators', and cells have none"
@@ -85,13 +86,13 @@ def bench(
             "steps": 2000 if steps is None else steps,
             "evaluation_episodes": 100 if evaluation_episodes is None else evaluation_episodes,
         }  # fmt: skip
-        return _cells({key: value for key, value in given.items() if value is not None}, rounds, as_json)
+        return _cells({key: value for key, value in given.items() if value is not None}, rounds, plugin, as_json)
     _check(what)
     if "cells" in what:
         raise UsageError("cells: they are timed by themselves, give the others in another call")
     cells_alone = {"--reward": reward, "--evaluation-episodes": evaluation_episodes}
     _refuse(cells_alone, "it belongs to 'harness bench cells'")
-    return _speeds(what, sim or [], algo or [], task, robot, steps, num_envs, rounds, as_json, html)
+    return _speeds(what, sim or [], algo or [], task, robot, steps, num_envs, rounds, plugin, as_json, html)
 
 
 def _check(what: list[str]) -> None:
@@ -116,12 +117,13 @@ def _rewards(given: Names) -> dict[str, Any]:
     return {"reward": names[1:], "baseline": names[0]}
 
 
-def _cells(given: dict[str, Any], rounds: int | None, as_json: bool) -> int:
+def _cells(given: dict[str, Any], rounds: int | None, plugin: Names, as_json: bool) -> int:
     from harness.experiment.plan import check_experiment, expand
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
     experiment = check_experiment(given, "bench")
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     found = _measure(expand(experiment, registry), registry, rounds or CELL_ROUNDS)
     if as_json:
         _print_json(found.to_json())
@@ -150,17 +152,19 @@ def _speeds(
     steps: int | None,
     num_envs: str | None,
     rounds: int | None,
+    plugin: Names,
     as_json: bool,
     html: Path | None,
 ) -> int:
     from harness.bench.speed.entry import KINDS, Setting
     from harness.bench.speed.measure import SIZES, measure_speeds, plan_entries
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
     if steps is not None and steps < 1:
         raise UsageError(f"--steps {steps}: must be at least 1")
     sizes = SIZES if num_envs is None else _sizes(num_envs)
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     entries, left_out = plan_entries(registry, [kind for kind in KINDS if kind in what], sim, algo, sizes)
     usual = Setting()
     setting = Setting(robot, usual.task if task is None else task, usual.steps if steps is None else steps)
@@ -169,10 +173,11 @@ def _speeds(
     return 1 if found.failed else 0
 
 
-def _again(path: Path, rounds: int | None, as_json: bool, html: Path | None) -> int:
+def _again(path: Path, rounds: int | None, plugin: Names, as_json: bool, html: Path | None) -> int:
     from harness.bench.speed.comparison import FEWEST_ROUNDS, compare_speeds
     from harness.bench.speed.measure import measure_speeds
     from harness.bench.speed.speeds import read_speeds
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
     try:
@@ -183,7 +188,9 @@ def _again(path: Path, rounds: int | None, as_json: bool, html: Path | None) -> 
     for number, whose in ((old.rounds, f"'{path}' has"), (times, "--rounds gives")):
         if number < FEWEST_ROUNDS:
             raise UsageError(f"{whose} {number} rounds: noise is only known from {FEWEST_ROUNDS} on")
-    found = measure_speeds(load_registry(), [speed.entry for speed in old.speeds], (), old.setting, times, _tell)
+    found = measure_speeds(
+        load_registry(given=read_given(plugin)), [speed.entry for speed in old.speeds], (), old.setting, times, _tell
+    )
     comparison = compare_speeds(old, found)
     _show(found, comparison, as_json, html)
     return 1 if found.failed or comparison.slower else 0

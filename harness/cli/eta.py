@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import say
-from harness.cli.options import REWARDS, CurveKind
+from harness.cli.options import REWARDS, CurveKind, PluginFiles
 from harness.cli.study import refuse_flags, show_study
 from harness.errors import UsageError
 
@@ -42,6 +42,7 @@ def eta(
             help="What paid the proposed ones.", show_default="found out", metavar="NAME", autocompletion=REWARDS
         ),
     ] = None,
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the curves into this .html file.", metavar="FILE")] = None,
 ) -> int:
@@ -58,14 +59,18 @@ def eta(
         raise UsageError(f"--plot writes .html, not '{plot}'")
     if folder is not None:
         refuse_flags(
-            {"--with-events": with_events, "--baseline-reward": baseline_reward, "--proposed-reward": proposed_reward}
-        )
+            {
+                "--with-events": with_events, "--baseline-reward": baseline_reward,
+                "--proposed-reward": proposed_reward, "--plugin": plugin,
+            }
+        )  # fmt: skip
         return show_study(folder, curve, as_json=as_json, html=plot, details=True)
     if baseline is None or proposed is None:
         missing = next(flag for flag, given in groups.items() if given is None)
         raise UsageError(
             f"Missing option '{missing}'; or name a folder of recorded trainings. Examples: harness eta --help"
         )
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.score.compare import compare_recordings
     from harness.score.open_recording import match_recordings
@@ -73,7 +78,7 @@ def eta(
     comparison = compare_recordings(
         match_recordings(baseline),
         match_recordings(proposed),
-        load_registry(),
+        load_registry(given=read_given(plugin)),
         kind=curve,
         with_events=with_events,
         baseline_reward=baseline_reward,

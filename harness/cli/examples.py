@@ -29,7 +29,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "score": ("harness score my-results --reward arp:k2=2 --all", "harness score runs.csv --reward sparse"),
         "transfer": ("harness transfer my-results --to pybullet",),
         "tune": ("harness tune --sim mujoco --algo sac --reward arp",),
-        "audit": ("harness audit --reward arp", "harness audit --reward arp:k2=3 --against dense"),
+        "audit": (
+            "harness audit --reward arp",
+            "harness audit --reward arp:k2=3 --against dense",
+            "harness audit recorded",
+        ),
         "parity": ("harness parity --sim mujoco,pybullet",),
         "bench": (
             "harness bench --sim mujoco --algo sac",

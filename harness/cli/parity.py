@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import say
-from harness.cli.options import ROBOT, ROBOTS, SIMULATORS
+from harness.cli.options import ROBOT, ROBOTS, SIMULATORS, PluginFiles
 from harness.errors import UsageError
 
 
@@ -31,6 +31,7 @@ def parity(
     episodes: Annotated[int, typer.Option(help="How many motions, and how many dives.", metavar="N")] = 8,
     seed: Annotated[int, typer.Option(help="Of all that is drawn.", metavar="S")] = 0,
     period: Annotated[float, typer.Option(help="Control period in seconds.", metavar="T")] = 0.1,
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     html: Annotated[Path | None, typer.Option(help="Write a page with figures to this file.", metavar="FILE")] = None,
 ) -> None:
@@ -38,11 +39,12 @@ def parity(
     from harness.parity.contenders import choose_contenders
     from harness.parity.orders import Setting
     from harness.parity.parity import compare_simulators
+    from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.robot.load import load_robot
 
     _check(steps, episodes, seed, period)
-    registry = load_registry()
+    registry = load_registry(given=read_given(plugin))
     contenders = choose_contenders(registry, sim or [], reference)
     found = compare_simulators(contenders, Setting(load_robot(robot, registry), steps, episodes, seed, period))
     if html is not None:

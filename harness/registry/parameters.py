@@ -114,7 +114,7 @@ def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
 
 
 @cache  # a run builds the same few classes hundreds of times
-def _type_adapter(target: type) -> "pydantic.TypeAdapter[Any]":
+def _type_adapter(target: Any) -> "pydantic.TypeAdapter[Any]":
     typing.get_type_hints(target)
     return pydantic.TypeAdapter(target)
 

@@ -106,11 +106,11 @@ def read_runs(folder: Path) -> Runs:
     Raises:
         UsageError: There are none, or none that can be compared.
     """
-    everything, damaged = _read_all(folder)
+    everything, damaged = read_all(folder)
     if not everything:
         told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
-    env, env_notes = _env_of(folder, everything)
+    env, env_notes = env_of(folder, everything)
     seeds, seed_notes = _with_seeds([it for it in everything if not it.facts.evaluation])
     evaluations, evaluation_notes = _evaluations(folder, [it for it in everything if it.facts.evaluation], seeds)
     members = {key: replace(run, evaluation=evaluations.get(key)) for key, run in _by_key(seeds).items() if run.steps}
@@ -143,7 +143,11 @@ def _found(folder: Path) -> Iterator[Path]:
     return (path.parent for path in folder.rglob(facts_name(0)))
 
 
-def _read_all(folder: Path) -> tuple[list[Run], list[str]]:
+def read_all(folder: Path) -> tuple[list[Run], list[str]]:
+    """Every recording in a folder, at any depth, evaluations too, by its path; and what could not be read, a line each.
+
+    The seed of one that was recorded without is -1.
+    """
     runs, damaged = [], []
     for path in sorted(_found(folder)):
         try:
@@ -161,8 +165,12 @@ def _seed_of(facts: TrainingFacts) -> int | None:
     return next((seed for seed in seeds if seed is not None), None)
 
 
-def _env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
-    """The one env of all."""
+def env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
+    """The id of the one env of all, and notes.
+
+    Raises:
+        UsageError: There are several.
+    """
     names: dict[str, Path] = {}
     for run in runs:
         names.setdefault(str(run.facts.env.get("id") or NO_NAME), run.path)

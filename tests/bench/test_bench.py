@@ -20,7 +20,7 @@ def timed_order(monkeypatch, make_times, two_cells):
     """What was timed, in order, and with what in the cell's place; no process is started."""
     order = []
 
-    def pretend(cell, folder, on_event):
+    def pretend(cell, folder, on_event, plugins):
         assert folder.parent.is_dir()
         order.append((cell.reward.label, folder.parent))
         if pretend.interrupted:

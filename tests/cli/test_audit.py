@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from tests.trainings.conftest import record
+
 FEW = ("--episodes", 6)
 
 
@@ -125,3 +127,65 @@ def test_the_command_loads_no_engine():
         "assert not {'mujoco', 'pybullet', 'torch', 'stable_baselines3'} & sys.modules.keys()"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+@pytest.fixture
+def recordings(tmp_path):
+    """Three trainings of two rewards, and random actions."""
+    pays = {"plain": lambda a: a, "square": lambda a: (a - 0.5) ** 2}
+    for seed in range(3):
+        record(tmp_path / f"runs/{seed}", "plain", seed, [0.1 + 0.01 * seed, 0.5, 0.9], pays=pays)
+    record(tmp_path / "random", "plain", 0, [0.2, 0.3], pays=pays, evaluation=True)
+    return tmp_path
+
+
+def test_recorded_trainings_are_audited(harness, recordings):
+    """Distances, steps and what was earned; what is not known is said."""
+    answer = harness("audit", "runs", "--random", "random")
+    assert (answer.status, answer.err) == (0, "")
+    out = " ".join(answer.out.split())
+    for text in (
+        "Bandit-v0: 3 recorded trainings, rewards plain, square",
+        "plain and square distance by steps 0.",
+        "Paid most differently: '0', env 0, episode",
+        "random actions 2 1.25",
+        "trained with plain, last",
+        "harness.audit_rewards in Python finds them",
+    ):
+        assert text in out
+
+
+def test_recorded_trainings_are_told_as_json(harness, recordings):
+    """One object; paths are those inside the folder."""
+    data = json.loads(harness("audit", "runs", "--json").out)
+    assert (data["env"], data["rewards"], data["recordings"]) == ("Bandit-v0", ["plain", "square"], ["0", "1", "2"])
+    assert data["pairs"][0]["steps"]["count"] == len(data["pairs"][0]["each"]) == 3
+    assert [row["behaviour"] for row in data["earned"]] == [
+        "trained with plain, first fifth", "trained with plain, last fifth",
+    ]  # fmt: skip
+
+
+def test_damaged_recording_is_status_1(harness, recordings):
+    """A line on stderr names it; the others are shown."""
+    (recordings / "runs/1/recording-0.json").write_text("{")
+    answer = harness("audit", "runs")
+    assert (answer.status, answer.err.count("left out, damaged")) == (1, 1)
+    assert "2 recorded trainings" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("runs", "--reward", "arp"), "--reward does not go with a folder of recorded trainings"),
+        (("runs", "--gamma", "0.9"), "--gamma does not go with"),
+        (("runs", "--episodes", "100"), "--episodes does not go with"),
+        (("nowhere",), "'nowhere' holds no recorded training"),
+        (("runs", "--random", "nowhere"), "'nowhere' holds no recorded training"),
+        (("--random", "random"), "--random goes with a FOLDER"),
+    ],
+)
+def test_usage_errors_of_folders_are_one_line(harness, recordings, arguments, text):
+    """Status 2, nothing on standard output."""
+    answer = harness("audit", *arguments)
+    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert text in answer.err

@@ -1,10 +1,15 @@
 """`--plugin FILE`: a reward in fifteen lines, from its first run to its report elsewhere."""
 
 import json
+import shutil
+from dataclasses import replace
 
 import pytest
 
+from harness.bench.speed.contest import Round
+from harness.bench.speed.entry import Setting
 from tests.registry.test_given import REWARD
+from tests.trainings.conftest import record
 
 
 @pytest.fixture
@@ -80,3 +85,74 @@ def test_qualified_names_are_names(harness, tmp_path):
     assert {cell["algorithm"]["name"] for cell in cells} == {"toy-arm/wander"}
     assert {cell["reward"]["name"] for cell in cells} == {"baseline", "arp"}
     assert harness("report", "mine").status == 0
+
+
+SIMULATOR = """
+from dataclasses import dataclass
+from harness_plugins.simulators.kinematic import Kinematic
+
+@dataclass(frozen=True)
+class MySim:
+    def open(self, robot, num_envs, control_period):
+        return Kinematic().open(robot, num_envs, control_period)
+"""
+
+
+def test_parity_takes_the_file(harness, tmp_path):
+    """A simulator of a file differs from the one that it is made of in nothing."""
+    (tmp_path / "my_sim.py").write_text(SIMULATOR)
+    few = ("--steps", 3, "--episodes", 1, "--json")
+    answer = harness("parity", "--plugin", "my_sim.py", "--sim", "my_sim", "--reference", "kinematic", *few)
+    assert answer.status == 0
+    assert "my_sim" in answer.out
+    assert "No simulator 'my_sim'" in harness("parity", "--sim", "my_sim", "--reference", "kinematic", *few).err
+
+
+def test_bench_takes_the_file(harness, file):
+    """Its text goes to the process that is timed."""
+    quick = ("--sim", "ideal", "--algo", "wander", "--steps", 12, "--evaluation-episodes", 2, "--rounds", 1)
+    answer = harness("bench", *quick, "--plugin", file, "--reward", "my_reward:scale=2", "--json")
+    data = json.loads(answer.out)
+    assert (answer.status, data["failed"]) == (0, [])
+    assert [it["reward"] for it in data["combinations"]] == ["my_reward:scale=2"]
+
+
+def test_bench_of_simulators_takes_the_file(harness, tmp_path, monkeypatch):
+    """The order of each round has it."""
+    (tmp_path / "my_sim.py").write_text(SIMULATOR)
+    orders = []
+
+    def pretend(work, folder):
+        orders.append(type(work).from_json(work.to_json()))
+        return Round({"env": 1.0}, {})
+
+    monkeypatch.setattr("harness.bench.speed.measure.time_contest", pretend)
+    call = ("bench", "simulators", "--num-envs", 2, "--rounds", 1)
+    assert harness(*call, "--plugin", "my_sim.py", "--sim", "my_sim").status == 0
+    (order,) = orders
+    assert [it.name for it in order.plugins] == ["my_sim.py"]
+    turns = replace(order, setting=Setting(budget=0.01)).turns()
+    assert set(turns["turns"]) == {"env", "simulator"}
+
+
+def test_eta_takes_the_file(harness, ran, file, tmp_path):
+    """What paid the runs is found among its rewards, and an eta is split by it."""
+    for label in ("baseline", "my_reward:scale=2"):
+        (trained,) = [
+            path.parent
+            for path in (tmp_path / ran).glob("cells/*/manifest.json")
+            if json.loads(path.read_text())["cell"]["reward"]["label"] == label
+        ]
+        shutil.copytree(trained, tmp_path / label.partition(":")[0])
+    groups = ("--baseline", "baseline/trace.parquet", "--proposed", "my_reward/trace.parquet", "--json")
+    named = ("--proposed-reward", "my_reward:scale=2")
+    assert "No reward 'my_reward'" in harness("eta", *groups, *named).err
+    told = harness("eta", *groups, *named, "--plugin", file)
+    assert json.loads(told.out)["rewards"]["proposed"] == "my_reward:scale=2"
+
+
+def test_folder_of_recordings_takes_no_file(harness, file, tmp_path):
+    """Its rewards are what was recorded."""
+    record(tmp_path / "runs/0", "plain", 0, [0.1, 0.2])
+    answer = harness("eta", "runs", "--plugin", file)
+    assert (answer.status, answer.err.count("--plugin does not go with a folder of recorded trainings")) == (2, 1)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from harness.bench.speed.entry import Entry, Setting
+from harness.bench.speed.timed_contest import TimeContest
 from harness.bench.timed_cell import TimeCell
 from harness.executor import CellOptions
 from harness.experiment.installation import Describe
@@ -18,6 +20,7 @@ from harness.transfer.evaluation import EvaluateElsewhere
 from harness.tune.validation import ValidatePolicy
 
 PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
+ENTRY = Entry("simulators", "simulators", "mine")
 WORKS: dict[str, Callable[[Cell], Work]] = {
     "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tracked=True)),
     "evaluate elsewhere": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco", (("substeps", 4),), "m")),
@@ -26,6 +29,8 @@ WORKS: dict[str, Callable[[Cell], Work]] = {
     "validate by a file": lambda cell: ValidatePolicy(Path("/a/cell"), 8, PLUGINS),
     "describe": lambda cell: Describe((cell,), PLUGINS),
     "time": lambda cell: TimeCell(cell, 12.5),
+    "time by a file": lambda cell: TimeCell(cell, 12.5, PLUGINS),
+    "time a simulator of a file": lambda cell: TimeContest(ENTRY, Setting(), PLUGINS),
 }
 
 

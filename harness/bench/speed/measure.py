@@ -108,7 +108,7 @@ def measure_speeds(
                 if entry in ended:
                     continue
                 on_round(number * len(entries) + place + 1, rounds * len(entries), entry.title)
-                times = time_contest(TimeContest(entry, setting), Path(folder) / "timing")
+                times = time_contest(TimeContest(entry, setting, registry.given), Path(folder) / "timing")
                 if isinstance(times, Failed):
                     ended[entry] = times
                 else:

@@ -17,6 +17,7 @@ from harness.errors import UsageError, one_line
 from harness.experiment.order import Order, Report
 from harness.experiment.workers import News, run_orders
 from harness.record.folder import partial_folder, publish
+from harness.registry.given import Given, given_from_json, given_to_json
 from harness.registry.registry import load_registry
 
 FILE = "turns.json"
@@ -28,21 +29,30 @@ class LeftOut(Failed):
 
 @dataclass(frozen=True)
 class TimeContest:
-    """What a worker is told to do: let the contenders of an entry take turns."""
+    """What a worker is told to do: let the contenders of an entry take turns.
+
+    Attributes:
+        entry: What is timed.
+        setting: What all entries have in common.
+        plugins: Given by hand.
+    """
 
     entry: Entry
     setting: Setting
+    plugins: tuple[Given, ...] = ()
 
     noun: ClassVar[str] = "timing"
 
     def to_json(self) -> dict[str, Any]:
         """See `harness.experiment.order.Work`."""
-        return {"entry": self.entry.to_json(), "setting": self.setting.to_json()}
+        told = {"entry": self.entry.to_json(), "setting": self.setting.to_json()}
+        return {**told, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """See `harness.experiment.order.Work`."""
-        return cls(Entry.from_json(data["entry"]), Setting.from_json(data["setting"]))
+        plugins = given_from_json(data["plugins"])
+        return cls(Entry.from_json(data["entry"]), Setting.from_json(data["setting"]), plugins)
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.order.Work`."""
@@ -56,7 +66,8 @@ class TimeContest:
         try:
             with ExitStack() as stack, warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # those of other people's environments
-                contenders, reference = open_contest(self.entry, self.setting, load_registry(), stack)
+                registry = load_registry(given=self.plugins)
+                contenders, reference = open_contest(self.entry, self.setting, registry, stack)
                 return {"reference": reference, "turns": take_turns(contenders, self.setting.budget)}
         except UsageError as error:
             return {"left out": str(error)}

@@ -1,0 +1,1 @@
+"""What several rewards paid for the same recorded steps, in any environment."""

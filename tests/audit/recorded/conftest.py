@@ -1,0 +1,5 @@
+"""Recorded trainings of a bandit, as the readers of trainings are tested with."""
+
+from tests.trainings.conftest import study_folder
+
+__all__ = ["study_folder"]

@@ -1,0 +1,120 @@
+"""A folder of recordings: distances, what behaviour earned, and what is left out."""
+
+import numpy as np
+import pytest
+
+from harness.audit.recorded.recordings import audit_recordings
+from harness.errors import UsageError
+from tests.trainings.conftest import PULLS, record
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Three trainings of two rewards of which one counts otherwise, and one evaluation."""
+    pays = {"plain": lambda a: a + 1.0, "square": lambda a: (a - 0.5) ** 2}
+    for seed in range(3):
+        record(tmp_path / f"runs/{seed}", "plain", seed, np.linspace(0.0, 0.9 + 0.01 * seed, 10), pays=pays)
+    record(tmp_path / "runs/final", "plain", 0, [1.0, 1.0], pays=pays, evaluation=True)
+    record(tmp_path / "random", "plain", 0, [0.0, 0.5], pays=pays, evaluation=True)
+    return tmp_path
+
+
+def test_distances_are_means_over_trainings(folder):
+    """With an interval over them; evaluations do not enter."""
+    (pair,) = audit_recordings(folder / "runs").pairs
+    assert (pair.one, pair.other, len(pair.each)) == ("plain", "square", 3)
+    assert pair.steps.mean == pytest.approx(np.mean([it.steps for it in pair.each]))
+    assert 0.0 <= pair.steps.low < pair.steps.mean < pair.steps.high <= 1.0
+    assert 0.0 < pair.discordant.mean < 1.0
+
+
+def test_linear_rewards_are_no_distance_apart(study_folder):
+    """One counts every pull as three of the other and 6."""
+    (pair,) = audit_recordings(study_folder).pairs
+    assert (pair.steps.mean, pair.returns.mean) == (pytest.approx(0.0, abs=1e-7), pytest.approx(0.0, abs=1e-7))
+    assert (pair.discordant.mean, pair.largest) == (0.0, ())
+
+
+def test_step_that_is_paid_most_differently_is_named(tmp_path):
+    """Where one reward has an outlier that the other does not see."""
+    pays = {"plain": lambda a: a, "spiked": lambda a: a + 100.0 * (a == 0.3)}
+    record(tmp_path / "0", "plain", 0, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], pays=pays)
+    (pair,) = audit_recordings(tmp_path).pairs
+    first = pair.largest[0]
+    assert len({(step.env, step.episode) for step in pair.largest}) == len(pair.largest) == 3
+    assert (first.folder, first.env, first.episode, first.paid) == ("0", 0, 2, (0.3, pytest.approx(100.3)))
+
+
+def test_early_and_late_behaviour_is_told_apart(folder):
+    """Beside evaluations; each reward pays each."""
+    early, late, final = audit_recordings(folder / "runs").earned
+    assert [row.behaviour for row in (early, late, final)] == [
+        "trained with plain, first fifth",
+        "trained with plain, last fifth",
+        "trained with plain, evaluations",
+    ]
+    assert early.returns["plain"].mean < late.returns["plain"].mean < final.returns["plain"].mean == 2.0 * PULLS
+    assert (early.episodes, late.returns["square"].seeds) == (6, 3)
+
+
+def test_random_actions_stand_first_where_they_are_given(folder):
+    """Their interval is over episodes."""
+    found = audit_recordings(folder / "runs", folder / "random")
+    assert (found.earned[0].behaviour, found.earned[0].episodes) == ("random actions", 2)
+    assert found.earned[0].returns["plain"].mean == pytest.approx(1.25 * PULLS)
+
+
+def test_random_actions_in_the_same_folder_count_once(folder):
+    """They are no evaluation of a policy then."""
+    rows = [row.behaviour for row in audit_recordings(folder, folder / "random").earned]
+    assert rows.count("random actions") == 1
+    assert audit_recordings(folder, folder / "random").earned[-1].episodes == 2
+
+
+def test_reward_that_was_given_up_is_left_out_there(tmp_path):
+    """One line says where and why; the other training counts."""
+    record(tmp_path / "0", "plain", 0, [0.1, 0.2, 0.3], failures={"reward_thrice": 7})
+    record(tmp_path / "1", "plain", 1, [0.1, 0.2, 0.3])
+    found = audit_recordings(tmp_path)
+    (note,) = found.notes
+    assert note == (
+        "'0' does not count for reward 'thrice': given up in step 2 of episode 1: ZeroDivisionError: division by zero"
+    )
+    assert len(found.pairs[0].each) == 1
+
+
+def test_rewards_that_no_recording_knows_together_are_told(tmp_path):
+    """Their pair has no numbers."""
+    record(tmp_path / "0", "a", 0, [0.1, 0.2], pays={"a": lambda a: a})
+    record(tmp_path / "1", "b", 0, [0.1, 0.2], pays={"b": lambda a: a})
+    found = audit_recordings(tmp_path)
+    assert "No recording knows both 'a' and 'b'" in found.notes
+    assert found.pairs[0].steps.mean is None
+
+
+def test_damaged_recording_is_told(folder):
+    """The others count."""
+    (folder / "runs/1/recording-0.json").write_text("{")
+    found = audit_recordings(folder / "runs")
+    assert (len(found.damaged), found.compared) == (1, ("0", "2"))
+
+
+@pytest.mark.parametrize("which", ["none", "one reward", "two envs", "random of another env", "no step"])
+def test_what_cannot_be_audited_is_one_line(tmp_path, which):
+    """It says what was given and what to do."""
+    runs, random = tmp_path / "runs", None
+    runs.mkdir()
+    told = "holds no recorded training"
+    if which != "none":
+        pays = {"plain": lambda a: a} if which == "one reward" else {"plain": lambda a: a, "b": lambda a: -a}
+        record(runs / "0", "plain", 0, [] if which == "no step" else [0.1, 0.2], pays=pays)
+        told = {"one reward": "one reward, 'plain'", "no step": "no recording in it has a step"}.get(
+            which, "several envs"
+        )
+    if which == "two envs":
+        record(runs / "1", "plain", 1, [0.1], env={"id": "Other-v0"})
+    if which == "random of another env":
+        random = record(tmp_path / "random", "plain", 0, [0.1], env={"id": "Other-v0"}, evaluation=True)
+    with pytest.raises(UsageError, match=told) as caught:
+        audit_recordings(runs, random)
+    assert "\n" not in str(caught.value)
