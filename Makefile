@@ -16,8 +16,8 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 RUN_EXTRAS := mujoco sb3 report
 DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev docs
 
-.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench check docs wheel format \
-	clean
+.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench check docs links wheel \
+	format clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
@@ -89,6 +89,10 @@ check: dev
 # The site, into build/site: a warning is an error.
 docs: dev
 	$(BIN)/python -m sphinx --builder html --fail-on-warning --keep-going --quiet docs build/site
+
+# Every link out of the site is asked for, which takes a network; links inside are a test of their own.
+links: dev
+	$(BIN)/python -m sphinx --builder linkcheck --quiet docs build/links
 
 # What people install: built, checked, and used without any extra, in a new environment outside this folder.
 wheel: dev

@@ -7,7 +7,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent / "site"))
 
 project = "fd100-harness"
-author = "the fd100-harness authors"
+author = project_copyright = "the fd100-harness authors"
 version = release = version_of("fd100-harness")
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "generated_pages"]

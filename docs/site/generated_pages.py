@@ -1,7 +1,7 @@
 """Pages of the site that are made from the code: commands, the experiment file, plugins with their fields, the API.
 
 A Sphinx extension. It writes them into ``docs/generated`` before Sphinx looks for pages; nothing there is kept. The
-committed records and the files at the repository's top become pages too, and links to them lead there.
+committed records, the robots' read-mes and the files at the repository's top become pages too; links lead there.
 """
 
 import inspect
@@ -28,6 +28,7 @@ LINK = re.compile(r"\]\((<?)(?![a-z]+:|#|/)([^)]+)\)")
 """One that leads to a file."""
 OUTSIDE = re.compile(r"\[([^]]*)\]\((?:\.\./)+([\w./-]+)(#[\w-]+)?\)")
 RECORD = re.compile(r"results/reference/([\w-]+)/summary\.md")
+ROBOT = re.compile(r"robots/(\w+)/README\.md")
 FLAT = (
     "harness", "harness.simulator", "harness.task", "harness.reward", "harness.algorithm", "harness.metric",
     "harness.executor", "harness.tracker", "harness.progress", "harness.reach", "harness.robot", "harness.errors",
@@ -47,7 +48,8 @@ def setup(app: Sphinx) -> dict[str, Any]:
 
 def write_pages(folder: Path) -> None:
     """Write every generated page; one that is as before is left alone, so that Sphinx does not read it again."""
-    (folder / "records").mkdir(parents=True, exist_ok=True)
+    for name in ("records", "robots"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
     registry = load_registry()
     pages = {
         "commands.md": commands_page(),
@@ -58,6 +60,10 @@ def write_pages(folder: Path) -> None:
         **{
             f"records/{path.parent.name}.md": _copied(path, folder / "records" / path.name)
             for path in sorted(ROOT.glob("results/reference/*/summary.md"))
+        },
+        **{
+            f"robots/{path.parent.name}.md": _copied(path, folder / "robots" / path.name)
+            for path in sorted(ROOT.glob("robots/*/README.md"))
         },
     }
     for name, text in pages.items():
@@ -80,6 +86,8 @@ def _lead_to_pages(app: Sphinx, page: str, content: list[str]) -> None:
         text, path, anchor = found[1], found[2], found[3] or ""
         if record := RECORD.fullmatch(path):
             return f"[{text}]({up}{FOLDER}/records/{record[1]}.md{anchor})"
+        if robot := ROBOT.fullmatch(path):
+            return f"[{text}]({up}{FOLDER}/robots/{robot[1]}.md{anchor})"
         if path.removesuffix(".md") in TOP:
             return f"[{text}]({up}{FOLDER}/{path}{anchor})"
         return text if (ROOT / path).is_dir() else found[0]
@@ -151,7 +159,11 @@ def kind_page(kind: str, registry: Registry) -> str:
 
 def api_page() -> str:
     """The public modules, from their docstrings."""
-    parts = ["# Python", "What you import, from the docstrings. Arrays name their shape, quantities their unit."]
+    parts = [
+        "# Python",
+        "What you import, from the docstrings. Arrays name their shape, quantities their unit. NOTE, ARP and UNITY are "
+        "the three [sources](../sources.md) of this project: NOTE eq. 21 is equation 21 of [the note](../note.md).",
+    ]
     for module in FLAT:
         parts += [f"## {module}", f"```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n   :undoc-members:\n```"]
     return _joined(parts)

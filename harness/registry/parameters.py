@@ -107,7 +107,7 @@ def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
     if not dataclasses.is_dataclass(target):
         raise PluginError(f"{sentence(noun)}: its target {target!r} is no dataclass")
     try:
-        return _type_adapter(target)
+        return _type_adapter(typing.cast(Any, target))  # mypy takes a dataclass for not hashable
     except (pydantic.errors.PydanticUserError, NameError) as error:
         reason = str(error).splitlines()[0]
         raise PluginError(f"{sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error

@@ -1,0 +1,86 @@
+"""The links of the pages: each leads to a file that is there, and to a heading in it."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.docs.pages import FENCE, PAGES, ROOT
+
+LINKED = [*PAGES, ROOT / "CHANGELOG.md", *sorted(ROOT.glob("results/reference/*/summary.md"))]
+LINK = re.compile(r"\]\(<?([^)\s>]+)>?\)")
+HEADING = re.compile(r"^#{1,6} +(.+?) *#*$", re.MULTILINE)
+TARGET = re.compile(r"^\(([\w-]+)\)=$", re.MULTILINE)
+
+
+def dead_links(page: Path, text: str) -> list[str]:
+    """The relative links of a page that lead nowhere."""
+    return [link for link in _links(text) if not _leads_somewhere(page, text, link)]
+
+
+def _links(text: str) -> Iterator[str]:
+    prose = re.sub(r"`[^`\n]*`", "", FENCE.sub("", text))
+    yield from (link for link in LINK.findall(prose) if not re.match(r"[a-z]+:", link))
+
+
+def _leads_somewhere(page: Path, text: str, link: str) -> bool:
+    path, _, anchor = link.partition("#")
+    there = (page.parent / path).resolve() if path else page
+    if path and (not there.exists() or ROOT not in there.parents):
+        return False
+    if not anchor or there.suffix != ".md":
+        return not anchor
+    return anchor in anchors_of(there.read_text(encoding="utf-8") if path else text)
+
+
+def anchors_of(text: str) -> set[str]:
+    """What the headings of a page are called in links, as GitHub and the site make it of their words."""
+    prose, found = FENCE.sub("", text), set[str]()
+    for heading in HEADING.findall(prose):
+        words = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).replace("`", "").lower()
+        slug = re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
+        count = sum(re.fullmatch(rf"{re.escape(slug)}(?:-\d+)?", it) is not None for it in found)
+        found.add(f"{slug}-{count}" if count else slug)
+    return found | set(TARGET.findall(prose))
+
+
+@pytest.mark.parametrize("page", LINKED, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_no_link_leads_nowhere(page: Path):
+    """Neither to a file that is gone, nor to a heading."""
+    assert dead_links(page, page.read_text(encoding="utf-8")) == []
+
+
+PAGE = ROOT / "docs" / "page.md"
+WRONG = {
+    "file": "[a](gone.md)",
+    "folder": "[a](../gone/glossary.md)",
+    "heading": "[a](glossary.md#gone)",
+    "own heading": "# Here\n[a](#there)",
+    "picture": "![a](pictures/gone.png)",
+    "outside": "[a](../../other/page.md)",
+}
+
+
+@pytest.mark.parametrize(("text", "link"), [(it, LINK.findall(it)[0]) for it in WRONG.values()], ids=WRONG)
+def test_link_to_nowhere_is_found(text: str, link: str):
+    """The mutants."""
+    assert dead_links(PAGE, text) == [link]
+
+
+RIGHT = [
+    "[a](glossary.md)",
+    "[a](glossary.md#eta_n-and-eta_p)",
+    "# Is it `x`?\n[a](#is-it-x)",
+    "# A\n# A\n[b](#a-1)",
+    "[a](../examples)",
+    "[a](https://example.org/x#y)",
+    "```\n[a](b)\n```",
+    "`[a](b)`",
+]
+
+
+@pytest.mark.parametrize("text", RIGHT)
+def test_link_that_leads_somewhere_is_left_alone(text: str):
+    """Code is no link, and the network is not asked."""
+    assert dead_links(PAGE, text) == []

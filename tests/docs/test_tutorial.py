@@ -1,0 +1,36 @@
+"""docs/tutorial.md, from its first command to its last, with trainings of 64 steps."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.cli import main
+from tests.docs.pages import ROOT, blocks_of, commands_of
+
+TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+COMMANDS = [it for block in blocks_of("docs/tutorial.md", TUTORIAL) for it in commands_of(block)]
+BUDGET = ("--steps 10000", "--steps 64 --seeds 1 --evaluation-episodes 2")
+
+
+def test_tutorial_names_the_run_whose_pictures_it_shows():
+    """As `docs/pictures/take.py` does."""
+    told = (ROOT / "docs" / "pictures" / "take.py").read_text(encoding="utf-8")
+    runs = [it.text for it in COMMANDS if it.words[0] in {"demo", "run"} and "--dry-run" not in it.words]
+    assert len(runs) == 2
+    assert all(run in told for run in runs)
+
+
+@pytest.mark.slow
+def test_every_command_of_the_tutorial_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """In order, each on what the ones before it left; all pages and pictures that it speaks of are there."""
+    monkeypatch.chdir(tmp_path)
+    for command in COMMANDS:
+        short = command._replace(text=command.text.replace(*BUDGET))
+        with pytest.raises(SystemExit) as stopped:
+            main(short.words)
+        assert stopped.value.code == 0, command.text
+    assert len(COMMANDS) > 8
+    for folder in ("my-first", "first"):
+        page = (tmp_path / folder / "report.html").read_text(encoding="utf-8")
+        for text in ("The robot.", "The number, taken apart", ">Behaviour<", ">Replay<", "How to repeat it"):
+            assert text in page, text

@@ -1,0 +1,55 @@
+"""What is not executed of the snippets of the pages, and why not."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+NOT_RUN: Mapping[str, str] = MappingProxyType(
+    {
+        "tune": "trains for every trial; tests/tune has small searches",
+        "transfer": "starts a process for each policy; tests/transfer does it in one",
+        "parity": "drives several simulators for seconds; tests/parity has short drives",
+        "bench": "measures for minutes",
+        "watch": "serves until it is stopped",
+        "video": "draws for seconds; tests/cli/test_video.py has a short film",
+        "audit": "takes seconds for each reward; tests/cli/test_audit.py",
+        "check": "takes seconds to minutes; tests/contracts",
+        "doctor": "tries to render in several processes; tests/cli/test_doctor.py",
+    }
+)
+"""Commands that are parsed alone: name, flags, and the types of their values."""
+
+NEEDS: Mapping[str, str] = MappingProxyType(
+    {
+        r"(?<!new-plugin )\bmy-(?!results|first)": "the package is not there; `make plugins` tries such ones",
+        "cautious|steady|mesh-arm|pinocchio|sbx-sac": "the package is not installed: `make examples` does it",
+        "slurm|ray:address": "takes a cluster",
+        "cells/|CELL": "takes a trained policy; tests/plugins/commands",
+        "--cells": "names cells of the reader's",
+        "tuned.toml|tuning.toml": "takes a finished search; tests/tune",
+        "recorded|report runs": "takes the reader's recordings; tests/cli/test_eta.py, tests/trainings",
+    }
+)
+"""Patterns of commands that are only parsed."""
+
+HELD: Mapping[str, str] = MappingProxyType(
+    {
+        "docs/your-environment.md": "tests/test_your_environment.py",
+        "docs/authoring.md": "tests/authoring/test_public_names.py",
+        "docs/writing/": "tests/scaffold/test_pages.py, tests/plugins/tasks/test_writing_page.py",
+        "docs/plugin-names.md": "tests/cli/test_plugin_files.py; commands here use the file that it shows",
+    }
+)
+"""Pages whose Python other tests hold."""
+
+SKIPPED: Mapping[str, str] = MappingProxyType(
+    {
+        'pyarrow.parquet.read_table("curves.parquet")': "an excerpt: reads what `harness report --summary` wrote",
+        'policy = load_policy(Path("results/runs/mine': "an excerpt: the folder is the reader's; tests/policy",
+        "from harness.transfer.jobs import transfer": "the folder is the reader's; tests/transfer",
+        "from harness.tune.tune import tune": "trains; tests/tune",
+        "RecordVideo(": "takes moviepy, which writes films; tests/env/test_single_env.py draws",
+        "HerReplayBuffer": "trains for minutes; tests/env/test_goal_env.py",
+        "trace = read_trace(folder": "an excerpt: the folder is the reader's",
+    }
+)
+"""Python that is not executed, by a part of it."""
