@@ -16,7 +16,8 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 RUN_EXTRAS := mujoco sb3 report
 DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev docs
 
-.PHONY: install dev lock run reference test slow plugins examples browser engines bench check docs links wheel format clean
+.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench check docs links wheel \
+	format clean
 
 install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
@@ -36,9 +37,19 @@ reference: dev
 	$(BIN)/harness report $(CELLS) --summary $(RECORDS)
 	! grep ',pending,' $(RECORDS)/cells.csv
 
-# Two processes, one thread each.
+# Two processes, one thread each. Compiled modules are kept whatever the surroundings say: each of the many processes
+# that tests start would compile all of them again.
+test coverage: export PYTHONDONTWRITEBYTECODE =
 test: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --benchmark-disable
+
+# The same tests, and which lines and branches they ran, in the processes that they start too; pages into build/coverage.
+# One room: make coverage TESTS=tests/eta.
+coverage: TESTS =
+coverage: dev
+	mkdir -p build/coverage
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --benchmark-disable --cov --cov-report=term \
+		--cov-report=html:build/coverage/pages $(TESTS)
 
 slow: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m slow --benchmark-disable

@@ -15,7 +15,7 @@ from harness.hookspecs import KINDS
 from harness.record.cell import Cell
 from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
-from harness.registry.spec import OURS, Spec
+from harness.registry.spec import OURS, Spec, is_installed
 from harness.robot import Robot
 from harness.simulator import family_of
 
@@ -65,8 +65,9 @@ def versions_behind(specs: Iterable[Spec]) -> dict[str, str]:
     registers with ``requires=["pinocchio"]`` is recorded with the version of Pinocchio.
     """
     specs = list(specs)
-    required = [distribution_of(module) for spec in specs for module in spec.requires]
-    names = dict.fromkeys([*CORE, *sorted({*required, *(spec.distribution for spec in specs)})])
+    required = {module for spec in specs for module in spec.requires if is_installed(module)}
+    behind = {*map(distribution_of, required), *(spec.distribution for spec in specs)}
+    names = dict.fromkeys([*CORE, *sorted(behind)])
     versions = {name: _version(name) for name in names}
     return {name: version for name, version in versions.items() if version}
 

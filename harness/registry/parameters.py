@@ -5,6 +5,7 @@ import math
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import pydantic
@@ -106,13 +107,19 @@ def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
     if not dataclasses.is_dataclass(target):
         raise PluginError(f"{sentence(noun)}: its target {target!r} is no dataclass")
     try:
-        typing.get_type_hints(target)
-        return pydantic.TypeAdapter(target)
+        return _type_adapter(typing.cast(Any, target))  # mypy takes a dataclass for not hashable
     except (pydantic.errors.PydanticUserError, NameError) as error:
         reason = str(error).splitlines()[0]
         raise PluginError(f"{sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
 
 
+@cache  # a run builds the same few classes hundreds of times
+def _type_adapter(target: Any) -> "pydantic.TypeAdapter[Any]":
+    typing.get_type_hints(target)
+    return pydantic.TypeAdapter(target)
+
+
+@cache
 def _fields_alone(target: Any) -> Any:
     """A dataclass of the same parameters that does nothing when it is built, and takes every one of them."""
     hints = typing.get_type_hints(target, include_extras=True)

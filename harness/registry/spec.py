@@ -57,7 +57,7 @@ class Spec:
     @property
     def missing(self) -> tuple[str, ...]:
         """The required modules that are not installed."""
-        return tuple(module for module in self.requires if not _is_installed(module))
+        return tuple(module for module in self.requires if not is_installed(module))
 
     @property
     def remedy(self) -> str:
@@ -113,7 +113,7 @@ def canonical(distribution: str) -> str:
     return re.sub(r"[-_.]+", "-", distribution).lower()
 
 
-def _is_installed(module: str) -> bool:
+def is_installed(module: str) -> bool:
     """Whether a module can be found; the packages that it stands in are not imported."""
     package, *parts = module.split(".")
     try:

@@ -58,8 +58,13 @@ def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:
         size += _locate_meshes(link, folder)
     if size > MOST_MESH_BYTES:
         raise UsageError(f"The meshes have {size:,} bytes together, {MOST_MESH_BYTES:,} are allowed. Simplify them.")
-    text = ElementTree.tostring(robot, encoding="unicode")
-    return urdf if text == ElementTree.tostring(urdf.element, encoding="unicode") else Urdf(text, robot)
+    return urdf if _are_alike(robot, urdf.element) else Urdf(ElementTree.tostring(robot, encoding="unicode"), robot)
+
+
+def _are_alike(first: Element, second: Element) -> bool:
+    """Whether two elements say the same; to compare their texts, which have to be written first, takes much longer."""
+    own, other = ((each.tag, each.attrib, each.text, each.tail, len(each)) for each in (first, second))
+    return own == other and all(map(_are_alike, first, second))
 
 
 def _fix(joint: Element) -> None:

@@ -115,7 +115,7 @@ def goals_show_numbers_in_their_bounds(task: Task, robot: Robot) -> None:
         seen = goal.observe(env.episodes.situation)
         require(seen.shape == (3, len(low)), f"observe gives {seen.shape} for 3 arms and {len(low)} bounds")
         inside = (seen >= low - 1e-9).all() and (seen <= high + 1e-9).all()  # False of what is no number
-        require(inside, f"what the goal shows leaves its bounds {low} .. {high}: {seen}")
+        require(inside, "what the goal shows leaves its bounds {} .. {}: {}", low, high, seen)
 
 
 GOAL_CHECKS: tuple[Check, ...] = (

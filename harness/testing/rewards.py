@@ -55,8 +55,8 @@ def arguments_are_left_alone(reward: Reward) -> None:
         carry_before = copy.deepcopy(carry)
         after, _ = pay(reward, carry, sample)
         for name, old, new in zip(Sample._fields, before, sample, strict=True):
-            require(_equal(old, new), f"{name} was changed from {old} to {new}")
-        require(_same(carry_before, carry), f"the carry was changed in place from {carry_before} to {carry}")
+            require(_equal(old, new), "{} was changed from {} to {}", name, old, new)
+        require(_same(carry_before, carry), "the carry was changed in place from {} to {}", carry_before, carry)
         carry = after
 
 
@@ -76,7 +76,7 @@ def the_carry_is_all_that_is_remembered(reward: Reward) -> None:
     carries, values = play(reward, samples)
     for step in reversed(range(len(samples))):
         _, value = pay(reward, carries[step], samples[step])
-        require(_equal(value, values[step]), f"step {step} is paid {value} when asked again, not {values[step]}")
+        require(_equal(value, values[step]), "step {} is paid {} when asked again, not {}", step, value, values[step])
 
 
 @check("reward-carry-shape")
@@ -99,7 +99,10 @@ def a_batch_is_paid_as_its_envs_alone(reward: Reward) -> None:
         values = np.concatenate(play(copy.deepcopy(alone), one)[1])
         require(
             np.allclose(values, batch[env], rtol=1e-12, equal_nan=True),
-            f"env {env} is paid {batch[env]}, alone {values}",
+            "env {} is paid {}, alone {}",
+            env,
+            batch[env],
+            values,
         )
 
 
@@ -113,7 +116,9 @@ def any_array_library_will_do(reward: Reward) -> None:
         require(isinstance(value, StandardArray), f"the value is a {type(value).__name__}, not an array as was given")
         require(
             np.allclose(value.values, known, rtol=1e-12, equal_nan=True),
-            f"the value is {value.values}, with numpy {known}",
+            "the value is {}, with numpy {}",
+            value.values,
+            known,
         )
 
 
@@ -145,7 +150,7 @@ REWARD_CHECKS: tuple[Check, ...] = (
 
 def _require_finite(reward: Reward, samples: list[Sample]) -> None:
     for sample, value in zip(samples, play(reward, samples)[1], strict=True):
-        require(np.isfinite(value).all(), f"the value is {value} at distances {sample.distance} m")
+        require(np.isfinite(value).all(), "the value is {} at distances {} m", value, sample.distance)
 
 
 def _values_at(reward: Reward, distances: Array) -> Array:

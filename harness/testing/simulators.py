@@ -93,7 +93,7 @@ def states_are_finite(simulator: Simulator, robot: Robot) -> None:
     with opened(simulator, robot) as simulation:
         for state in [*drive_out_and_back(simulation, robot), *dive_into_the_ground(simulation, robot)]:
             for name, array in zip(State._fields, state, strict=True):
-                require(np.isfinite(array).all(), f"{name} is {array}")
+                require(np.isfinite(array).all(), "{} is {}", name, array)
 
 
 @check("sim-reset")

@@ -79,7 +79,7 @@ def starts_are_in_the_joint_ranges(task: Task, robot: Robot) -> None:
     for _ in range(DRAWS):
         start = task.draw_start(robot, rng)
         _require_array("a start", start, (robot.dof,))
-        require((start >= robot.lower).all() and (start <= robot.upper).all(), f"the start {start} leaves the ranges")
+        require((start >= robot.lower).all() and (start <= robot.upper).all(), "the start {} leaves the ranges", start)
 
 
 @check("task-targets")
@@ -165,7 +165,7 @@ def the_motion_takes_its_actions(task: Task, robot: Robot) -> None:
         for waypoint in move.waypoints:
             _require_array("a waypoint", waypoint, qpos.shape)
             inside = (waypoint >= robot.lower - 1e-9).all() and (waypoint <= robot.upper + 1e-9).all()
-            require(inside, f"the waypoint {waypoint} leaves the joint ranges")
+            require(inside, "the waypoint {} leaves the joint ranges", waypoint)
 
 
 @check("task-bounds")
@@ -175,7 +175,7 @@ def bounds_are_a_space(task: Task, robot: Robot) -> None:
     low, high = observation.low, observation.high
     fits = low.shape == high.shape == (len(low),) and low.dtype == high.dtype == np.float32
     require(fits, f"the bounds are {low.dtype} {low.shape} and {high.dtype} {high.shape}")
-    require((low < high).all(), f"no number is between the bounds {low} and {high}")
+    require((low < high).all(), "no number is between the bounds {} and {}", low, high)
 
 
 @check("task-observations")
@@ -186,7 +186,7 @@ def observations_are_in_their_bounds(task: Task, robot: Robot) -> None:
     for seen in _episodes(_env(task, robot)):
         shape = (NUM_ENVS, len(low))
         require(seen.shape == shape and seen.dtype == np.float32, f"observations are {seen.dtype} {seen.shape}")
-        require((seen >= low).all() and (seen <= high).all(), f"an observation leaves its bounds: {seen}")
+        require((seen >= low).all() and (seen <= high).all(), "an observation leaves its bounds: {}", seen)
 
 
 @check("task-observing")
@@ -228,7 +228,7 @@ def _require_array(name: str, array: Any, shape: tuple[int, ...]) -> None:
     require(isinstance(array, np.ndarray), f"{name} is a {type(array).__name__}, not an array")
     right = array.shape == shape and array.dtype == np.float64
     require(right, f"{name} is {array.dtype} {array.shape}, not float64 {shape}")
-    require(np.isfinite(array).all(), f"{name} is {array}")
+    require(np.isfinite(array).all(), "{} is {}", name, array)
 
 
 @check("task-all-targets-in-reach", "warning")

@@ -44,10 +44,16 @@ def check(name: str, level: Level = "error") -> Callable[[Callable[..., None]], 
     return lambda run: Check(name, run, level)
 
 
-def require(condition: object, message: str) -> None:
-    """Raise AssertionError with `message` unless `condition` holds: a check's way to say no."""
+def require(condition: object, message: str, *given: object) -> None:
+    """Raise AssertionError with `message` unless `condition` holds: a check's way to say no.
+
+    Args:
+        condition: What has to hold.
+        message: What is wrong if it does not; every ``{}`` in it stands for one of `given`.
+        given: Written only where the condition does not hold. Give arrays so, which take long to write.
+    """
     if not condition:
-        raise AssertionError(message)
+        raise AssertionError(message.format(*given) if given else message)
 
 
 def violations(checks: Iterable[Check], *subject: Any) -> Iterator[ContractViolation]:

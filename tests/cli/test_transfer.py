@@ -32,15 +32,12 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
         assert set(first[name][0][0]) == {"mean", "low", "high", "seeds", "note"}
 
 
-def test_engine_that_talks_does_not_disturb_the_json(quick, toys, tmp_path):
+def test_engine_that_talks_does_not_disturb_the_json(harness, quick, tmp_path):
     """What an engine prints when it is imported does not come before the document."""
-
-    def call(*arguments):
-        command = [sys.executable, "-c", "from harness.cli import main; main()", *arguments]
-        return subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
-
-    call("run", *quick, "--seeds", "1", "--out", "mine")
-    told = call("transfer", "mine", "--to", "pybullet", "--json")
+    assert harness("run", *quick, "--seeds", "1", "--out", "mine").status == 0
+    command = [sys.executable, "-c", "from harness.cli import main; main()"]
+    command += ["transfer", "mine", "--to", "pybullet", "--json"]
+    told = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     assert json.loads(told.stdout)["combinations"][0]["evaluated_in"] == ["ideal", "pybullet"]
 
 

@@ -3,9 +3,11 @@
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import harness
@@ -14,6 +16,7 @@ from harness.motion import MODES
 from harness.reach import ReachTask
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
+from harness.robot import Robot
 from harness.testing import (
     ALGORITHM_CHECKS,
     EXECUTOR_CHECKS,
@@ -40,11 +43,29 @@ from harness.testing.algorithms import (
     the_return_rises,
 )
 from harness.testing.simulators import frames_show_the_target, render_gives_a_frame_or_says_why_not
+from harness.testing.tasks import (
+    draws_depend_on_the_stream_alone,
+    episodes_are_alike_where_it_says_so,
+    starts_are_in_the_joint_ranges,
+    targets_are_points,
+    targets_can_be_reached,
+    targets_do_not_depend_on_the_count,
+)
 from harness.testing.trainings import NegativeDistance
+from harness.testing.violations import require
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
 FRAME_CHECKS = (render_gives_a_frame_or_says_why_not, frames_show_the_target)
+DRAW_CHECKS = (
+    starts_are_in_the_joint_ranges,
+    targets_are_points,
+    targets_can_be_reached,
+    targets_do_not_depend_on_the_count,
+    draws_depend_on_the_stream_alone,
+    episodes_are_alike_where_it_says_so,
+)
+"""Of a task, what looks at its starts and targets alone."""
 OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
 LARGE = ("sac", "td3", "dqn", "ddqn")
 """Their default networks take long to train; `SMALLER` ones show the same in most checks."""
@@ -91,6 +112,12 @@ def registered(kind: str, checks: tuple[Callable[..., None], ...]) -> pytest.Mar
     return pytest.mark.parametrize(("check", "name"), cases)
 
 
+@cache
+def robot_of(task: str) -> Robot:
+    """The robot of a registered task."""
+    return harness.load_robot(REGISTRY.get("tasks", task).load()().robot, REGISTRY)
+
+
 def build(kind: str, name: str) -> Any:
     """A registered thing with its defaults; the test is skipped where the library is not installed."""
     spec = REGISTRY.get(kind, name)
@@ -115,17 +142,25 @@ def test_simulator_renders(check: Callable[..., None], name: str):
 @registered("tasks", TASK_CHECKS)
 def test_task(check: Callable[..., None], name: str):
     """Every registered task keeps the contract with its own robot."""
-    task = build("tasks", name)
-    check(task, harness.load_robot(task.robot, REGISTRY))
+    check(build("tasks", name), robot_of(name))
 
 
 @pytest.mark.parametrize("action", MODES)
 @pytest.mark.parametrize("name", REGISTRY.names("tasks"))
 def test_task_with_every_action_mode(name: str, action: str, monkeypatch: pytest.MonkeyPatch):
-    """Every registered task keeps the contract whatever the learner does in it."""
-    monkeypatch.setattr("harness.testing.tasks.DECISIONS", 40)  # `test_task` takes as many as the kit does
-    task = REGISTRY.get("tasks", name).load()(action=action)
-    assert list(violations(TASK_CHECKS, task, harness.load_robot(task.robot, REGISTRY))) == []
+    """Every registered task keeps the contract whatever the learner does in it; what is drawn is as in `test_task`."""
+    for module in ("tasks", "goals"):
+        monkeypatch.setattr(f"harness.testing.{module}.DECISIONS", 25)  # `test_task` takes as many as the kit does
+    task, robot = REGISTRY.get("tasks", name).load()(action=action), robot_of(name)
+    checks = [check for check in TASK_CHECKS if check not in DRAW_CHECKS]
+    assert list(violations(checks, task, robot)) == []
+    assert all(map(np.array_equal, draws(task, robot), draws(build("tasks", name), robot)))
+
+
+def draws(task: Any, robot: Robot) -> tuple[Any, ...]:
+    """A start, some targets, and whether these are relative."""
+    rng = np.random.default_rng(0)
+    return task.draw_start(robot, rng), *task.draw_targets(robot, rng, 8)
 
 
 @registered("rewards", REWARD_CHECKS)
@@ -177,6 +212,7 @@ def test_tracker(check: Callable[..., None], name: str, tmp_path: Path, monkeypa
     if missing:
         pytest.skip(f"{', '.join(missing)} is not installed")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("WANDB_X_SAVE_REQUIREMENTS", "false")  # else each of its runs reads about every distribution
     experiment = tmp_path / "experiment"
     experiment.mkdir()
     check(choose(REGISTRY, "trackers", LOCAL.get(name, name)).build(REGISTRY, "trackers"), experiment)
@@ -215,6 +251,15 @@ def test_all_is_well_without_an_error():
     assert check_simulator(IdealSimulator()) is None
     assert check_reward(NegativeDistance()) is None
     assert check_task(ReachTask()) is None
+
+
+def test_a_check_writes_what_it_was_given():
+    """What a check says no to stands in its message, braces and all, where the check fails."""
+    with pytest.raises(AssertionError, match=r"^the start \[0.5\] leaves \{'a': 1\}$"):
+        require(False, "the start {} leaves {}", np.array([0.5]), {"a": 1})
+    with pytest.raises(AssertionError, match=r"^\{\} is no name$"):
+        require(False, "{} is no name")
+    require(True, "nothing is wrong with {}", 1)
 
 
 def test_whatever_a_check_meets_is_a_violation():

@@ -195,7 +195,19 @@ def test_json_is_strict(baseline: Values, proposed: Values, is_share: bool):
     shares = [[value and abs(value) / 10.0 for value in values[:count]] for values in (baseline, proposed)]
     data = json.loads(json.dumps(change(*shares, measure).to_json(), allow_nan=False))
     assert set(data) == {
-        *("name", "unit", "better", "manner", "episodes", "baseline", "proposed", "random", "seeds", "left_out"),
+        *(
+            "name",
+            "title",
+            "unit",
+            "better",
+            "manner",
+            "episodes",
+            "baseline",
+            "proposed",
+            "random",
+            "seeds",
+            "left_out",
+        ),
         *("difference", "low", "high", "p", "p_corrected", "result", "values"),
         *("interquartile_means", "probability_of_improvement", "reason"),
     }

@@ -13,7 +13,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, POLICY, TRACE, WEIGHTS
 from harness.registry.registry import load_registry
 
-QUICK: dict[str, Any] = {"sim": "kinematic", "algo": "random,spg", "reward": "arp", "seeds": 1, "steps": 640}
+QUICK: dict[str, Any] = {"sim": "kinematic", "algo": "random,sac-fast", "reward": "arp", "seeds": 1, "steps": 320}
 QUICK |= {"evaluation_episodes": 2}
 ALL = {**QUICK, "sim": "kinematic,mujoco,pybullet,dm_control", "algo": "sac,sac-fast,ppo,td3", "steps": 400}
 RESULTS = (TRACE, EVALUATION, f"{POLICY}/{WEIGHTS}")
