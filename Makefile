@@ -98,6 +98,7 @@ links: dev
 wheel: dev
 	rm -rf dist build/wheel-env
 	$(BIN)/python -m build --no-isolation --quiet
+	rm -rf *.egg-info # older than the next change of entry points, and Python would find it here
 	$(BIN)/twine check --strict dist/*
 	$(PYTHON) -m venv build/wheel-env
 	build/wheel-env/bin/python -m pip --disable-pip-version-check install --quiet dist/*.whl

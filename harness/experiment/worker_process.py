@@ -85,13 +85,18 @@ def _start() -> "subprocess.Popen[str]":
     It ends when its standard input is closed, as it is when this process ends (`harness.experiment.lifeline`).
     """
     return subprocess.Popen(
-        [sys.executable, "-m", "harness.experiment.worker"],
+        [sys.executable, *_path_flags(), "-m", "harness.experiment.worker"],
         stdin=subprocess.PIPE,
         text=True,
         env={**os.environ, **ONE_THREAD},
         start_new_session=True,  # Ctrl-C reaches this process alone, which stops the others
         stdout=subprocess.PIPE,
     )
+
+
+def _path_flags() -> list[str]:
+    """Where this process does not import from the working directory, what lies there is not a worker's either."""
+    return [] if sys.path[:1] in ([""], [os.getcwd()]) else ["-P"]
 
 
 def stop_processes(processes: Collection["subprocess.Popen[str]"]) -> None:
