@@ -29,7 +29,7 @@ def new_plugin(
     kind: Annotated[
         str,
         typer.Argument(
-            help="algorithm, command, executor, metric, reward, robot, simulator, task or tracker.",
+            help="algorithm, command, environment, executor, metric, reward, robot, simulator, task or tracker.",
             autocompletion=_kinds,
             metavar="KIND",
         ),
