@@ -7,7 +7,7 @@ from harness.arrays import Float
 from harness.robot import Robot
 from harness.robot.servo import Servo
 
-from ..dry_friction import DryFriction
+from ..arms.dry_friction import DryFriction
 from .arm import Arm
 from .free_arm import FreeArm, add_armature
 from .world import exact_timestep, set_steps
@@ -44,7 +44,7 @@ class ServoArm(Arm):
         self._friction.forget()
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
-        """See `harness_plugins.servo_arms.ServoArm`."""
+        """See `harness_plugins.arms.servo.ServoArm`."""
         body, joints, client = self.body, self.joints, self.client
         for position, speed in zip(qpos_ref, qvel_ref, strict=True):
             states = pybullet.getJointStates(body, joints, physicsClientId=client)

@@ -27,11 +27,11 @@ from harness.robot.servo import Servo
 from harness.robot.shapes import Shape
 from harness.simulator import State
 
-from ..arms_apart import ArmsApart, bare_loop
-from ..bare_urdf import bare_urdf
-from ..dry_friction import DryFriction
-from ..self_collision import Pair, pair, pairs_apart, shapes_of_base
-from ..servo_arms import ServoArms, follow_alone
+from ..arms.apart import ArmsApart, bare_loop
+from ..arms.bare_urdf import bare_urdf
+from ..arms.dry_friction import DryFriction
+from ..arms.self_collision import Pair, pair, pairs_apart, shapes_of_base
+from ..arms.servo import ServoArms, follow_alone
 
 FRICTION = CoulombFriction(1.0, 1.0)
 """Of links on the ground and on one another, static and sliding."""
@@ -51,11 +51,11 @@ class Drake:
     family: ClassVar[str] = "Drake"
     later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
     sources: ClassVar[tuple[str, ...]] = (
-        "harness_plugins.arms_apart",
-        "harness_plugins.bare_urdf",
-        "harness_plugins.dry_friction",
-        "harness_plugins.self_collision",
-        "harness_plugins.servo_arms",
+        "harness_plugins.arms.apart",
+        "harness_plugins.arms.bare_urdf",
+        "harness_plugins.arms.dry_friction",
+        "harness_plugins.arms.self_collision",
+        "harness_plugins.arms.servo",
     )
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
     bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 2000.0
@@ -101,7 +101,7 @@ class Model(NamedTuple):
 
 
 class ArmAlone:
-    """See `harness_plugins.arms_apart.ArmAlone`."""
+    """See `harness_plugins.arms.apart.ArmAlone`."""
 
     def __init__(self, model: Model, substeps: Substeps) -> None:
         self.model, self._substeps, self._done = model, substeps, 0
@@ -114,7 +114,7 @@ class ArmAlone:
         self._torques = model.plant.get_actuation_input_port(model.arm)
 
     def put(self, qpos: Float) -> None:
-        """See `harness_plugins.arms_apart.ArmAlone`."""
+        """See `harness_plugins.arms.apart.ArmAlone`."""
         plant, self._done = self.model.plant, 0
         positions = np.empty_like(qpos)
         positions[self.model.order] = qpos
@@ -134,7 +134,7 @@ class ArmAlone:
             raise SimulationDiverged(f"Drake stops the arm: {' '.join(str(error).split())}") from error
 
     def read(self, state: State, env: int) -> None:
-        """See `harness_plugins.arms_apart.ArmAlone`."""
+        """See `harness_plugins.arms.apart.ArmAlone`."""
         plant, context = self.model.plant, self.context
         state.qpos[env] = plant.GetPositions(context)[self.model.order]
         state.qvel[env] = plant.GetVelocities(context)[self.model.order]
@@ -149,20 +149,20 @@ class ArmAlone:
 
 
 class Arm(ArmAlone):
-    """See `harness_plugins.arms_apart.Arm`; `damping` is that of the servos, (dof,), [N m s] or [N s/m]."""
+    """See `harness_plugins.arms.apart.Arm`; `damping` is that of the servos, (dof,), [N m s] or [N s/m]."""
 
     def __init__(self, model: Model, substeps: Substeps, damping: Float) -> None:
         super().__init__(model, substeps)
         self._damping = damping
 
     def turn(self, speeds: Float, duration: float) -> None:
-        """See `harness_plugins.arms_apart.Arm`."""
+        """See `harness_plugins.arms.apart.Arm`."""
         self._torques.FixValue(self.context, self._damping * speeds)
         self._advance(self._substeps.within(duration))
 
 
 class ServoArm(ArmAlone):
-    """See `harness_plugins.servo_arms.ServoArm`."""
+    """See `harness_plugins.arms.servo.ServoArm`."""
 
     def __init__(self, model: Model, substeps: Substeps, servo: Servo) -> None:
         super().__init__(model, substeps)
@@ -174,12 +174,12 @@ class ServoArm(ArmAlone):
         )
 
     def put(self, qpos: Float) -> None:
-        """See `harness_plugins.arms_apart.ArmAlone`."""
+        """See `harness_plugins.arms.apart.ArmAlone`."""
         super().put(qpos)
         self._friction.forget()
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
-        """See `harness_plugins.servo_arms.ServoArm`."""
+        """See `harness_plugins.arms.servo.ServoArm`."""
         for position, speed in zip(qpos_ref, qvel_ref, strict=True):
             self._torques.FixValue(self.context, self._torque(position, speed))
             self._advance(1)

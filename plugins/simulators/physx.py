@@ -20,10 +20,10 @@ from harness.robot.servo import Servo
 from harness.robot.shapes import Shape
 from harness.simulator import State
 
-from ..arms_apart import ArmsApart, bare_loop
-from ..bare_urdf import bare_urdf
-from ..self_collision import Pair, pair, pairs_apart, partners, shapes_of_base
-from ..servo_arms import ServoArms, follow_alone
+from ..arms.apart import ArmsApart, bare_loop
+from ..arms.bare_urdf import bare_urdf
+from ..arms.self_collision import Pair, pair, pairs_apart, partners, shapes_of_base
+from ..arms.servo import ServoArms, follow_alone
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it warns of graphics drivers, and nothing is drawn by them
@@ -62,10 +62,10 @@ class PhysX:
     family: ClassVar[str] = "PhysX"
     later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
     sources: ClassVar[tuple[str, ...]] = (
-        "harness_plugins.arms_apart",
-        "harness_plugins.bare_urdf",
-        "harness_plugins.self_collision",
-        "harness_plugins.servo_arms",
+        "harness_plugins.arms.apart",
+        "harness_plugins.arms.bare_urdf",
+        "harness_plugins.arms.self_collision",
+        "harness_plugins.arms.servo",
     )
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
     iterations: Annotated[Count, Field(le=255, description="of the constraint solver per physics step")] = 16
@@ -159,7 +159,7 @@ class Model:
         iterations: Of the constraint solver.
         builder: SAPIEN's, of the arm without shapes.
         servo: The drives; None where they are ideal.
-        shapes: Of each group of links, see `harness_plugins.self_collision`, dof + 1 of them.
+        shapes: Of each group of links, see `harness_plugins.arms.self_collision`, dof + 1 of them.
         masks: Their collision groups.
     """
 
@@ -204,19 +204,19 @@ class Probe:
 
 
 class ArmAlone:
-    """See `harness_plugins.arms_apart.ArmAlone`."""
+    """See `harness_plugins.arms.apart.ArmAlone`."""
 
     def __init__(self, model: Model, probe: Probe) -> None:
         self._model, self._probe = model, probe
         self._body = Body(model)
 
     def put(self, qpos: Float) -> None:
-        """See `harness_plugins.arms_apart.ArmAlone`."""
+        """See `harness_plugins.arms.apart.ArmAlone`."""
         self._body = Body(self._model)  # nothing less makes PhysX forget contacts, and it takes a millisecond
         self._body.put_joints(qpos)
 
     def read(self, state: State, env: int) -> None:
-        """See `harness_plugins.arms_apart.ArmAlone`."""
+        """See `harness_plugins.arms.apart.ArmAlone`."""
         body = self._body
         positions = body.arm.qpos
         state.qpos[env] = positions[body.order]
@@ -228,14 +228,14 @@ class ArmAlone:
 
 
 class Arm(ArmAlone):
-    """See `harness_plugins.arms_apart.Arm`."""
+    """See `harness_plugins.arms.apart.Arm`."""
 
     def __init__(self, model: Model, probe: Probe, substeps: Substeps) -> None:
         super().__init__(model, probe)
         self._substeps = substeps
 
     def turn(self, speeds: Float, duration: float) -> None:
-        """See `harness_plugins.arms_apart.Arm`."""
+        """See `harness_plugins.arms.apart.Arm`."""
         for joint, speed in zip(self._body.joints, speeds.tolist(), strict=True):
             joint.set_drive_velocity_target(speed)
         step = self._body.system.step
@@ -244,14 +244,14 @@ class Arm(ArmAlone):
 
 
 class ServoArm(ArmAlone):
-    """See `harness_plugins.servo_arms.ServoArm`."""
+    """See `harness_plugins.arms.servo.ServoArm`."""
 
     def __init__(self, model: Model, probe: Probe, servo: Servo) -> None:
         super().__init__(model, probe)
         self._servo = servo
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
-        """See `harness_plugins.servo_arms.ServoArm`."""
+        """See `harness_plugins.arms.servo.ServoArm`."""
         servo, order, arm, step = self._servo, self._body.order, self._body.arm, self._body.system.step
         torque = np.empty(len(order), np.float32)
         for position, speed in zip(qpos_ref, qvel_ref, strict=True):

@@ -16,9 +16,9 @@ from harness.authoring.substeps import Substeps
 from harness.robot import Robot
 from harness.simulator import State
 
+from ..arms.servo import follow_alone
 from ..bullet_arms import Arm, FreeArm, Scene, ServoArm, connect, exact_timestep, set_steps, turn_alone
 from ..peer_envs import panda_reach
-from ..servo_arms import follow_alone
 
 Count = Annotated[int, Field(gt=0)]
 
@@ -37,8 +37,8 @@ class PyBullet:
     later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
     sources: ClassVar[tuple[str, ...]] = (
         "harness_plugins.bullet_arms",
-        "harness_plugins.dry_friction",
-        "harness_plugins.servo_arms",
+        "harness_plugins.arms.dry_friction",
+        "harness_plugins.arms.servo",
     )
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
     iterations: Annotated[Count, Field(description="of the constraint solver per physics step")] = 50

@@ -5,7 +5,7 @@ import pytest
 
 import harness
 from harness.authoring.substeps import Substeps
-from harness_plugins.servo_arms import ServoArms, follow_alone
+from harness_plugins.arms.servo import ServoArms, follow_alone
 
 ROBOT = harness.load_robot("fd100")
 HOME = np.tile(ROBOT.home, (2, 1))

@@ -11,7 +11,7 @@ from harness.authoring.substeps import Substeps
 from harness.robot import Robot
 from harness.simulator import State
 
-from .arms_apart import ArmAlone, Arms
+from .apart import ArmAlone, Arms
 
 
 class ServoArm(ArmAlone, Protocol):

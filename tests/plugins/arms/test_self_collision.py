@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness_plugins.self_collision import pair, pairs_apart, partners, shapes_of_base
+from harness_plugins.arms.self_collision import pair, pairs_apart, partners, shapes_of_base
 
 ROBOT = harness.load_robot("fd100")
 

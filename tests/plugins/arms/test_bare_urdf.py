@@ -4,7 +4,7 @@ from dataclasses import replace
 from xml.etree import ElementTree
 
 import harness
-from harness_plugins.bare_urdf import bare_urdf
+from harness_plugins.arms.bare_urdf import bare_urdf
 
 ROBOT = harness.load_robot("fd100")
 ENDLESS = """<robot name="endless"><link name="base"><inertial><mass value="3"/></inertial></link><link name="l"/>

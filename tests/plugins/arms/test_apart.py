@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness_plugins.arms_apart import ArmsApart, bare_loop
+from harness_plugins.arms.apart import ArmsApart, bare_loop
 
 ROBOT = harness.load_robot("fd100")
 HOME = np.tile(ROBOT.home, (3, 1))

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness_plugins.dry_friction import DryFriction
+from harness_plugins.arms.dry_friction import DryFriction
 
 
 @given(seed=st.integers(0, 2**32 - 1), dof=st.integers(1, 8))
