@@ -90,9 +90,14 @@ def distribution_of(module: str) -> str:
 def _version(distribution: str) -> str:
     """Of an installed distribution; empty if it is not installed."""
     try:
-        return importlib.metadata.version(distribution)
+        return _installed_version(distribution)
     except importlib.metadata.PackageNotFoundError:
         return ""
+
+
+@lru_cache(maxsize=256)  # what a process runs, it loaded before; to ask reads all of the distribution's metadata
+def _installed_version(distribution: str) -> str:
+    return importlib.metadata.version(distribution)
 
 
 def specs_of(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Spec]:
