@@ -66,7 +66,7 @@ def _first_cells(results: Results) -> list[Cell]:
 
 def _episode(sides: Sequence["_Side"], number: int) -> Iterator[Frame]:
     last = max(len(side.episodes[number]) for side in sides)
-    clock = np.rint(clock_of(last)).astype(int)
+    clock = np.unique(np.rint(clock_of(last)).astype(int))
     played = [side.play(number, clock) for side in sides]
     for step in clock:
         views = [
