@@ -10,9 +10,18 @@ from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from harness.algorithm import Goals
 from harness.arrays import Float, Float32
-from harness.environment import SUCCESS
-from harness.experiment.environments.spaces import flat_actions, flat_observation, flat_observations
+from harness.environment import SUCCESS, GoalReward
+from harness.errors import UsageError
+from harness.experiment.environments.spaces import (
+    ACHIEVED,
+    DESIRED,
+    flat_actions,
+    flat_observation,
+    flat_observations,
+    goal_columns,
+)
 from harness.progress import LAST_EPISODES
 from harness.record.recording.facts import BEHAVIOUR
 from harness.recorder.record_rewards import RecordRewards
@@ -28,12 +37,17 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         environment_steps: Taken so far, counted over all envs.
         returns: What the last `LAST_EPISODES` episodes were paid, in the order in which they ended.
         successes: Whether they ended in success; empty where nothing measures that.
+        goals: For an algorithm that learns in hindsight; None where the reward is no function of goals.
     """
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 # Gymnasium's own
 
-    def __init__(self, envs: Sequence[RecordRewards[Any, Any]]) -> None:
+    def __init__(self, envs: Sequence[RecordRewards[Any, Any]], pay: GoalReward | None = None) -> None:
         """Take envs of one kind.
+
+        Args:
+            envs: They pay the reward that is trained with.
+            pay: The same reward as a function of goals, if it is one.
 
         Raises:
             UsageError: An algorithm cannot train on such envs.
@@ -46,6 +60,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         self._shape = self.num_envs, *flat.shape
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._is_discrete, self._action_type = isinstance(actions, Discrete), actions.dtype
+        self.goals = Goals(*goal_columns(self._space), pay) if pay else None
         self.environment_steps = 0
         self._paid = np.zeros(self.num_envs)
         self.returns: deque[float] = deque(maxlen=LAST_EPISODES)
@@ -74,6 +89,8 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         for k, (env, action) in enumerate(zip(self._envs, actions, strict=True)):
             told, reward, terminated[k], truncated[k], _ = env.step(self._given(action))
             observations[k], paid[k] = flat_observation(self._space, told), float(reward)
+            if self.goals:
+                _require_paid_by_goals(self.goals, told, paid[k])
             self._paid[k] += paid[k]
             if terminated[k] or truncated[k]:
                 success[k] = self._end(k, env)
@@ -103,6 +120,16 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         if not math.isnan(told):
             self.successes.append(told > 0)
         return told > 0
+
+
+def _require_paid_by_goals(goals: Goals, told: Any, paid: float) -> None:
+    """Raise UsageError where a step was paid otherwise than by the goals observed after it."""
+    pays = float(np.asarray(goals.pay(told[ACHIEVED][np.newaxis], told[DESIRED][np.newaxis]))[0])
+    if abs(pays - paid) > 1e-6 + 1e-5 * abs(paid):
+        raise UsageError(
+            f"a step was paid {paid:.9g}, and the reward as a function of goals pays {pays:.9g} for it: it is no "
+            "function of goals alone, so that steps cannot be paid again for other goals"
+        )
 
 
 def _seeds(seed: int | Sequence[int | None] | None, count: int) -> list[int | None]:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.algorithm import Algorithm
-from harness.environment import AnyEnv, Environment, lower_is_better, measured_behaviour, rewards_of
+from harness.algorithm import Algorithm, needs_goals
+from harness.environment import AnyEnv, Environment, goal_rewards, lower_is_better, measured_behaviour, rewards_of
 from harness.executor import NO_SCALARS, CellOptions, Word
 from harness.experiment.attempt import restart
 from harness.experiment.draft import Draft
@@ -66,7 +66,7 @@ class EnvironmentTraining:
         cell, clock = self.cell, time.perf_counter()
         env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
         path = draft.partial / TRAINING_RECORDING
-        with closing(self._open(environment, algorithm.num_envs, path)) as batch:
+        with closing(self._open(environment, algorithm, path)) as batch:
             batch.reset(seed=env_seed)
             progress = TrainingProgress(self.report, batch, self.options.tracked)
             policy = algorithm.train(batch, cell.steps, algorithm_seed, progress)  # type: ignore[arg-type] # see there
@@ -74,9 +74,13 @@ class EnvironmentTraining:
         draft.note(training_seconds=round(time.perf_counter() - clock, 3))
         return policy
 
-    def _open(self, environment: Environment, count: int, path: Path) -> EnvironmentBatch:
+    def _open(self, environment: Environment, algorithm: Algorithm, path: Path) -> EnvironmentBatch:
         """Envs that record, each under its number, and pay the cell's reward."""
-        return EnvironmentBatch([self._recorded(environment, path, number) for number in range(count)])
+        envs = [self._recorded(environment, path, number) for number in range(algorithm.num_envs)]
+        if not needs_goals(algorithm):
+            return EnvironmentBatch(envs)
+        with blamed_on(self.registry.get("environments", self.cell.task.name), "its rewards were named"):
+            return EnvironmentBatch(envs, goal_rewards(environment, envs[0].env)[self.cell.reward.name])
 
     def _recorded(self, environment: Environment, path: Path, number: int) -> RecordRewards[Any, Any]:
         env = self._made(environment)
