@@ -57,8 +57,8 @@ class _Keeping(Told):
         """See `harness.progress.Progress`."""
         if steps < self._last + self._every:
             return
-        stored = store(self._folder, make(), self._rings)
-        Checkpoint(steps, ORIGIN, env=self._env.state(), **stored).write(self._folder)
+        stored = store(self._folder, make(), self._env.state(), self._rings)
+        Checkpoint(steps, ORIGIN, **stored).write(self._folder)
         self._last, self._rings = steps, stored["rings"]
         copied = self._folder.with_name(f"{self._folder.name}-{steps}")
         shutil.copytree(self._folder, copied)
