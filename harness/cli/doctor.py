@@ -23,7 +23,7 @@ BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 
 
 def doctor(context: typer.Context) -> int:
-    """Check versions, plugins, missing libraries, CPU and headless rendering; status 1 where a plugin is broken."""
+    """Show versions, plugins, missing libraries, and whether pictures can be drawn. Ends with status 1 if a plugin is broken."""
     from harness.experiment.provenance import describe_machine, source_commit, versions_behind
 
     machine, registry = describe_machine(), load_registry()

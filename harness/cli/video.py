@@ -16,7 +16,7 @@ def video(
     cells: Annotated[
         list[str] | None,
         typer.Option(
-            help=f"Cells beside one another, {MOST_CELLS} at most: their ids, or how these begin. "
+            help=f"Cells to show side by side, at most {MOST_CELLS}: their ids, or the first letters of these. "
             "(default: the first comparison)",
             metavar="ID,...",
         ),
@@ -24,7 +24,7 @@ def video(
     episodes: Annotated[int, typer.Option(help="How many episodes.", metavar="N", min=1, max=100)] = 3,
     out: Annotated[Path, typer.Option(help="The film: .gif or .mp4.", metavar="FILE")] = Path("replay.gif"),
 ) -> None:
-    """Make a film of recorded episodes: the arm, its target, what it is paid. Takes no simulator and no screen."""
+    """Make a film of recorded episodes: the arm, its target, what it is paid. Needs no simulator and no screen."""
     from harness.registry.choice import split_list
     from harness.results import load_results
     from harness.results.replay import first_show, show_cells

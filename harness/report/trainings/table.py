@@ -41,10 +41,10 @@ HEADINGS = ("", "the agent", "return")
 RATIO, DIFFERENCE = ("eta", "ruler", "behaviour"), ("difference", "ruler", "behaviour")
 OVERVIEW = (
     "return: baseline > proposed, each training paid by its own reward. {whole}; the ruler is what comes from counting "
-    "the same episodes otherwise."
+    "the same episodes differently."
 )
 RATIO_IS = "eta = ruler x behaviour is the ratio of both"
-DIFFERENCE_IS = "difference = ruler + behaviour, for a ratio takes returns above 0"
+DIFFERENCE_IS = "difference = ruler + behaviour, because a ratio needs returns above 0"
 
 
 def study_overview(study: Study, details: str) -> RenderableType:
