@@ -144,7 +144,7 @@ def _audit_reward(
     rewards = [choose(registry, "rewards", name) for name in (reward, against)]
     chosen, where = choose(registry, "tasks", task), sim and choose(registry, "simulators", sim)
     engine = where.build(registry, "simulators") if where else IdealSimulator()
-    label = where.label if where else "no engine: joints move exactly as told"
+    label = where.label if where else "no simulator: joints move exactly as told"
     world = chosen.build(registry, "tasks")
     robot = robot or world.robot
     rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)

@@ -24,8 +24,8 @@ MOST_BYTES = 64 * 2**20
 HEADINGS = ("", "the robot", "success", "seeds", "eta_N", "eta_P", "ruler")
 PLACES = ("simulator", "algorithm", "robot", "task")
 READING = (
-    "success: baseline > proposed. eta: what the proposed reward's number is, divided by the baseline's. eta_N below 1 "
-    "and eta_P above 1 count as better. ruler: the part of eta_P that comes from counting the same runs differently. "
+    "success: baseline > proposed. eta: the proposed reward's number divided by the baseline's. eta_N below 1 and "
+    "eta_P above 1 count as better. ruler: the part of eta_P that comes from counting the same runs differently. "
     "In brackets, if the window is wide enough: the 95% interval. *: see the remarks below."
 )
 Number = Annotated[float, Field(allow_inf_nan=False)]

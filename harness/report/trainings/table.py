@@ -66,7 +66,7 @@ def study_overview(study: Study, details: str) -> RenderableType:
         parts += [part for line in _sentences(comparisons[0]) for part in (Text(), Text(line))]
     else:
         parts += [Text(), *(Text(line) for line in dict.fromkeys(it.basis for it in comparisons if it.basis))]
-    return Group(*parts, Text(), Text(f"Everything that this rests on: {details}"))
+    return Group(*parts, Text(), Text(f"All numbers behind this: {details}"))
 
 
 def study_table(study: Study) -> RenderableType:
