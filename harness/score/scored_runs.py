@@ -74,7 +74,9 @@ class Payer:
     @cached_property
     def _reward(self) -> Reward:
         if ("rewards", self.choice.name) not in self._registry.specs:
-            raise HarnessError(f"No reward '{self.choice.name}' is installed. If it stands in a file, add --plugin FILE")
+            raise HarnessError(
+                f"No reward '{self.choice.name}' is installed. If it stands in a file, add --plugin FILE"
+            )
         reward: Reward = self.choice.build(self._registry, "rewards")
         return reward
 

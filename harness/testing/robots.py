@@ -88,7 +88,9 @@ def the_jacobian_is_that_of_the_kinematics(robot: Robot) -> None:
         step = STEP * (np.arange(robot.dof) == joint)
         measured = (robot.end_effector(poses + step) - robot.end_effector(poses - step)) / (2.0 * STEP)
         error = float(np.abs(jacobian[..., joint] - measured).max())
-        require(error <= MOST_JACOBIAN_ERROR, f"joint '{name}' moves the end effector differently, by {error:.2g} m/rad")
+        require(
+            error <= MOST_JACOBIAN_ERROR, f"joint '{name}' moves the end effector differently, by {error:.2g} m/rad"
+        )
     far = float(np.linalg.norm(robot.end_effector(poses), axis=-1).max())
     require(far <= robot.extent * (1.0 + 1e-9), f"the end effector is {far:.3f} m away, extent is {robot.extent:.3f} m")
 

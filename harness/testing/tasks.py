@@ -60,7 +60,7 @@ def numbers_are_in_their_ranges(task: Task, robot: Robot) -> None:
 
 @check("task-words")
 def words_are_lines(task: Task, robot: Robot) -> None:
-    """What ``harness describe`` says of starts, targets and their reward is one line each."""
+    """``harness describe`` says in one line each what starts, targets and their reward are."""
     words = (task.start_in_words(robot), task.target_in_words(robot), task.target_reward_in_words(), task.action)
     for text in words:
         require(isinstance(text, str) and text and "\n" not in text, f"{text!r} is not one line of text")
