@@ -67,9 +67,7 @@ class Payer:
             Unscored: It has changed.
         """
         if not pays_recorded:
-            raise Unscored(
-                f"reward {self.choice.label} now pays its own recorded steps differently than it did: it has changed"
-            )
+            raise Unscored(f"reward {self.choice.label} now pays its recorded steps differently: it has changed")
 
     @cached_property
     def _reward(self) -> Reward:

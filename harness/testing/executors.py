@@ -51,7 +51,7 @@ def no_jobs_are_no_events(executor: Executor, folder: Path) -> None:
 
 @check("executor-events")
 def every_job_begins_and_ends_once(executor: Executor, folder: Path) -> None:
-    """Each job has the events ``started``, any number of ``progress`` within the cell's steps, then ``ended``, and no more."""
+    """Each job has the events ``started``, any ``progress`` within the cell's steps, then ``ended``, and no more."""
     cells = [odd_cell(seed) for seed in range(3)]
     told = _run(executor, cells, folder, at_once=2)
     require({event.cell for event in told} == set(cells), "told of other cells than those of the jobs, or not of all")

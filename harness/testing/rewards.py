@@ -124,7 +124,7 @@ def any_array_library_will_do(reward: Reward) -> None:
 
 @check("reward-no-event")
 def no_event_is_paid(reward: Reward) -> None:
-    """The value never jumps while the arm comes nearer: the task pays for reaching the target, and that is recorded apart."""
+    """The value never jumps while the arm comes nearer: the task pays for reaching the target, apart from it."""
     distances = np.linspace(0.01, 0.4, 391)
     values = _values_at(reward, distances)
     for index in np.flatnonzero(np.abs(np.diff(values)) > BONUS):

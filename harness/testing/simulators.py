@@ -220,7 +220,7 @@ def same_calls_give_same_states(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-reset-forgets")
 def reset_forgets_what_was_before(simulator: Simulator, robot: Robot) -> None:
-    """What an arm does after a reset does not depend on what came before it, not by a bit, not even on ground contact."""
+    """What an arm does after a reset does not depend, not by a bit, on what was before, not even on ground contact."""
     with opened(simulator, robot) as simulation:
         fresh = drive_out_and_back(simulation, robot)
         dive_into_the_ground(simulation, robot)
