@@ -65,7 +65,7 @@ class ArmObservation:
                 "qpos", "qvel", "qvel_change", "target", "end_effector", "offset", "distance"
             )
         seen = episodes.matrix.take(self._columns, axis=1)
-        if not self._rows or len(self._rows[0]) != len(seen):  # a row for each env: numpy is slow to repeat one short row
+        if not self._rows or len(self._rows[0]) != len(seen):  # a row for each env: numpy repeats short rows slowly
             self._rows = [np.tile(row, (len(seen), 1)) for row in (self._middle, self._scale, self._low, self._high)]
         middle, scale, low, high = self._rows
         seen -= middle

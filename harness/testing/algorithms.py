@@ -151,7 +151,7 @@ def every_env_counts(algorithm: Algorithm) -> None:
 
 @check("algo-hindsight")
 def it_learns_in_hindsight(algorithm: Algorithm) -> None:
-    """One that says that it needs goals pays steps again for other goals: what that pays makes a difference."""
+    """An algorithm with `needs_goals` pays steps again for other goals, and that pay makes a difference."""
     if needs_goals(algorithm):
         fined, paid = (train(algorithm, FEW, hindsight_bonus=bonus).policy for bonus in (-100.0, 100.0))
         same = _same_weights(fined, paid)

@@ -99,7 +99,7 @@ def rewards_change_nothing(environment: Environment) -> None:
 
 @check("environment-goals")
 def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
-    """What `goal_rewards` names are rewards; of the goals observed after some steps each pays what the steps were paid.
+    """Each name in `goal_rewards` is a reward, and its function pays the observed goals what the steps were paid.
 
     They are given all steps at once, when the env stands elsewhere. Of an environment without any nothing is asked.
     """

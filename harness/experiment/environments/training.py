@@ -152,7 +152,7 @@ class EnvironmentTraining:
 
     @property
     def _learners(self) -> tuple[str, ...]:
-        """The libraries that the algorithm needs: recordings tell their versions, whatever else the process imported."""
+        """The libraries that the algorithm needs, whose versions a recording tells; other imports do not matter."""
         return self.registry.get("algorithms", self.cell.algorithm.name).requires
 
 
