@@ -178,7 +178,7 @@ def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given
     assert told[SUCCESS] == pytest.approx(training.behaviour["success"][ended].mean())
 
 
-def test_a_killed_cell_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_a_killed_cell_without_a_checkpoint_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
     """What it left is thrown away, the manifest says so, and the result is as if nothing had happened."""
     cell = _plan(registry).cells[0]
     _done(cell, tmp_path / "whole", given)
