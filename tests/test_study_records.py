@@ -21,6 +21,8 @@ SIDES = ("baseline", "proposed")
 WITHOUT_RECORD = {"0", "1", "2", "95"}
 """Numbers that need none: counts of two, and of which size intervals are."""
 NUMBER = re.compile(r"(?<![\w.,/-])[-+]?(\d[\d,]*(?:\.\d+)?(?:e[-+]\d+)?)( ?%| pp| points)?(?![\w])")
+SHARES = re.compile(r"\[([-+\d.]+), ([-+\d.]+)\] pp")
+"""An interval of percentage points."""
 OUTSIDE = re.compile(r"\]\(<?https?:")
 
 
@@ -88,7 +90,7 @@ def strange_numbers(page: str, records: list[dict[str, Any]], more: list[float])
     prose = re.sub(r"```.*?```|`[^`\n]*`|(?<=\])\([^)]*\)", "", _without_sources(page), flags=re.DOTALL)
     return [
         found[0]
-        for found in NUMBER.finditer(prose)
+        for found in NUMBER.finditer(SHARES.sub(r"\1 pp, \2 pp", prose))
         if found[1].replace(",", "") not in WITHOUT_RECORD | (known["share"] if found[2] else set()) | known["number"]
     ]
 
@@ -357,6 +359,8 @@ def test_a_page_that_says_something_else_is_found(small: dict[str, Any], there: 
         ("It earned 14.5.", []),
         ("It earned 14.7.", ["14.7"]),
         ("It earned 77 %.", ["77 %"]),
+        ("It earned [145, 145] pp more.", []),
+        ("It earned [146, 145] pp more.", ["146 pp"]),
         ("It earned 77, [they say](https://example.org).", []),
         ("Of v4 and `77`, [here](pictures/77.gif).", []),
         ("It earned 1,450 more.", ["1,450"]),
