@@ -88,11 +88,11 @@ def test_the_double_pendulum_pays_as_both_versions_do():
 
 
 def test_meta_world_pays_each_version_and_ends_when_told():
-    """v1-scaled is v1 divided by 200; an episode has the steps that are asked for; success once stays."""
+    """v1-scaled is v1 divided by 200; an episode has the steps that are asked for; a success stays one."""
     built = _built("meta-world:task=reach-v3,episode_steps=3")
     env = built.make()
     rewards: Any = built.rewards(env)
-    once: Any = built.behaviour(env)["success_once"]
+    found: Any = built.behaviour(env)["success"]
     told, _ = env.reset(seed=3)
     ended, steps = False, 0
     while not ended:
@@ -102,7 +102,7 @@ def test_meta_world_pays_each_version_and_ends_when_told():
         assert paid["v1-scaled"] == pytest.approx(paid["v1"] / 200)
         told, steps = after, steps + 1
     assert steps == 3
-    assert [once(told, None, told, {"success": value}) for value in (0.0, 1.0, 0.0)] == [False, True, True]
-    once.reset()
-    assert not once(told, None, told, {"success": 0.0})
+    assert [found(told, None, told, {"success": value}) for value in (0.0, 1.0, 0.0)] == [False, True, True]
+    found.reset()
+    assert not found(told, None, told, {"success": 0.0})
     env.close()
