@@ -23,8 +23,8 @@ class MetaWorld:
     Start and goal are drawn anew in every episode, and the goal is observed. Two rewards are Meta-World's own, computed
     by the same env: `v1`, and `v2`, with which its newer results were obtained. `v1-scaled` is v1 divided by 200: it
     shows what the size of v1's numbers alone does to a learner. Success and distance are those that Meta-World tells
-    while it pays v2, whatever the learner is paid. `success` is that of any step of the episode, which is how Meta-World's
-    own results count it; `success_at_end` is that of the last step alone.
+    while it pays v2, whatever the learner is paid. `success` is that of any step of the episode, as Meta-World's own
+    results count it; `success_at_end` is that of the last step alone.
     """
 
     task: Annotated[str, Field(description="a task of Meta-World, as reach-v3 or push-v3")] = "reach-v3"
