@@ -15,6 +15,8 @@ import scipy.stats
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
 FOLDERS = sorted(path.parent for path in REFERENCE.glob("*/results.json"))
+STUDIES = sorted(path.parent for path in REFERENCE.glob("*/*/results.json"))
+"""Those in environments, which stand one folder deeper; `tests/test_study_records.py` is about them."""
 INDICES = {"eta_N": "I_N", "eta_P": "I_P"}
 CLAIM = re.compile(r"\b(better|worse|helps|hurts)\b", re.IGNORECASE)
 NO_CLAIM = re.compile(r"(called|made|counts as) (better|worse)|better or worse|helps or hurts|say(s)? better|\?$")
