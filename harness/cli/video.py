@@ -17,7 +17,7 @@ def video(
     cells: Annotated[
         list[str] | None,
         typer.Option(
-            help=f"Cells beside one another, {MOST_CELLS} at most: their ids, or how these begin. "
+            help=f"Cells to show side by side, at most {MOST_CELLS}: their ids, or the first letters of these. "
             "(default: the first comparison)",
             metavar="ID,...",
         ),
@@ -26,9 +26,9 @@ def video(
     out: Annotated[Path, typer.Option(help="The film: .gif or .mp4.", metavar="FILE")] = Path("replay.gif"),
     plugin: PluginFiles = None,
 ) -> None:
-    """Make a film of recorded episodes: the arm, its target, what it is paid. Takes no simulator and no screen.
+    """Make a film of recorded episodes: the arm, its target, what it is paid. Needs no simulator and no screen.
 
-    In an environment the policies play their evaluations again, which takes the environment, and lets it draw.
+    In an environment the policies play their evaluations again. That needs the environment, which draws itself.
     """
     from harness.registry.choice import split_list
     from harness.results import load_results

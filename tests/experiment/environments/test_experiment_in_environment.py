@@ -178,7 +178,7 @@ def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given
     assert told[SUCCESS] == pytest.approx(training.behaviour["success"][ended].mean())
 
 
-def test_a_killed_cell_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_a_killed_cell_without_a_checkpoint_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
     """What it left is thrown away, the manifest says so, and the result is as if nothing had happened."""
     cell = _plan(registry).cells[0]
     _done(cell, tmp_path / "whole", given)
@@ -300,6 +300,7 @@ def test_records_show_what_they_say(folder: Path, tmp_path: Path, report: Callab
     stem = "toy-random-right-against-near"
     assert sorted(figures) == [f"{stem}.{what}.svg" for what in ("learning", "runs", "split")]
     shown = (tmp_path / "records" / "summary.md").read_text()
+    assert "| gymnasium |" in shown.partition("## What it took")[2]
     assert all(f"(figures/{name})" in shown for name in figures)
     assert all(word in figures[f"{stem}.learning.svg"] for word in (">right<", ">near<", ">Return, as paid<"))
     assert all(word in figures[f"{stem}.split.svg"] for word in (">ruler<", ">behaviour<"))
