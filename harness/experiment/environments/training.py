@@ -152,7 +152,7 @@ class EnvironmentTraining:
 
     @property
     def _learners(self) -> tuple[str, ...]:
-        """The libraries that the algorithm needs: recordings tell their versions, whatever else the process imported."""
+        """Libraries of the algorithm: recordings tell their versions, whatever else the process has imported."""
         return self.registry.get("algorithms", self.cell.algorithm.name).requires
 
 
