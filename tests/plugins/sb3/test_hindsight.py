@@ -117,7 +117,8 @@ def test_it_learns_what_the_library_learns_by_itself(tmp_path: Path):
     batch.close()
     library = SAC(
         "MultiInputPolicy", _SeededOnce(_Line()), seed=3, device="cpu", ent_coef=0.1, buffer_size=200,
-        replay_buffer_class=HerReplayBuffer, policy_kwargs={"net_arch": [8], "activation_fn": torch.nn.ReLU}, **settings,
+        replay_buffer_class=HerReplayBuffer, policy_kwargs={"net_arch": [8], "activation_fn": torch.nn.ReLU},
+        **settings,
     ).learn(200)  # fmt: skip
     expected = squashed_gaussian(library, "relu", "library").weights
     assert policy.weights.keys() == expected.keys()
