@@ -37,7 +37,7 @@ def check_environment(environment: Environment) -> None:
 
 @check("environment-api")
 def the_env_is_one_of_gymnasium(environment: Environment) -> None:
-    """What `make` gives passes `gymnasium.utils.env_checker.check_env`, rendering left out."""
+    """The env that `make` returns passes `gymnasium.utils.env_checker.check_env`, without rendering."""
     with closing(environment.make()) as env, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # advice on how spaces are best
         check_env(env, skip_render_check=True)
@@ -65,7 +65,7 @@ def names_are_known(environment: Environment) -> None:
 
 @check("environment-finite")
 def numbers_are_finite(environment: Environment) -> None:
-    """Every reward gives a finite number for every step; so does every measure, which may be untold before the end."""
+    """Every reward gives a finite number for every step. So does every measure, at least at the end of an episode."""
     with closing(environment.make()) as env:
         rewards, measures = environment.rewards(env), environment.behaviour(env)
         for step in _steps(env, 0, STEPS):
@@ -83,23 +83,23 @@ def a_seed_decides_everything(environment: Environment) -> None:
     """The same seed and the same actions give the same observations, rewards and measures, in one env and in two."""
     with closing(environment.make()) as env, closing(environment.make()) as other:
         first, again, elsewhere = (_rollout(environment, it) for it in (env, env, other))
-    require(np.array_equal(first, again, equal_nan=True), "an env that is reset with the same seed behaves otherwise")
-    require(np.array_equal(first, elsewhere, equal_nan=True), "another env with the same seed behaves otherwise")
+    require(np.array_equal(first, again, equal_nan=True), "an env that is reset with the same seed behaves differently")
+    require(np.array_equal(first, elsewhere, equal_nan=True), "another env with the same seed behaves differently")
 
 
 @check("environment-looks-on")
 def rewards_change_nothing(environment: Environment) -> None:
-    """Episodes are the same whether rewards and measures are asked or not: they look on alone."""
+    """Rewards and measures only look on: episodes are the same whether they are asked or not."""
     with closing(environment.make()) as env, closing(environment.make()) as other:
         asked = _rollout(environment, env)
         alone = [step.numbers for step in _steps(other, 0, STEPS)]
     same = all(np.array_equal(row[: len(bare)], bare) for row, bare in zip(asked, alone, strict=True))
-    require(same, "an episode goes on otherwise when its rewards and measures are asked")
+    require(same, "an episode goes on differently when its rewards and measures are asked")
 
 
 @check("environment-goals")
 def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
-    """What `goal_rewards` names are rewards; of the goals observed after some steps each pays what the steps were paid.
+    """Each name in `goal_rewards` is a reward, and its function pays the observed goals what the steps were paid.
 
     They are given all steps at once, when the env stands elsewhere. Of an environment without any nothing is asked.
     """

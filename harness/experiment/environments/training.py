@@ -17,8 +17,8 @@ from harness.environment import AnyEnv, Environment, goal_rewards, lower_is_bett
 from harness.executor import NO_SCALARS, CellOptions, Word
 from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.draft import Draft
+from harness.experiment.environments.acting import Acting
 from harness.experiment.environments.batch import EnvironmentBatch
-from harness.experiment.environments.spaces import flat_observation
 from harness.experiment.left_checkpoints import LeftCheckpoints
 from harness.experiment.order import Report
 from harness.experiment.provenance import describe_environment
@@ -28,7 +28,7 @@ from harness.progress import RETURN, SPEED, SUCCESS, Progress, TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, POLICY, TRAINING_RECORDING
 from harness.record.manifest import Manifest
-from harness.recorder.evaluate_policy import FIRST_SEED, evaluate_policy
+from harness.recorder.evaluate_policy import evaluate_policy
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
@@ -124,7 +124,7 @@ class EnvironmentTraining:
 
     def _evaluate(self, environment: Environment, policy: Policy, path: Path) -> None:
         with closing(self._made(environment)) as env:
-            act = _Act(env, policy, self.cell, self.report)
+            act = _Act(Acting(env, policy, self.cell.deterministic), self.cell, self.report)
             evaluate_policy(
                 act,
                 env,
@@ -152,7 +152,7 @@ class EnvironmentTraining:
 
     @property
     def _learners(self) -> tuple[str, ...]:
-        """Libraries of the algorithm: recordings tell their versions, whatever else the process has imported."""
+        """The libraries that the algorithm needs, whose versions a recording tells; other imports do not matter."""
         return self.registry.get("algorithms", self.cell.algorithm.name).requires
 
 
@@ -216,18 +216,14 @@ class _Told:
 
 
 class _Act:
-    """A policy that acts on observations as the env has them, and says now and then that it gets on."""
+    """Acts, and says now and then that the evaluation gets on."""
 
-    def __init__(self, env: AnyEnv, policy: Policy, cell: Cell, report: Report) -> None:
-        self._space, self._policy, self._cell, self._report = env.observation_space, policy, cell, report
-        self._type = env.action_space.dtype
-        # What it draws depends on nothing that was drawn before.
-        self._rng = None if cell.deterministic else np.random.default_rng(FIRST_SEED)
+    def __init__(self, act: Acting, cell: Cell, report: Report) -> None:
+        self._act, self._cell, self._report = act, cell, report
         self._told = time.monotonic()
 
     def __call__(self, observation: Any) -> Any:
         if time.monotonic() >= self._told + TELL_EVERY:
             self._told = time.monotonic()
             self._report(Word(self._cell.steps))
-        action = self._policy.act(flat_observation(self._space, observation)[np.newaxis], self._rng)[0]
-        return int(action) if np.ndim(action) == 0 else np.asarray(action, self._type)
+        return self._act(observation)
