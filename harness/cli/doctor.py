@@ -24,14 +24,14 @@ BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 
 def doctor(context: typer.Context) -> int:
     """Show versions, plugins, missing libraries and ways to draw. Ends with status 1 if a plugin is broken."""
-    from harness.experiment.provenance import describe_machine, source_commit, versions_behind
+    from harness.experiment.provenance import CHECKOUT, describe_machine, source_commit, versions_behind
 
     machine, registry = describe_machine(), load_registry()
     specs = list(registry.all_specs())
     typer.echo(f"python {sys.version.split()[0]} on {machine['system']}")
     typer.echo(f"cpu {machine['cpu']}, {machine['cores']} cores")
     typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in versions_behind(specs).items()))
-    commit = source_commit()
+    commit = source_commit(CHECKOUT)
     if commit:
         typer.echo(f"commit {commit}")
     at_fault = [plugin for plugin in examined(registry) if plugin.is_at_fault]

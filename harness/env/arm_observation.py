@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float32
+from harness.arrays import Float, Float32
 from harness.conditions.obstacles import NUMBERS, seen_from
 from harness.env.episodes import Episodes
 from harness.robot import Robot
@@ -44,6 +44,7 @@ class ArmObservation:
         self._low = -self._high
         self._low[3 * robot.dof + 9] = 0.0
         self._columns: NDArray[np.intp] | None = None
+        self._rows: list[Float] = []
         dof = robot.dof
         self.arm_columns = np.concatenate([np.arange(3 * dof), np.arange(3 * dof + 3, 3 * dof + 6)])
 
@@ -64,12 +65,15 @@ class ArmObservation:
                 "qpos", "qvel", "qvel_change", "target", "end_effector", "offset", "distance"
             )
         seen = episodes.matrix.take(self._columns, axis=1)
-        seen -= self._middle
-        seen *= self._scale
+        if not self._rows or len(self._rows[0]) != len(seen):  # a row for each env: numpy repeats short rows slowly
+            self._rows = [np.tile(row, (len(seen), 1)) for row in (self._middle, self._scale, self._low, self._high)]
+        middle, scale, low, high = self._rows
+        seen -= middle
+        seen *= scale
         if self.obstacles:
             there = episodes.extra("obstacles").reshape(len(seen), -1, NUMBERS)
             near = seen_from(episodes.end_effector, there, self.obstacles)
             seen = np.concatenate([seen, near.reshape(len(seen), -1)], axis=1)
-        np.maximum(seen, self._low, out=seen)
-        np.minimum(seen, self._high, out=seen)
+        np.maximum(seen, low, out=seen)
+        np.minimum(seen, high, out=seen)
         return seen.astype(np.float32)

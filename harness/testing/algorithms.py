@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.algorithm import Algorithm, learns
+from harness.algorithm import Algorithm, learns, needs_goals
 from harness.policy import Policy, load_policy
 from harness.testing.acting import require_in_the_middle
 from harness.testing.checkpoints import differences, train_with_checkpoints
@@ -149,6 +149,15 @@ def every_env_counts(algorithm: Algorithm) -> None:
         require(not _same_weights(fined, paid), f"whatever env {env} of {each.num_envs} pays, the weights are the same")
 
 
+@check("algo-hindsight")
+def it_learns_in_hindsight(algorithm: Algorithm) -> None:
+    """An algorithm with `needs_goals` pays steps again for other goals, and that pay makes a difference."""
+    if needs_goals(algorithm):
+        fined, paid = (train(algorithm, FEW, hindsight_bonus=bonus).policy for bonus in (-100.0, 100.0))
+        same = _same_weights(fined, paid)
+        require(not same, "needs_goals is True, and whatever steps are paid for other goals, the weights are the same")
+
+
 @check("algo-learns-nothing")
 def what_learns_nothing_says_so(algorithm: Algorithm) -> None:
     """`learns` is False only if neither the length of a training nor its seed makes a difference."""
@@ -236,6 +245,7 @@ ALGORITHM_CHECKS: tuple[Check, ...] = (
     learning_goes_on,
     the_return_rises,
     every_env_counts,
+    it_learns_in_hindsight,
     what_learns_nothing_says_so,
     the_policy_comes_back_from_its_folder,
     the_policy_has_the_envs_actions,

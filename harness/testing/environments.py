@@ -9,8 +9,15 @@ from typing import Any
 import numpy as np
 from gymnasium.utils.env_checker import check_env
 
-from harness.environment import AnyEnv, Environment, Measure, baseline_of, lower_is_better
-from harness.experiment.environments.spaces import flat_observation, flat_observations, kind_of_actions
+from harness.environment import AnyEnv, Environment, Measure, baseline_of, goal_rewards, lower_is_better
+from harness.experiment.environments.spaces import (
+    ACHIEVED,
+    DESIRED,
+    flat_observation,
+    flat_observations,
+    goal_columns,
+    kind_of_actions,
+)
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
@@ -90,6 +97,33 @@ def rewards_change_nothing(environment: Environment) -> None:
     require(same, "an episode goes on differently when its rewards and measures are asked")
 
 
+@check("environment-goals")
+def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
+    """Each name in `goal_rewards` is a reward, and its function pays the observed goals what the steps were paid.
+
+    They are given all steps at once, when the env stands elsewhere. Of an environment without any nothing is asked.
+    """
+    with closing(environment.make()) as env:
+        rewards, by_goals = environment.rewards(env), goal_rewards(environment, env)
+        if not by_goals:
+            return
+        goal_columns(env.observation_space)
+        unknown = sorted(by_goals.keys() - rewards.keys())
+        require(not unknown, f"goal_rewards names {unknown}, which are none of its rewards {sorted(rewards)}")
+        asked = {name: rewards[name] for name in by_goals}
+        paid, goals = list[dict[str, Any]](), list[list[Any]]()
+        for step in _steps(env, 0, STEPS):
+            paid.append(step.values(asked))
+            goals.append([np.array(step.after[key], float) for key in (ACHIEVED, DESIRED)])
+        achieved, desired = (np.array(each) for each in zip(*goals, strict=True))
+        for name, pay in by_goals.items():
+            found, right = np.asarray(pay(achieved, desired)), np.array([one[name] for one in paid], float)
+            require(found.shape == right.shape, f"'{name}' pays {STEPS} steps by goals with shape {found.shape}")
+            off = int(np.argmax(np.abs(found - right)))
+            same = np.allclose(found, right, rtol=1e-5, atol=1e-6)
+            require(same, f"'{name}' paid a step {right[off]:.6g}, and by its goals alone {found[off]:.6g}")
+
+
 @check("environment-ends")
 def episodes_end(environment: Environment) -> None:
     """An episode of random actions ends, terminated or truncated, within 20,000 steps: evaluations wait for it."""
@@ -102,9 +136,9 @@ class _Step:
 
     def __init__(self, space: Any, before: Any, action: Any, told: tuple[Any, ...]) -> None:
         self._before, self._action = before, action
-        self._after, self.paid, terminated, truncated, self._info = told
+        self.after, self.paid, terminated, truncated, self._info = told
         self.ended = bool(terminated or truncated)
-        self.numbers: Row = [*flat_observation(space, self._after).tolist(), float(self.paid)]
+        self.numbers: Row = [*flat_observation(space, self.after).tolist(), float(self.paid)]
 
     def values(self, measures: Mapping[str, Measure]) -> dict[str, float | None]:
         """By name; None of a key that info does not have."""
@@ -114,7 +148,7 @@ class _Step:
         if isinstance(measure, str):
             told = self.paid if measure == OWN else self._info.get(measure)
             return None if told is None else float(told)
-        return float(measure(self._before, self._action, self._after, self._info))
+        return float(measure(self._before, self._action, self.after, self._info))
 
 
 def _steps(env: AnyEnv, seed: int, count: int, on_start: Callable[[], None] = lambda: None) -> Iterator[_Step]:
@@ -158,5 +192,6 @@ ENVIRONMENT_CHECKS: tuple[Check, ...] = (
     numbers_are_finite,
     a_seed_decides_everything,
     rewards_change_nothing,
+    rewards_of_goals_pay_as_they_do,
     episodes_end,
 )

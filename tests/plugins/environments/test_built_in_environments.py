@@ -7,8 +7,9 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Box, Dict
 
-from harness.environment import Environment
+from harness.environment import Environment, goal_rewards
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
@@ -85,3 +86,30 @@ def test_the_double_pendulum_pays_as_both_versions_do():
     assert v4 - v5 == pytest.approx(10.0)
     env.close()
     older.close()
+
+
+class _Bits(gymnasium.Env[Any, Any]):
+    """Pays for every bit that is as it should be, each time of a whole batch or of one step."""
+
+    observation_space = Dict({name: Box(0.0, 1.0, (4,)) for name in ("achieved_goal", "desired_goal")})
+
+    def __init__(self, of_a_batch: bool = True) -> None:
+        self.axis = 1 if of_a_batch else None
+
+    def compute_reward(self, achieved: Any, desired: Any, info: Any) -> Any:
+        return -np.abs(achieved - desired).sum(axis=self.axis)
+
+
+@pytest.mark.parametrize(
+    ("env", "names"),
+    [
+        (_Bits(), {"own"}),
+        (_Bits(of_a_batch=False), set()),
+        (gymnasium.make("harness/ReachGoal-v0", simulator="kinematic"), set()),
+        (gymnasium.make("Pendulum-v1"), set()),
+    ],
+    ids=["goals", "one step's goals", "goals and info", "no goals"],
+)
+def test_what_an_env_pays_is_a_function_of_goals_where_it_says_so(env: Any, names: set[str]):
+    """By its `compute_reward`, which needs the goals of many steps and nothing else."""
+    assert goal_rewards(_built("gymnasium:id=Pendulum-v1"), env).keys() == names
