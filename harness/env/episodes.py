@@ -93,25 +93,24 @@ class Episodes:
     def start(self, mask: Mask, state: State, target: Float, numbers: Float | None = None) -> None:
         """Begin new episodes in the envs of `mask` with `target`, (num_envs, 3), and the `numbers` of a goal."""
         envs = np.flatnonzero(mask)  # of many envs few begin in a step: their numbers are quicker than the mask
+        self.matrix[envs, COLUMN["step"] :] = 0.0  # all but the numbers of env and episode
         self.qpos[envs], self.qvel[envs] = state.qpos[envs], state.qvel[envs]
         self.end_effector[envs] = state.end_effector[envs]
-        self.step[envs] = self.shaped[envs] = self.step_price[envs] = 0.0
-        self.qvel_change[envs] = self.events[envs] = self.flags[envs] = 0.0
-        self.action[envs] = 0.0
         self.set_target(mask, target, numbers)
 
     def set_target(self, mask: Mask, target: Float, numbers: Float | None = None) -> None:
         """Give the envs of `mask` a target; their distances restart."""
-        self.target[mask] = target[mask]
+        envs = np.flatnonzero(mask)
+        self.target[envs] = target[envs]
         if self.goal and numbers is not None:
-            self.numbers[mask], self._set_at[mask] = numbers[mask], target[mask]
-            self._since[mask] = self._within[mask] = 0.0
-        np.subtract(self.target, self.end_effector, out=self.offset)
-        distance = self._errors()
-        self.require_finite(distance)
+            self.numbers[envs], self._set_at[envs] = numbers[envs], target[envs]
+            self._since[envs] = self._within[envs] = 0.0
+        self.offset[envs] = self.target[envs] - self.end_effector[envs]
+        distance = self._errors()[envs]
         for column in (self.begin_distance, self.previous_best, self.distance, self._previous_distance):
-            column[mask] = distance[mask]
-        self.delta_distance[mask] = 0.0
+            column[envs] = distance
+        self.delta_distance[envs] = 0.0
+        self.require_finite(self.distance)
 
     def measure(self, state: State) -> Float:
         """Bring the matrix up to the state after a step; previous_best is still the value before it.
@@ -119,9 +118,9 @@ class Episodes:
         Returns:
             The distances, (num_envs,), a new array.
         """
-        self.step += 1.0
+        self.step[...] = self.step + _ONE  # of one env numpy is half as quick to add a number in place
         if self.goal:
-            self._since += 1.0
+            self._since[...] = self._since + _ONE
             if self.goal.moves:
                 self.target[...] = self._set_at + self.goal.displacement(self.numbers, self._since)
         self.end_effector[...] = state.end_effector
@@ -192,3 +191,7 @@ def _length(vectors: Float) -> Float:
     """Euclidean length along the last axis."""
     length: Float = np.sqrt(np.vecdot(vectors, vectors))
     return length
+
+
+_ONE = np.array(1.0)
+"""As an array: numpy turns a float into one at every call."""

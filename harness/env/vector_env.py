@@ -236,14 +236,16 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         # Asked for once: a task may be a dataclass with checks, and these are read in every step.
         task = self.task
         self._period, self._duration, self._jumps = task.decision_period, task.control_period, self._motion.jumps
-        self._horizon, self._epsilon, self._step_reward = task.horizon, task.epsilon, task.step_reward
+        self._horizon = task.horizon
+        # As arrays: numpy turns a float into one at every call.
+        self._epsilon, self._step_reward = np.array(task.epsilon, float), np.array(task.step_reward, float)
         self._goes_on = not task.ends_at_target
         conditions = conditions_of(task)
         self.episodes = Episodes(n, dof, self._motion.action_size, extra_columns(conditions), goal_of(task, self.robot))
         self._around: Surroundings | None = None
         if not conditions.are_plain:
             robot, motion = self.robot, self._motion
-            self._around = Surroundings(conditions, robot, self.episodes, motion, self._epsilon, self._duration)
+            self._around = Surroundings(conditions, robot, self.episodes, motion, task.epsilon, self._duration)
         self._command = np.zeros((n, dof))
         self._command_speed = np.zeros((n, dof))
         self._inside = np.zeros(n, bool)  # where the end effector was in the target one step earlier
@@ -295,7 +297,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         distance = episodes.measure(state)
         self._carry, shaped = self.reward(self._carry, episodes.sample)
         episodes.shaped[...] = shaped
-        paid = shaped + self._step_reward
+        paid = episodes.shaped + self._step_reward
         far = episodes.count_within(distance > self._epsilon)  # False also where the distance is no number
         reached = ~far
         if self._goes_on:
@@ -310,13 +312,13 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         if self._until_horizon <= 0 or np.count_nonzero(terminated) or move.held is not None:
             terminated, truncated = self._mark_events(ground, reached, struck, move)
             episodes.require_finite(distance)
-            paid = paid + episodes.events.sum(axis=1)
+            paid = paid + (episodes.events[:, 0] + episodes.events[:, 1])
         else:
             truncated = terminated.copy()  # none in either
         self._record(active)
         if around:
             around.senses.push(active)
-        np.minimum(episodes.previous_best, distance, out=episodes.previous_best)
+        episodes.previous_best[...] = np.minimum(episodes.previous_best, distance)
         outcome = Outcome(paid, terminated, truncated, reached, distance, episodes.shaped.copy())
         if self._goes_on and reached.any():
             going_on = reached & ~(terminated | truncated)

@@ -15,7 +15,7 @@ from harness.policy.policy import Policy
 from harness.policy.uniform import Uniform
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_pose, reach_position
-from harness.robot.kinematics import Chain, chain_length, end_effector_position, position_jacobian
+from harness.robot.kinematics import Chain, chain_length
 from harness.robot.rotations import rotation_of_axes
 from harness.robot.urdf import JointKind
 
@@ -170,11 +170,3 @@ class KnownArm:
     def reach(self) -> float:
         """As of `harness.robot.Robot`."""
         return chain_length(self.chain, self.lower, self.upper)
-
-    def end_effector(self, qpos: Float) -> Float:
-        """As of `harness.robot.Robot`."""
-        return end_effector_position(self.chain, qpos)
-
-    def jacobian(self, qpos: Float) -> Float:
-        """As of `harness.robot.Robot`."""
-        return position_jacobian(self.chain, qpos)

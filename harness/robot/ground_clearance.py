@@ -92,25 +92,26 @@ class Solids:
         Returns:
             [m], shape (n,); inf where there is no shape.
         """
-        lowest = self._lowest_of_sums(frames)
+        lowest = self._lowest_of_sums(frames[:, 2])
         for cloud in self.clouds:
             np.minimum(lowest, cloud.lowest(frames), out=lowest)
         return lowest
 
     def touch_ground(self, frames: Float) -> Mask:
         """Whether any shape reaches below the plane z = 0, shape (n,); arguments as for `lowest`."""
-        contact = np.zeros(frames.shape[-1], bool)
-        near = np.flatnonzero(self._bounds_reach_ground(frames))
+        contact, upward = np.zeros(frames.shape[-1], bool), frames[:, 2]
+        near = np.flatnonzero(self._bounds_reach_ground(upward))
         if near.size:
-            contact[near] = self._lowest_of_sums(frames[..., near]) < 0.0
+            contact[near] = self._lowest_of_sums(upward[..., near]) < 0.0
         for cloud in self.clouds:
             near = np.flatnonzero(cloud.ball_reaches_ground(frames) & ~contact)
             if near.size:
                 contact[near] = cloud.lowest(frames[..., near]) < 0.0
         return contact
 
-    def _lowest_of_sums(self, frames: Float) -> Float:
-        up = frames[self.frames, 2]  # (count, 4, n): the world's z axis in the child frame, and the frame's height
+    def _lowest_of_sums(self, upward: Float) -> Float:
+        """As `lowest`, without meshes; of each frame the last row alone, (dof, 4, n): the world's z axis, the height."""
+        up = upward[self.frames]
         along = np.abs([_dot(self.axes[:, axis], up) for axis in range(3)])  # (3, count, n)
         depth = _dot(self.half_edges, np.moveaxis(along, 0, 1))
         depth += self.discs[:, None] * np.sqrt(np.maximum(1.0 - along[2] ** 2, 0.0)) + self.balls[:, None]
@@ -118,11 +119,11 @@ class Solids:
         lowest: Float = np.min(heights, axis=0, initial=np.inf)
         return lowest
 
-    def _bounds_reach_ground(self, frames: Float) -> Mask:
+    def _bounds_reach_ground(self, upward: Float) -> Mask:
         joints, centers, radii = self.bounds
         if not joints.size:
-            return np.zeros(frames.shape[-1], bool)
-        up = frames[joints, 2]
+            return np.zeros(upward.shape[-1], bool)
+        up = upward[joints]
         reach: Mask = (_dot(centers, up) + up[:, 3] < radii[:, None] + MARGIN).any(axis=0)
         return reach
 

@@ -5,7 +5,14 @@ from typing import Protocol
 import numpy as np
 
 from harness.arrays import Float, Mask
-from harness.robot.kinematics import Chain, forward, pose_jacobian
+from harness.robot.kinematics import (
+    Chain,
+    child_frames,
+    forward,
+    pose_jacobian,
+    position_jacobian_of,
+    tip_position,
+)
 from harness.robot.rotations import rotation_between
 
 DAMPING = 0.05
@@ -41,12 +48,6 @@ class Arm(Protocol):
     def reach(self) -> float:
         """No end effector position is farther from the first joint's origin [m]."""
 
-    def end_effector(self, qpos: Float) -> Float:
-        """Its position in the world frame, (n, 3) of (n, dof)."""
-
-    def jacobian(self, qpos: Float) -> Float:
-        """The derivative of that by the joint positions, (n, 3, dof)."""
-
 
 def reach_position(
     robot: Arm, position: Float, start: Float, tolerance: float = 1e-3, iterations: int = 60
@@ -63,20 +64,20 @@ def reach_position(
     Returns:
         Joint positions (n, dof), and whether each one is there, (n,). A False is no proof that none exists.
     """
-    qpos = np.array(start, dtype=np.float64)
-    for _ in range(iterations):
-        error = position - robot.end_effector(qpos)
+    chain, qpos = robot.chain, np.array(start, dtype=np.float64)
+    damping = DAMPING**2 * np.eye(3)
+    for left in range(iterations, -1, -1):
+        frames = child_frames(chain, qpos)
+        error = position - tip_position(chain, frames)
         distance = np.linalg.norm(error, axis=-1, keepdims=True)
-        if (distance <= tolerance).all():
+        if not left or (distance <= tolerance).all():
             break
         error *= np.minimum(1.0, STRIDE * robot.reach / np.maximum(distance, tolerance))
-        jacobian = robot.jacobian(qpos)
+        jacobian = position_jacobian_of(chain, frames)
         transposed = np.swapaxes(jacobian, -1, -2)
-        damped = jacobian @ transposed + DAMPING**2 * np.eye(3)
-        step = (transposed @ np.linalg.solve(damped, error[..., None]))[..., 0]
+        step = (transposed @ np.linalg.solve(jacobian @ transposed + damping, error[..., None]))[..., 0]
         qpos = np.minimum(np.maximum(qpos + step, robot.lower), robot.upper)
-    error = position - robot.end_effector(qpos)
-    return qpos, np.linalg.norm(error, axis=-1) <= tolerance
+    return qpos, distance[..., 0] <= tolerance
 
 
 def reach_pose(

@@ -122,7 +122,7 @@ def forward(chain: Chain, qpos: ArrayLike) -> Float:
 
 def end_effector_position(chain: Chain, qpos: ArrayLike) -> Float:
     """The tip link's origin in the world frame, [m], shape (..., 3); arguments and errors as for `forward`."""
-    return forward(chain, qpos)[..., :3, 3]
+    return tip_position(chain, child_frames(chain, qpos))
 
 
 def chain_length(chain: Chain, lower: Float, upper: Float) -> float:
@@ -154,8 +154,7 @@ def position_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
     Raises:
         UsageError: The last axis of qpos is not dof long.
     """
-    moves, _ = _motions_of_tip(chain, qpos)
-    return np.swapaxes(moves, -1, -2)
+    return position_jacobian_of(chain, child_frames(chain, qpos))
 
 
 def pose_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
@@ -173,19 +172,30 @@ def pose_jacobian(chain: Chain, qpos: ArrayLike) -> Float:
     Raises:
         UsageError: The last axis of qpos is not dof long.
     """
-    return np.swapaxes(np.concatenate(_motions_of_tip(chain, qpos), axis=-1), -1, -2)
+    moves, axes = _motions_of_tip(chain, child_frames(chain, qpos))
+    turns = np.where(chain.slides[:, None], 0.0, axes)
+    return np.swapaxes(np.concatenate([moves, turns], axis=-1), -1, -2)
 
 
-def _motions_of_tip(chain: Chain, qpos: ArrayLike) -> tuple[Float, Float]:
-    """How the tip moves, and about what it turns, per unit of each joint: (..., dof, 3) both."""
-    frames = child_frames(chain, qpos)
-    tip = (frames[-1] @ chain.T_last_tip)[..., :3, 3]
+def tip_position(chain: Chain, frames: Sequence[Float]) -> Float:
+    """`end_effector_position` where `child_frames` has been computed, [m], shape (..., 3)."""
+    position: Float = (frames[-1] @ chain.T_last_tip)[..., :3, 3]
+    return position
+
+
+def position_jacobian_of(chain: Chain, frames: Sequence[Float]) -> Float:
+    """`position_jacobian` where `child_frames` has been computed, shape (..., 3, dof)."""
+    moves, _ = _motions_of_tip(chain, frames)
+    return np.swapaxes(moves, -1, -2)
+
+
+def _motions_of_tip(chain: Chain, frames: Sequence[Float]) -> tuple[Float, Float]:
+    """How the tip moves per unit of each joint, and the joints' axes in the world frame: (..., dof, 3) both."""
     T_world_child = np.stack(frames, axis=-3)  # (..., dof, 4, 4)
     # A joint's own motion leaves its axis where it is, and a turning joint's origin: the child frame gives both.
     axes = (T_world_child[..., :3, :3] @ chain.axes[..., None])[..., 0]  # (..., dof, 3)
-    levers = tip[..., None, :] - T_world_child[..., :3, 3]
-    slides = chain.slides[:, None]
-    return np.where(slides, axes, _cross(axes, levers)), np.where(slides, 0.0, axes)
+    levers = tip_position(chain, frames)[..., None, :] - T_world_child[..., :3, 3]
+    return np.where(chain.slides[:, None], axes, _cross(axes, levers)), axes
 
 
 def _cross(a: Float, b: Float) -> Float:

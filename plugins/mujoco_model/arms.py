@@ -46,7 +46,7 @@ class OneArm:
 
     def read(self) -> State:
         """The state as it stands."""
-        np.greater(self._touch, 0.0, out=self._state.ground_contact)
+        self._state.ground_contact[0] = self._touch[0] > 0.0
         return self._state
 
     def close(self) -> None:

@@ -25,7 +25,9 @@ class RampFeed:
     def controls(self, qpos: Float, duration: float, steps: int) -> Float:
         """Of the physics steps to `qpos`, (num_envs, dof), (num_envs, 1, 2 dof)."""
         # From where the servos hold now to the target: rounding cannot add up over periods.
-        np.divide((qpos - self._held)[:, None], duration, out=self._speeds)
+        speeds = qpos - self._held
+        speeds /= duration
+        self._speeds[...] = speeds[:, None]
         return self._controls
 
 
