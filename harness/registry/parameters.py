@@ -95,7 +95,8 @@ def parameters_of(target: Any) -> list[Parameter]:
     """The parameters that a registered dataclass takes; an empty list for any other target."""
     if not dataclasses.is_dataclass(target):
         return []
-    hints, extras = _hints(target), _hints(target, include_extras=True)
+    known = typing.cast(Any, target)  # mypy takes a dataclass for not hashable
+    hints, extras = _hints(known), _hints(known, include_extras=True)
     return [
         Parameter(field.name, _type_name(hints[field.name]), _default_of(field), _description_of(extras[field.name]))
         for field in dataclasses.fields(target)

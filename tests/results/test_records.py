@@ -3,11 +3,14 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
+from harness.errors import UsageError
 from harness.experiment.plan import Plan
-from harness.record.cell import Cell
+from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
 from harness.record.store import Store
+from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.records import Records
@@ -72,3 +75,26 @@ def test_cell_is_measured_once(controlled: Records, make_cell: MakeCell):
     """Reading a trace takes longest."""
     assert controlled.measured(make_cell()) is controlled.measured(make_cell())
     assert controlled.moments(make_cell()) is controlled.moments(make_cell())
+
+
+@pytest.fixture
+def in_environment(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path) -> Results:
+    """A cell in an environment of anybody; it failed."""
+    cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, task=Choice("pendulum", (), "pendulum"))
+    store = Store.create(tmp_path, make_plan(cell))
+    store.record(cell, "failed", "it fell")
+    return Results(tmp_path, registry)
+
+
+def test_no_metric_is_of_an_environment(in_environment: Results):
+    """They look at an arm; nothing is compared by traces, and the table has the cell."""
+    assert in_environment.metrics == in_environment.not_measured == {}
+    assert in_environment.combinations == ()
+    assert [cell["reason"] for cell in in_environment.to_json()["cells"]] == ["it fell"]
+    assert pq.read_table(in_environment.write_table()).num_rows == 1
+
+
+def test_what_needs_an_arm_says_so(in_environment: Results):
+    """And what to do instead."""
+    with pytest.raises(UsageError, match=r"harness score needs traces of an arm.*: harness report '.*' compares them"):
+        in_environment.require_arm("harness score")

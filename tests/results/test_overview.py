@@ -1,0 +1,50 @@
+"""Comparisons at a glance, as text."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from harness.eta.index import Ratio
+from harness.results.overview import NEAR_ZERO, NOTHING, overview_html, overview_row, short_value, success_text
+
+
+@pytest.mark.parametrize(
+    ("ratio", "text"),
+    [
+        (Ratio(1.2345), "1.23"),
+        (Ratio(0.5), "0.500"),
+        (Ratio(123456.7), "123457"),
+        (Ratio(2.5e7), "2.50e+07"),
+        (Ratio(None), NOTHING),
+        (Ratio(1e9, near_zero="I_P of the baseline is near zero"), NEAR_ZERO),
+    ],
+)
+def test_a_ratio_has_three_digits(ratio: Ratio, text: str):
+    """All digits before the point below a million; no number where it says nothing."""
+    assert short_value(ratio) == text
+
+
+def _intervals(*ratios: Ratio) -> list[str]:
+    """The cells of the two etas in a row."""
+    splits = {
+        name: SimpleNamespace(eta=ratio, ruler=Ratio(1.0))
+        for name, ratio in zip(("eta_N", "eta_P"), ratios, strict=True)
+    }
+    told = SimpleNamespace(splits=splits, success=None, headline=SimpleNamespace(answer=SimpleNamespace(value="helps")))
+    return list(overview_row("arp", told, with_intervals=True)[3:5])
+
+
+def test_an_interval_has_two_digits():
+    """Without the zero before a point; none where there is none, or where the ratio says little."""
+    assert _intervals(Ratio(0.5, 0.25, 12.3), Ratio(-0.5, -0.75, 0.0)) == ["0.500 [.25, 12]", "-0.500 [-.75, .0]"]
+    assert _intervals(Ratio(0.5), Ratio(1.0, 0.0, 2.0, near_zero="I_P")) == ["0.500", NEAR_ZERO]
+
+
+def test_success_that_nobody_knows_is_none():
+    """Of what was not measured."""
+    assert success_text(None) == NOTHING
+
+
+def test_a_notebook_sees_no_table_of_nothing():
+    """An experiment of one reward compares nothing."""
+    assert overview_html(()) == ""
