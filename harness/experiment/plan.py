@@ -53,8 +53,8 @@ LISTS = ("sim", "algo", "reward")
 
 NO_GOALS = (
     "learns by paying steps again for other goals. A task of an arm does not allow that: its rewards depend on earlier "
-    "steps, touching the ground is paid too, and its observations contain the offset to the target. Give an environment "
-    "with goals, such as --task fetch-reach"
+    "steps, touching the ground is paid too, and its observations contain the offset to the target. "
+    "Give an environment with goals, such as --task fetch-reach"
 )
 DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
