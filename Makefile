@@ -27,14 +27,17 @@ run: install
 
 # A whole experiment and its committed records: make reference EXPERIMENT=arp_2021. Another file content, another folder
 # of cells. Cells that failed, exit status 1, are part of the record; cells that are pending, told last, are an error.
+# An experiment in a folder with a requirements.txt, EXPERIMENT=meta-world/reach, runs with what that names.
+BESIDE := $(patsubst %requirements.txt,build/%installed,$(wildcard experiments/$(dir $(EXPERIMENT))requirements.txt))
+reference: HARNESS = $(if $(BESIDE),$(dir $(BESIDE))bin/python -m harness,$(BIN)/harness)
 reference: FILE = experiments/$(EXPERIMENT).toml
 reference: HASH = import hashlib, sys; print(hashlib.sha256(open(sys.argv[1], 'rb').read()).hexdigest()[:8])
 reference: CELLS = results/runs/$(EXPERIMENT)-$(shell $(BIN)/python -c "$(HASH)" $(FILE))
 reference: RECORDS = results/reference/$(subst _,-,$(EXPERIMENT))
-reference: dev
+reference: dev $(BESIDE)
 	$(if $(wildcard $(FILE)),,$(error Name a file: make reference EXPERIMENT=arp_2021, for experiments/arp_2021.toml))
-	$(BIN)/harness run $(FILE) --out $(CELLS) || [ $$? -eq 1 ]
-	$(BIN)/harness report $(CELLS) --summary $(RECORDS)
+	$(HARNESS) run $(FILE) --out $(CELLS) || [ $$? -eq 1 ]
+	$(HARNESS) report $(CELLS) --summary $(RECORDS)
 	! grep ',pending,' $(RECORDS)/cells.csv
 
 # Two processes, one thread each. Compiled modules are kept whatever the surroundings say: each of the many processes
@@ -44,12 +47,13 @@ test: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --benchmark-disable
 
 # The same tests, and which lines and branches they ran, in the processes that they start too; pages into build/coverage.
-# One room: make coverage TESTS=tests/eta.
+# A room of which less than 90 % of the branches are run is an error. One room: make coverage TESTS=tests/eta.
 coverage: TESTS =
 coverage: dev
 	mkdir -p build/coverage
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --benchmark-disable --cov --cov-report=term \
-		--cov-report=html:build/coverage/pages $(TESTS)
+		--cov-report=html:build/coverage/pages --cov-report=json:build/coverage/coverage.json $(TESTS)
+	$(BIN)/python -m tests.rooms_covered build/coverage/coverage.json $(TESTS)
 
 slow: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m slow --benchmark-disable
@@ -66,16 +70,11 @@ examples: dev
 browser: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/report/test_browser.py tests/report/replay -m slow -rs --benchmark-disable
 
-# The simulators that are in no lock, in an environment of their own that sees the packages of this one.
-engines: ENV = build/engines-env
-engines: dev
-	test -x $(ENV)/bin/python || $(BIN)/python -m venv --without-pip $(ENV)
-	$(BIN)/python -c "import sysconfig; print(f'import site; site.addsitedir({sysconfig.get_path(\"purelib\")!r})')" \
-		> $$($(ENV)/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")/above.pth
-	$(PIP) --python $(ENV) install --quiet --no-build-isolation --constraint constraints.txt \
-		--editable '.[drake,physx,mjx]'
-	$(ENV)/bin/harness check drake && $(ENV)/bin/harness check physx
-	OMP_NUM_THREADS=1 $(ENV)/bin/python -m pytest tests/plugins/simulators -k "drake or physx or test_mjx" -n 2 --benchmark-disable
+# The simulators that are in no lock, with what experiments/engines/requirements.txt names.
+engines: ENGINES = build/experiments/engines/bin/python
+engines: build/experiments/engines/installed
+	$(ENGINES) -m harness check drake && $(ENGINES) -m harness check physx
+	OMP_NUM_THREADS=1 $(ENGINES) -m pytest tests/plugins/simulators -k "drake or physx or test_mjx" -n 2 --benchmark-disable
 
 bench: dev
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s
@@ -126,6 +125,15 @@ $(VENV)/.installed: pyproject.toml constraints.txt requirements/run.txt
 $(VENV)/.installed-dev: $(VENV)/.installed requirements/dev.txt
 	$(INSTALL_LOCK) requirements/dev.txt
 	$(PIP) check
+	touch $@
+
+# For experiments with packages that are in no lock: an environment that sees those of $(VENV) behind its own.
+build/experiments/%/installed: experiments/%/requirements.txt $(VENV)/.installed-dev
+	@echo "Installing what $< names. Where pip says that another package asks for another version: it is not used here."
+	$(BIN)/python -m venv --without-pip --clear $(@D)
+	$(BIN)/python -c "import sysconfig; print(f'import site; site.addsitedir({sysconfig.get_path(\"purelib\")!r})')" \
+		> $$($(@D)/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")/above.pth
+	$(PIP) --python $(@D) install --quiet --requirement $<
 	touch $@
 
 # Versions stay that still fit pyproject.toml and constraints.txt. Newer ones: make lock UPGRADE=pytest, or UPGRADE=all.

@@ -1,7 +1,10 @@
 """The interface that an algorithm fills: it learns on a vector env and yields a policy."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
+from harness.arrays import Float
 from harness.policy import Policy
 from harness.progress import Progress
 
@@ -11,6 +14,22 @@ if TYPE_CHECKING:
     from harness.task import Task
 
 ActionSpace: TypeAlias = Literal["continuous", "discrete"]
+
+
+@dataclass(frozen=True, eq=False)
+class Goals:
+    """What an env tells of its goals, as ``env.goals``, to an algorithm that learns in hindsight.
+
+    Attributes:
+        achieved: Columns of an observation: the goal that was achieved.
+        desired: Columns of an observation: the goal that was to be achieved, as many as of `achieved`.
+        pay: What the reward that the training is paid by pays, (n,), for steps after which `achieved` was achieved and
+            `desired` was to be; both (n, goal_size).
+    """
+
+    achieved: slice
+    desired: slice
+    pay: Callable[[Float, Float], Float]
 
 
 class Algorithm(Protocol):
@@ -24,7 +43,8 @@ class Algorithm(Protocol):
       raises `UsageError` where its library is not installed.
 
     It may also have ``learns``, False for one that only acts (see `learns`), ``needs_arm``, True for one that computes
-    with the arm of the task and so cannot train in an environment of anybody (see `needs_arm`),
+    with the arm of the task and so cannot train in an environment of anybody (see `needs_arm`), ``needs_goals``, True
+    for one that pays recorded steps again for other goals (see `needs_goals`),
     ``why_not(task, robot)``, for one that cannot do every task whose actions it takes (see `why_not`), and ``sources``,
     like any plugin that works in modules of its own (see `harness.registry.sources.source_files`).
     """
@@ -58,6 +78,11 @@ def learns(algorithm: Algorithm) -> bool:
 def needs_arm(algorithm: Algorithm) -> bool:
     """Whether it computes with ``env.task`` and ``env.robot``, which a `harness.environment.Environment` has not."""
     return bool(getattr(algorithm, "needs_arm", False))
+
+
+def needs_goals(algorithm: Algorithm) -> bool:
+    """Whether it computes with ``env.goals``, see `Goals`, which an env has whose reward is a function of goals."""
+    return bool(getattr(algorithm, "needs_goals", False))
 
 
 def why_not(algorithm: Algorithm, task: "Task", robot: "Robot") -> str:

@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import re
 from collections.abc import Sequence
 from typing import Any, get_args
 
@@ -22,6 +23,8 @@ from harness.robot.settings import FILE, SERVO
 from harness.simulator import family_of
 from harness.task import Task, goal_of
 
+SOURCES = "NOTE and ARP are the sources that docs/sources.md names."
+
 
 def describe_name(registry: Registry, kind: str, given: str, robot: str | None) -> str:
     """Summary, documentation and parameters of ``name:key=value`` of one kind; a task as its tuple.
@@ -37,13 +40,15 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
     choice = choose(registry, kind, given)
     spec, thing = registry.get(kind, choice.name), choice.build(registry, kind)
     parts = [f"{NOUNS[kind]} {choice.label}: {spec.summary} (plugin '{spec.plugin}' of {spec.package})"]
-    parts.append(inspect.cleandoc(type(thing).__doc__ or ""))
+    text = inspect.cleandoc(type(thing).__doc__ or "")
+    parts += [text] if text != spec.summary else []  # a plugin in a file has its docstring's first line for a summary
     if kind == "simulators":
         parts.append(_describe_family(thing))
     if kind == "tasks":
         parts.append(describe_task(thing, load_robot(robot or thing.robot, registry)))
     parts.append(_describe_parameters(type(thing), values_of(thing)))
-    return "\n\n".join(part for part in parts if part)
+    told = "\n\n".join(part for part in parts if part)
+    return f"{told}\n\n{SOURCES}" if re.search(r"\b(NOTE|ARP)\b", told) else told
 
 
 def describe_task(task: Task, robot: Robot) -> str:

@@ -5,12 +5,15 @@ from typing import Any, Protocol, TypeAlias
 
 import gymnasium
 
+from harness.arrays import Float
 from harness.errors import UsageError
 
 AnyEnv: TypeAlias = gymnasium.Env[Any, Any]
 Measure: TypeAlias = Callable[[Any, Any, Any, Any], Any] | str
 """A function of (observation, action, next_observation, info) that returns a finite number for the step, a key of
 ``info``, or ``"own"`` for what the env itself pays; see `harness.RecordRewards` for all that it may be."""
+GoalReward: TypeAlias = Callable[[Float, Float], Float]
+"""A function of (achieved goals, desired goals), both (n, goal_size), that returns what n steps are paid, (n,)."""
 SUCCESS = "success"
 """The measure of behaviour that decides, where an environment has one of this name."""
 
@@ -19,8 +22,9 @@ class Environment(Protocol):
     """A frozen dataclass whose fields are the parameters.
 
     It may also have ``lower_is_better``, names of the measures of which less is better (see `lower_is_better`),
-    ``baseline``, the name of the reward that the others are compared with (see `baseline_of`), and ``sources``, like
-    any plugin that works in modules of its own (see `harness.registry.sources.source_files`).
+    ``baseline``, the name of the reward that the others are compared with (see `baseline_of`), ``goal_rewards(env)``,
+    where what is observed is a dict with achieved and desired goals (see `goal_rewards`), and ``sources``, like any
+    plugin that works in modules of its own (see `harness.registry.sources.source_files`).
     """
 
     def make(self) -> AnyEnv:
@@ -50,6 +54,16 @@ def lower_is_better(environment: Environment) -> frozenset[str]:
 def baseline_of(environment: Environment, rewards: Mapping[str, Measure]) -> str:
     """The reward that the others are compared with: the environment's ``baseline``, or the first of its rewards."""
     return str(getattr(environment, "baseline", "") or next(iter(rewards)))
+
+
+def goal_rewards(environment: Environment, env: AnyEnv) -> dict[str, GoalReward]:
+    """Those of its rewards that are functions of goals alone, by name; none of an environment that says nothing of it.
+
+    A reward of that kind pays a step by the ``achieved_goal`` and the ``desired_goal`` of the observation after it. So
+    it can tell what the step would have been paid with another goal.
+    """
+    ask = getattr(environment, "goal_rewards", None)
+    return dict(ask(env)) if ask else {}
 
 
 def measured_behaviour(environment: Environment, env: AnyEnv) -> dict[str, Measure]:

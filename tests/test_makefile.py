@@ -166,6 +166,47 @@ def test_run_that_cannot_begin_is_an_error(checkout):
     assert len(_calls(checkout)) == 1
 
 
+@pytest.fixture
+def checkout_with_packages(checkout):
+    """One more experiment, in a folder with packages of its own, which are installed."""
+    folder, built = checkout / "experiments/other-world", checkout / "build/experiments/other-world"
+    folder.mkdir()
+    (built / "bin").mkdir(parents=True)
+    (folder / "reach_far.toml").write_text("seeds = 3\n")
+    (folder / "requirements.txt").write_text("other-world==1\n")
+    (built / "installed").touch()
+    (built / "bin/python").write_text(HARNESS.replace("$1", "$3").replace("$4", "$6"))
+    (built / "bin/python").chmod(0o755)
+    return checkout
+
+
+def test_experiment_with_packages_runs_with_them(checkout_with_packages):
+    """Its cells and its records stand in a folder of that name; no harness but theirs is asked."""
+    assert _make(checkout_with_packages, "other-world/reach_far")[0] == 0
+    content = (checkout_with_packages / "experiments/other-world/reach_far.toml").read_bytes()
+    folder = f"results/runs/other-world/reach_far-{hashlib.sha256(content).hexdigest()[:8]}"
+    assert _calls(checkout_with_packages) == [
+        f"-m harness run experiments/other-world/reach_far.toml --out {folder}",
+        f"-m harness report {folder} --summary results/reference/other-world/reach-far",
+    ]
+
+
+def test_experiment_without_packages_runs_without_any(checkout_with_packages):
+    """What another folder asks for is neither installed nor used."""
+    assert _make(checkout_with_packages)[0] == 0
+    assert not any(call.startswith("-m") for call in _calls(checkout_with_packages))
+
+
+def test_changed_packages_are_installed_again(checkout_with_packages):
+    """Into a new environment of that folder, behind which those of the lock stand."""
+    later = (checkout_with_packages / "build/experiments/other-world/installed").stat().st_mtime + 1
+    os.utime(checkout_with_packages / "experiments/other-world/requirements.txt", (later, later))
+    _, words = _run_make(checkout_with_packages, "--dry-run", "reference", "EXPERIMENT=other-world/reach_far")
+    assert "python -m venv --without-pip --clear build/experiments/other-world" in words
+    installation = "--python build/experiments/other-world install --quiet --requirement"
+    assert f"{installation} experiments/other-world/requirements.txt" in words
+
+
 def test_unknown_experiment_is_refused(checkout):
     """Before anything is run."""
     status, words = _make(checkout, experiment="nothing")

@@ -14,7 +14,10 @@ import scipy.stats
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
-FOLDERS = sorted(path.parent for path in REFERENCE.glob("*/results.json"))
+RECORDS = sorted(path.parent for path in REFERENCE.glob("**/results.json"))
+STUDIES = [folder for folder in RECORDS if "studies" in json.loads((folder / "results.json").read_text())]
+"""Those in environments; `tests/test_study_records.py` is about them."""
+FOLDERS = [folder for folder in RECORDS if folder not in STUDIES]
 INDICES = {"eta_N": "I_N", "eta_P": "I_P"}
 CLAIM = re.compile(r"\b(better|worse|helps|hurts)\b", re.IGNORECASE)
 NO_CLAIM = re.compile(r"(called|made|counts as) (better|worse)|better or worse|helps or hurts|say(s)? better|\?$")
@@ -22,7 +25,9 @@ QUOTED_P = re.compile(r"corrected p (< )?(\d\.\d+)")
 
 
 def page_of(folder: Path) -> str:
-    """The page that tells of a record; what the sources of the published experiment leave open has one together."""
+    """The page that tells of a record; those in one folder share one, as do those of what the sources leave open."""
+    if folder.parent != REFERENCE:
+        return (ROOT / "docs" / "studies" / f"{folder.parent.name}.md").read_text()
     name = "arp-2021-settings" if folder.name.startswith("arp-2021-") else folder.name
     return (ROOT / "docs" / f"{name}.md").read_text()
 
@@ -57,9 +62,10 @@ def with_interval(ratio: dict[str, Any]) -> str:
 
 
 def test_there_are_records():
-    """Of the published experiment, of what its sources leave open, and of the FD100."""
+    """Of the published experiment, of what its sources leave open, of four engines, and of the FD100."""
     changed = ["bonus", "budget", "k1", "settings", "target"]
-    assert [folder.name for folder in FOLDERS] == ["arp-2021", *(f"arp-2021-{name}" for name in changed), "fd100"]
+    expected = ["arp-2021", *(f"arp-2021-{name}" for name in changed), "engines/reach-sac-fast", "fd100"]
+    assert [folder.relative_to(REFERENCE).as_posix() for folder in FOLDERS] == expected
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)

@@ -5,7 +5,7 @@
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
 It takes Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 64 colours, which keeps it
-small. `reach.gif` is another one: `harness video` made it.
+small. The films, `reach.gif` and those of the studies, are others: `harness video` made them.
 """
 
 import argparse

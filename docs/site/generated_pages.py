@@ -27,7 +27,8 @@ TOP = ("CHANGELOG", "CONTRIBUTING", "SECURITY")
 LINK = re.compile(r"\]\((<?)(?![a-z]+:|#|/)([^)]+)\)")
 """One that leads to a file."""
 OUTSIDE = re.compile(r"\[([^]]*)\]\((?:\.\./)+([\w./-]+)(#[\w-]+)?\)")
-RECORD = re.compile(r"results/reference/([\w-]+)/summary\.md")
+RECORD = re.compile(r"results/reference/([\w/-]+)/summary\.md")
+"""Records may stand in a folder of several; pages of them stand beside one another."""
 ROBOT = re.compile(r"robots/(\w+)/README\.md")
 FLAT = (
     "harness", "harness.simulator", "harness.task", "harness.reward", "harness.algorithm", "harness.metric",
@@ -58,8 +59,8 @@ def write_pages(folder: Path) -> None:
         **{f"{kind}.md": kind_page(kind, registry) for kind in KINDS},
         **{f"{name}.md": _copied(ROOT / f"{name}.md", folder / f"{name}.md") for name in TOP},
         **{
-            f"records/{path.parent.name}.md": _copied(path, folder / "records" / path.name)
-            for path in sorted(ROOT.glob("results/reference/*/summary.md"))
+            f"records/{_record_page(path.relative_to(ROOT).as_posix())}": _copied(path, folder / "records" / path.name)
+            for path in sorted(ROOT.glob("results/reference/**/summary.md"))
         },
         **{
             f"robots/{path.parent.name}.md": _copied(path, folder / "robots" / path.name)
@@ -70,6 +71,11 @@ def write_pages(folder: Path) -> None:
         path = folder / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
+
+
+def _record_page(path: str) -> str:
+    """The page of the records whose ``summary.md`` stands at `path`, from the repository's top."""
+    return RECORD.sub(lambda found: f"{found[1].replace('/', '-')}.md", path)
 
 
 def _copied(path: Path, page: Path) -> str:
@@ -84,8 +90,8 @@ def _lead_to_pages(app: Sphinx, page: str, content: list[str]) -> None:
 
     def led(found: re.Match[str]) -> str:
         text, path, anchor = found[1], found[2], found[3] or ""
-        if record := RECORD.fullmatch(path):
-            return f"[{text}]({up}{FOLDER}/records/{record[1]}.md{anchor})"
+        if RECORD.fullmatch(path):
+            return f"[{text}]({up}{FOLDER}/records/{_record_page(path)}{anchor})"
         if robot := ROBOT.fullmatch(path):
             return f"[{text}]({up}{FOLDER}/robots/{robot[1]}.md{anchor})"
         if path.removesuffix(".md") in TOP:

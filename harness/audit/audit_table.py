@@ -14,8 +14,8 @@ from harness.audit.payoff import Payoff
 from harness.audit.verdict import verdict_of
 from harness.audit.workspace import FACTOR
 
-EPIC = "apart from scale, offset and shaping by a potential: 0 the same, 0.71 unrelated, 1 opposite"
-DARD = "the same, each step beside those that can be done from there, not beside jumps to any distance"
+EPIC = "0: the same up to scale, offset and shaping by a potential; 0.71: unrelated; 1: opposite"
+DARD = "as EPIC, but each step is compared only with steps that the arm can do from there"
 
 
 def audit_table(audit: Audit, title: str, setting: str, against: str) -> RenderableType:

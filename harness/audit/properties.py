@@ -82,7 +82,7 @@ def scale_free(reward: Reward, tried: Sequence[Float]) -> Property:
         return Property("scale-free", True, f"no counter-example in {count:,} samples scaled by {_scales()}")
     if in_proportion <= EQUAL * size:
         return Property("scale-free", False, "in proportion: distances c times as large are paid c times as much")
-    return Property("scale-free", False, f"neither unchanged nor in proportion: differs by up to {number(same)}")
+    return Property("scale-free", False, f"neither unchanged nor in proportion: it differs by up to {number(same)}")
 
 
 def potential_based(reward: Reward, tried: Sequence[Float], gamma: float) -> Property:
@@ -101,18 +101,18 @@ def potential_based(reward: Reward, tried: Sequence[Float], gamma: float) -> Pro
         return Property("potential-based", False, _why_not(max(fits, key=lambda fit: fit.explained), detours))
     rest = waiting_at_target(reward)
     if not abs(rest) <= EQUAL:
-        constant = f"but for {number(rest)} paid per step at the target: that counts, as episodes end"
+        constant = f"except that each step at the target pays {number(rest)}, which matters because episodes end"
         return Property("potential-based", False, f"{constant} (discount {found[0].gamma:g})")
-    text = f"no counter-example in {count:,} samples at a discount of {found[0].gamma:g}: the way taken pays nothing"
+    text = f"no counter-example in {count:,} samples at a discount of {found[0].gamma:g}: detours pay nothing"
     text += f"; {_explained(found[0])}"
     if found[0].gamma != gamma:
-        text += f"; a learner that discounts by {gamma:g} is not covered"
+        text += f"; this does not hold for a learner that discounts by {gamma:g}"
     return Property("potential-based", True, text, found[0].gamma)
 
 
 def _why_not(fit: PotentialFit, detours: dict[float, float]) -> str:
     return (
-        "same first and last state, yet the way taken changes the sum by up to "
+        "with the same first and last state, the way between them changes the sum by up to "
         f"{detours[fit.gamma]:.0%} of what is paid; {_explained(fit)} (discount {fit.gamma:g})"
     )
 

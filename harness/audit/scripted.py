@@ -46,14 +46,14 @@ class JointPath:
     target: Float
 
     def distance(self, along: Float) -> Float:
-        """End effector to target at the places `along`, (n,), each in [0, 1]; [m]."""
-        tip = self.robot.end_effector(self.start + along[:, None] * self.change)
-        return np.asarray(np.linalg.norm(self.target - tip, axis=1))
+        """End effector to target at the places `along`, (..., n), each in [0, 1]; [m]."""
+        tip = self.robot.end_effector(self.start + along[..., None] * self.change)
+        return np.asarray(np.linalg.norm(self.target - tip, axis=-1))
 
     def first_within(self, radius: float) -> Float:
         """The last place before the path first comes within `radius` [m] of the target, (n,); 1 where it never does."""
         grid = np.linspace(0.0, 1.0, 201)
-        within = np.stack([self.distance(np.full(len(self.start), place)) <= radius for place in grid])
+        within = self.distance(np.repeat(grid[:, None], len(self.start), axis=1)) <= radius
         first = np.where(within.any(axis=0), within.argmax(axis=0), len(grid) - 1)
         low, high = grid[np.maximum(first - 1, 0)], grid[first]
         for _ in range(30):

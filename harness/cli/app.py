@@ -55,7 +55,7 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
         },
         "Ask more": {"audit": audit, "eta": eta, "score": score, "transfer": transfer, "tune": tune},
         "Keep results": {"merge": merge, "verify": verify, "repair": repair},
-        "For who builds": {
+        "For plugin authors": {
             "new-plugin": new_plugin,
             "check": check,
             "plugins": plugins,

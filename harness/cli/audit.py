@@ -15,7 +15,7 @@ def audit(
     folder: Annotated[
         Path | None,
         typer.Argument(
-            help="Trainings in any env, recorded by harness.RecordRewards.", metavar="[FOLDER]", show_default=False
+            help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
         ),
     ] = None,
     reward: Annotated[
@@ -27,7 +27,7 @@ def audit(
     sim: Annotated[
         str | None,
         typer.Option(
-            help="Simulator; without it no engine: the joints move exactly as told.",
+            help="The simulator. Without it the joints move exactly as told.",
             metavar="NAME",
             autocompletion=SIMULATORS,
         ),
@@ -49,15 +49,19 @@ def audit(
     ] = None,
     random: Annotated[
         Path | None,
-        typer.Option(help="Recordings of random actions, beside FOLDER.", metavar="FOLDER", show_default=False),
+        typer.Option(
+            help="A folder of recordings in which actions were random, compared with FOLDER.",
+            metavar="FOLDER",
+            show_default=False,
+        ),
     ] = None,
     plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
-    """Say what a reward pays for: scripted policies are scored under it, and it is tried on numbers. Trains nothing.
+    """Say what a reward pays for: it pays scripted movements, and is tried on numbers. Trains nothing.
 
-    Of a FOLDER of recorded trainings it says how far apart the rewards are in the steps that were taken, and what each
-    behaviour earned under each.
+    Given a FOLDER of recorded trainings, it says how far apart the rewards are in the steps that were taken, and what
+    each behaviour earned under each reward.
     """
     if folder is not None:
         _refuse_beside(
@@ -140,7 +144,7 @@ def _audit_reward(
     rewards = [choose(registry, "rewards", name) for name in (reward, against)]
     chosen, where = choose(registry, "tasks", task), sim and choose(registry, "simulators", sim)
     engine = where.build(registry, "simulators") if where else IdealSimulator()
-    label = where.label if where else "no engine: joints move exactly as told"
+    label = where.label if where else "no simulator: joints move exactly as told"
     world = chosen.build(registry, "tasks")
     robot = robot or world.robot
     rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)

@@ -46,7 +46,7 @@ def bench(
         ),
     ] = None,
     evaluation_episodes: Annotated[
-        int | None, typer.Option(help="Episodes of an evaluation.", show_default="100", metavar="N")
+        int | None, typer.Option(help="Episodes of each evaluation.", show_default="100", metavar="N")
     ] = None,
     num_envs: Annotated[
         str | None, typer.Option(help="Arms at once, of simulators.", show_default="1,64,1024", metavar="N,...")
@@ -54,7 +54,7 @@ def bench(
     rounds: Annotated[
         int | None,
         typer.Option(
-            help="How often each is timed, in turns, in a process of its own.",
+            help="How many processes time everything, in turns.",
             show_default=f"{CELL_ROUNDS}; of simulators, algorithms and peers {SPEED_ROUNDS}",
             metavar="N",
         ),
@@ -69,7 +69,7 @@ def bench(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     html: Annotated[Path | None, typer.Option(help="Write a page with a figure to this file.", metavar="FILE")] = None,
 ) -> int:
-    """Show where the time goes, or how fast plugins are beside what they are built on. Keeps nothing."""
+    """Show where the time of a training goes, or how fast plugins are beside the bare engines and libraries."""
     if rounds is not None and rounds < 1:
         raise UsageError(f"--rounds {rounds}: must be at least 1")
     if compare is not None:

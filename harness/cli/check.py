@@ -21,28 +21,28 @@ NAME_WIDTH, VERDICT_WIDTH = 28, 9
 def check(
     name: Annotated[
         str | None,
-        typer.Argument(help="What is registered, as arp or sac:gamma=0.9; or a URDF.", show_default=False),
+        typer.Argument(help="A plugin's name, as arp or sac:gamma=0.9; or a URDF.", show_default=False),
     ] = None,
     kind: Annotated[
         str | None,
         typer.Option(
-            help="Of what the name is, where it could be several: reward.", metavar="KIND", show_default=False
+            help="The kind, such as reward, where several have this name.", metavar="KIND", show_default=False
         ),
     ] = None,
     robot: Annotated[
         str | None,
-        typer.Option(help=f"{ROBOT} Without a name it is what is checked.", metavar="NAME", show_default=False),
+        typer.Option(help=f"{ROBOT} Without NAME the robot itself is checked.", metavar="NAME", show_default=False),
     ] = None,
     plugin: PluginFiles = None,
-    long: Annotated[bool, typer.Option("--long", help="Run the checks that take minutes too.")] = False,
+    long: Annotated[bool, typer.Option("--long", help="Also run the checks that take minutes.")] = False,
     verbose: Annotated[
-        bool, typer.Option("--verbose", help="Show the traceback of what the plugin raised, on standard error.")
+        bool, typer.Option("--verbose", help="Show the traceback of a plugin's error, on standard error.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
-    """Check that a simulator, algorithm, reward, task, metric, executor, tracker, command or robot keeps its contract.
+    """Check that a plugin or robot keeps the rules of its kind, in sentences with numbers.
 
-    Status 1 where it does not.
+    Ends with status 1 if it breaks one.
     """
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry

@@ -16,7 +16,7 @@ def compare(
     after: Annotated[Path, typer.Argument(help="The folder of the second.", metavar="AFTER")],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
-    """Say what changed from one experiment to another that trained the same, as after an edit of a plugin.
+    """Compare two experiments that trained the same, for example before and after a plugin was edited.
 
     Ends with status 1 if a test finds that policies of a proposed reward succeed less often than before.
     """

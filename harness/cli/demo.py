@@ -35,8 +35,8 @@ AFTER = (
     "movements with larger numbers. The harness keeps the two apart.\n"
 )
 ANSWER = (
-    "CANNOT TELL stands there because {seeds} repetitions prove nothing to a test. With enough of them the answer is "
-    "HELPS, HURTS or NO DIFFERENCE.\n"
+    "CANNOT TELL stands there because {seeds} repetitions prove nothing to a test. With "
+    "more of them the answer can be HELPS, HURTS or NO DIFFERENCE.\n"
 )
 ONWARD = """
 Where to go on:
@@ -59,7 +59,7 @@ def demo(
         typer.Option(help="Leave the experiment in this folder.", show_default="a temporary one", metavar="DIR"),
     ] = None,
 ) -> None:
-    """Show in a few seconds, without any extra, how a number gets better while the robot does the same."""
+    """Show in a few seconds how a number gets better while the robot does the same. Needs no extra."""
     import tempfile
 
     from rich.text import Text

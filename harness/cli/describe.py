@@ -29,7 +29,7 @@ def describe(
     ] = None,
     plugin: PluginFiles = None,
 ) -> None:
-    """Explain a task, reward, simulator, algorithm, metric or robot, with its parameters."""
+    """Explain a reward, task, simulator, algorithm, metric, robot or environment, with its parameters."""
     from harness.describe import describe_name
     from harness.registry.choice import parse
     from harness.registry.given import read_given

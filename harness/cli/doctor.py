@@ -23,15 +23,15 @@ BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 
 
 def doctor(context: typer.Context) -> int:
-    """Check versions, plugins, missing libraries, CPU and headless rendering; status 1 where a plugin is broken."""
-    from harness.experiment.provenance import describe_machine, source_commit, versions_behind
+    """Show versions, plugins, missing libraries and ways to draw. Ends with status 1 if a plugin is broken."""
+    from harness.experiment.provenance import CHECKOUT, describe_machine, source_commit, versions_behind
 
     machine, registry = describe_machine(), load_registry()
     specs = list(registry.all_specs())
     typer.echo(f"python {sys.version.split()[0]} on {machine['system']}")
     typer.echo(f"cpu {machine['cpu']}, {machine['cores']} cores")
     typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in versions_behind(specs).items()))
-    commit = source_commit()
+    commit = source_commit(CHECKOUT)
     if commit:
         typer.echo(f"commit {commit}")
     at_fault = [plugin for plugin in examined(registry) if plugin.is_at_fault]
@@ -48,20 +48,30 @@ def _what_runs(registry: Registry) -> list[str]:
     example = example_run(registry)
     if not example:
         return ["you can run nothing yet: install a simulator and an algorithm, as the lines above say"]
-    names = (f"{kind} {', '.join(usable(registry, kind))}" for kind in ("simulators", "algorithms"))
-    return [f"you can run: {example}", f"with any of the {'; '.join(names)}"]
+    names = [f"installed {kind}: {', '.join(usable(registry, kind))}" for kind in ("simulators", "algorithms")]
+    return [*names, f"you can run: {example}"]
 
 
 def _missing_libraries(registry: Registry) -> list[str]:
-    specs = [spec for spec in registry.all_specs() if spec.missing]
-    return [f"missing {', '.join(spec.missing)} for {NOUNS[spec.kind]} '{spec.name}': {spec.remedy}" for spec in specs]
+    """One line for all of a kind that lack the same."""
+    names: dict[tuple[str, str, str], list[str]] = {}
+    for spec in registry.all_specs():
+        if spec.missing:
+            names.setdefault((spec.kind, ", ".join(spec.missing), spec.remedy), []).append(spec.name)
+    return [
+        f"missing {libraries} for {_named(kind, found)}: {remedy}" for (kind, libraries, remedy), found in names.items()
+    ]
+
+
+def _named(kind: str, names: list[str]) -> str:
+    return f"{NOUNS[kind]} '{names[0]}'" if len(names) == 1 else f"{kind} {', '.join(sorted(names))}"
 
 
 def _rendering(registry: Registry) -> list[str]:
     """One line for each way of rendering; each is tried in a process of its own."""
     spec = registry.specs.get(("simulators", "mujoco"))
     if spec is None or spec[0].missing:
-        return ["rendering not tried: it takes the simulator mujoco"]
+        return ["rendering not tried: it needs the simulator mujoco"]
     if sys.platform != "linux":  # the other ways are Linux's alone, and there is nothing to install
         return [f"rendering {_try_rendering('') or 'fails here'}"]
     return [

@@ -18,7 +18,7 @@ def eta(
     folder: Annotated[
         Path | None,
         typer.Argument(
-            help="Trainings in any env, recorded by harness.RecordRewards.", metavar="[FOLDER]", show_default=False
+            help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
         ),
     ] = None,
     baseline: Annotated[
@@ -33,23 +33,29 @@ def eta(
     baseline_reward: Annotated[
         str | None,
         typer.Option(
-            help="What paid the baseline's runs.", show_default="found out", metavar="NAME", autocompletion=REWARDS
+            help="The reward that paid the baseline's runs.",
+            show_default="found out",
+            metavar="NAME",
+            autocompletion=REWARDS,
         ),
     ] = None,
     proposed_reward: Annotated[
         str | None,
         typer.Option(
-            help="What paid the proposed ones.", show_default="found out", metavar="NAME", autocompletion=REWARDS
+            help="The reward that paid the proposed runs.",
+            show_default="found out",
+            metavar="NAME",
+            autocompletion=REWARDS,
         ),
     ] = None,
     plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the curves into this .html file.", metavar="FILE")] = None,
 ) -> int:
-    """Compare recorded runs, of anybody: CSV files with a column 'reward', and traces of this project.
+    """Compare recorded trainings: anybody's CSV files with a column 'reward', or traces of this harness.
 
-    With distances in the files each eta is split into ruler and behaviour. Quote the patterns; a flag may be repeated.
-    Of a FOLDER of recorded trainings every reward that trained is compared with every other one.
+    If the files have distances too, each eta is split into ruler and behaviour. Quote the patterns; a flag may be
+    repeated. In a FOLDER of recorded trainings every reward that trained is compared with every other one.
     """
     groups = {"--baseline": baseline, "--proposed": proposed}
     loose = [*([] if folder is None or not any(groups.values()) else [str(folder)]), *context.args]

@@ -13,5 +13,5 @@ def kept_when_interrupted(kept: str, folder: Path) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        say(f"harness: interrupted: {kept} in '{folder}', the same command goes on from there", err=True)
+        say(f"harness: interrupted: {kept} in '{folder}'. The same command goes on with the rest", err=True)
         raise

@@ -12,7 +12,10 @@ LEFT_OUT = 1
 
 def merge(
     folders: Annotated[list[Path], typer.Argument(help="Folders of experiments.", metavar="DIR...")],
-    out: Annotated[Path, typer.Option(help="A new folder, or an experiment's to put the cells into.", metavar="DIR")],
+    out: Annotated[
+        Path,
+        typer.Option(help="A new folder, or the folder of an experiment that the cells are added to.", metavar="DIR"),
+    ],
 ) -> int:
     """Put the cells of several experiments' folders into one, as if one run had done them. Changes no other folder."""
     from harness.cli.made import make_table_and_page

@@ -36,7 +36,7 @@ def new_plugin(
     ],
     name: Annotated[str, typer.Argument(help="What users will type, as my-reward.", metavar="NAME")],
     into: Annotated[
-        Path, typer.Option(help="Make the new folder in this one.", show_default="here", metavar="DIR")
+        Path, typer.Option(help="The folder that the new package is made in.", show_default="here", metavar="DIR")
     ] = Path(),
 ) -> None:
     """Write a plugin's package: a working implementation, its tests, a README and a CI workflow."""

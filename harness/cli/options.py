@@ -22,7 +22,7 @@ RewardNames = Annotated[
 TaskName = Annotated[
     str | None,
     typer.Option(
-        help="As fd100-reach:epsilon=0.02; or an environment, as fetch-reach.",
+        help="What the robot is to do, as fd100-reach:epsilon=0.02; or an environment, as fetch-reach.",
         show_default="fd100-reach",
         metavar="NAME",
         autocompletion=TASKS,
@@ -30,7 +30,9 @@ TaskName = Annotated[
 ]
 ExecutorName = Annotated[
     str,
-    typer.Option(help="What runs the cells, as processes.", metavar="NAME", autocompletion=names_of("executors")),
+    typer.Option(
+        help="Where the cells run: processes, ray or slurm.", metavar="NAME", autocompletion=names_of("executors")
+    ),
 ]
 RobotName = Annotated[
     str | None,
@@ -40,7 +42,7 @@ PluginFiles = Annotated[
     list[str] | None,
     typer.Option(
         "--plugin",
-        help="A Python file with plugins, beside those that are installed; may be given several times.",
+        help="A Python file with plugins, besides those that are installed. May be given several times.",
         metavar="FILE",
         show_default=False,
     ),
@@ -49,7 +51,7 @@ MetricNames = Annotated[
     Names,
     typer.Option(
         "--metric",
-        help="Metrics to tell, beside those that decide.",
+        help="Metrics to show, besides those that decide.",
         show_default="all",
         metavar="NAME,...",
         autocompletion=names_of("metrics"),
@@ -57,5 +59,7 @@ MetricNames = Annotated[
 ]
 CurveKind = Annotated[
     Literal["accumulated", "per-step"],
-    typer.Option(help="Curves of the indices: as published, or NOTE eq. 39-42 read literally."),
+    typer.Option(
+        help="The curves behind I_N and I_P: summed up as published, or step by step (NOTE eq. 39-42 read literally)."
+    ),
 ]

@@ -20,7 +20,7 @@ def parity(
     reference: Annotated[
         str | None,
         typer.Option(
-            help="What the others are compared with.",
+            help="The simulator that the others are compared with.",
             show_default="mujoco",
             metavar="NAME",
             autocompletion=SIMULATORS,
@@ -29,7 +29,7 @@ def parity(
     robot: Annotated[str, typer.Option(help=ROBOT, metavar="NAME", autocompletion=ROBOTS)] = "fd100",
     steps: Annotated[int, typer.Option(help="Control periods of each motion.", metavar="N")] = 200,
     episodes: Annotated[int, typer.Option(help="How many motions, and how many dives.", metavar="N")] = 8,
-    seed: Annotated[int, typer.Option(help="Of all that is drawn.", metavar="S")] = 0,
+    seed: Annotated[int, typer.Option(help="The seed of the random motions.", metavar="S")] = 0,
     period: Annotated[float, typer.Option(help="Control period in seconds.", metavar="T")] = 0.1,
     plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,

@@ -13,7 +13,10 @@ from harness.registry.targets import examined, why_unfit
 def plugins(
     context: typer.Context,
     check: Annotated[
-        bool, typer.Option("--check", help="Import what they registered and compare it; status 1 where one is broken.")
+        bool,
+        typer.Option(
+            "--check", help="Also import everything that plugins registered. Ends with status 1 if a plugin is broken."
+        ),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:

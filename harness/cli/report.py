@@ -23,23 +23,32 @@ if TYPE_CHECKING:
 def report(
     folders: Annotated[
         list[Path],
-        typer.Argument(help="The experiment's folder; several are read as if one run had done them.", metavar="DIR..."),
+        typer.Argument(
+            help="The experiment's folder. Several folders are read as if one run had made them.", metavar="DIR..."
+        ),
     ],
     curve: CurveKind = "accumulated",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
     html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
     details: Annotated[
-        bool, typer.Option("--details", help="Print all of every comparison, many screens of a large matrix.")
+        bool,
+        typer.Option(
+            "--details", help="Print every number of every comparison. Of many comparisons this fills many screens."
+        ),
     ] = False,
     summary: Annotated[
-        Path | None, typer.Option(help="Write small records and figures into this folder.", metavar="FOLDER")
+        Path | None,
+        typer.Option(
+            help="Write records into this folder: small tables and figures, made to be kept and shared.",
+            metavar="FOLDER",
+        ),
     ] = None,
     metric: MetricNames = None,
     plugin: PluginFiles = None,
 ) -> int:
-    """Show the results in an experiment's folder, or in one of committed records. Trains nothing, imports no engine.
+    """Show the results in the folder of an experiment, or in a folder of records. Trains nothing.
 
-    Of a folder of trainings in any env, recorded by harness.RecordRewards, it shows what they say.
+    A folder of trainings that harness.RecordRewards recorded, in any environment, is reported too.
     """
     from harness.report.committed import is_committed
     from harness.results import load_results

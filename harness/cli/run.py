@@ -41,30 +41,33 @@ def run(
     baseline: Annotated[
         str | None,
         typer.Option(
-            help="What they are compared with.", show_default="baseline", metavar="NAME", autocompletion=REWARDS
+            help="The reward that the others are compared with.",
+            show_default="baseline",
+            metavar="NAME",
+            autocompletion=REWARDS,
         ),
     ] = None,
     task: TaskName = None,
     robot: RobotName = None,
     seeds: Annotated[
-        str | None, typer.Option(help="How many seeds, or a list (3,7,11).", show_default="6", metavar="N")
+        str | None, typer.Option(help="How many seeds, or a list of them (3,7,11).", show_default="6", metavar="N")
     ] = None,
     steps: Annotated[
         int | None, typer.Option(help="Environment steps of training per cell.", show_default="5000", metavar="N")
     ] = None,
     evaluation_episodes: Annotated[
-        int | None, typer.Option(help="Episodes of an evaluation.", show_default="100", metavar="N")
+        int | None, typer.Option(help="Episodes of each evaluation.", show_default="100", metavar="N")
     ] = None,
     evaluate_every: Annotated[
         int | None,
-        typer.Option(help="Steps from one evaluation to the next.", show_default="at the end alone", metavar="N"),
+        typer.Option(help="Steps from one evaluation to the next.", show_default="only at the end", metavar="N"),
     ] = None,
     deterministic: Annotated[
         bool | None,
         typer.Option(
             "--deterministic/--stochastic",
-            help="Whether evaluated policies draw no actions.",
-            show_default="they do not",
+            help="Evaluate policies without chance, or let them draw their actions.",
+            show_default="deterministic",
         ),
     ] = None,
     out: Annotated[
@@ -72,13 +75,13 @@ def run(
         typer.Option(help="The experiment's folder.", show_default="one under results/runs/", metavar="DIR"),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option(help="Cells at once.", show_default="as many as cores", metavar="N")
+        int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
     ] = None,
     executor: ExecutorName = "processes",
     checkpoint_every: Annotated[
         int | None,
         typer.Option(
-            help="Steps from one checkpoint to the next, 0 for none; killed, a cell goes on there.",
+            help="Steps between checkpoints; a killed cell goes on from the last one. 0: none.",
             show_default="every ten minutes",
             metavar="N",
         ),
@@ -86,7 +89,7 @@ def run(
     tracker: Annotated[
         Names,
         typer.Option(
-            help="Show the trainings elsewhere, as wandb:mode=offline.",
+            help="Also send the learning curves to a tracker, as wandb:mode=offline.",
             show_default="nowhere",
             metavar="NAME,...",
             autocompletion=TRACKERS,
@@ -97,44 +100,48 @@ def run(
     mlflow: Annotated[bool, typer.Option("--mlflow", help="Short for --tracker mlflow.")] = False,
     curve: CurveKind = "accumulated",
     wait: Annotated[
-        bool, typer.Option("--wait/--no-wait", help="Wait while another run is using the folder, or give up.")
+        bool, typer.Option("--wait/--no-wait", help="If another run is using the folder: wait for it, or give up.")
     ] = True,
     changed: Annotated[
         Literal["refuse", "keep", "again"],
-        typer.Option(help="If done cells were made by other plugins than those installed: do not run, keep, redo."),
+        typer.Option(
+            help="If a plugin has changed since cells were done: do not run, keep these cells, or train them again."
+        ),
     ] = "refuse",
     only: Annotated[
         str | None,
-        typer.Option(help="Do only the cells with these names, as sac,seed=3.", show_default="all", metavar="NAME,..."),
+        typer.Option(
+            help="Run only the cells with these names, as sac,seed=3.", show_default="all", metavar="NAME,..."
+        ),
     ] = None,
     limit: Annotated[
-        int | None, typer.Option(help="Do at most so many cells.", show_default="all", metavar="N")
+        int | None, typer.Option(help="Run at most this many cells.", show_default="all", metavar="N")
     ] = None,
     retry_failed: Annotated[
-        int, typer.Option(help="Try each failed cell so often again.", show_default="never", metavar="N")
+        int, typer.Option(help="How many times to try a failed cell again.", show_default="never", metavar="N")
     ] = 0,
-    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="End with the first cell that fails.")] = False,
+    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="Stop at the first cell that fails.")] = False,
     stall_after: Annotated[
-        float, typer.Option(help="Seconds without progress after which a cell is ended; 0: never.", metavar="SECONDS")
+        float, typer.Option(help="End a cell that makes no progress for so many seconds. 0: never.", metavar="SECONDS")
     ] = 1800.0,
     cell_time: Annotated[
-        float, typer.Option(help="Seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
+        float, typer.Option(help="Most seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
     ] = 0.0,
     cell_memory: Annotated[
-        float, typer.Option(help="Memory that a cell may use.", show_default="no limit", metavar="GIB")
+        float, typer.Option(help="Most memory that a cell may use.", show_default="no limit", metavar="GIB")
     ] = 0.0,
-    fresh: Annotated[bool, typer.Option("--fresh", help="A process of its own for every cell.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")] = False,
     metric: MetricNames = None,
     plugin: PluginFiles = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, the results alone.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")] = False,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would be run, and what it would take. Writes nothing.")
+        bool, typer.Option("--dry-run", help="Say what would be run, and how long it would take. Writes nothing.")
     ] = False,
 ) -> int:
-    """Train every simulator x algorithm x reward x seed and compare the rewards.
+    """Train with every reward, simulator, algorithm and seed, then compare the rewards.
 
-    A cell that is done is not run again: the same command goes on where it stopped.
+    One such training is called a cell. A cell that is done is not run again: the same command goes on where it stopped.
     """
     from harness.cli.progress import LiveProgress
     from harness.cli.terminal import Terminal

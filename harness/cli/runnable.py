@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from harness.registry.registry import Registry
 
-FAVOURITES = {"simulators": ("mujoco", "kinematic"), "algorithms": ("sac", "ik")}
+FAVOURITES = {"simulators": ("mujoco", "kinematic"), "algorithms": ("sac", "sac-fast", "ik")}
 """What an example names, the first of them that is installed; else whatever is."""
 
 

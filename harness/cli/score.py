@@ -24,9 +24,13 @@ def score(
     ],
     reward: Annotated[
         list[str] | None,
-        typer.Option(help="The rewards that score, as arp:k2=2.", metavar="NAME,...", autocompletion=REWARDS),
+        typer.Option(
+            help="The rewards that pay the runs again, as arp:k2=2.", metavar="NAME,...", autocompletion=REWARDS
+        ),
     ] = None,
-    every: Annotated[bool, typer.Option("--all", help="Also every reward that the experiment trained with.")] = False,
+    every: Annotated[
+        bool, typer.Option("--all", help="Also use every reward that the experiment trained with.")
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(help="Folder for the scores of files.", show_default="beside each file", metavar="DIR"),
@@ -34,7 +38,7 @@ def score(
     plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
-    """Pay recorded runs again under other rewards, exactly; the recordings are not touched."""
+    """Compute exactly what other rewards would have paid for recorded runs. The recordings stay as they are."""
     from harness.registry.choice import choose, split_list
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry

@@ -26,9 +26,9 @@ def transfer(
     plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> int:
-    """Evaluate an experiment's policies in other simulators: how much of the success goes with them?
+    """Evaluate an experiment's policies in other simulators, and show how much of the success is left there.
 
-    Trains nothing. What was evaluated before is not again.
+    Trains nothing. What is evaluated already is not evaluated again.
     """
     from harness.cli.transfer_progress import TransferProgress
     from harness.experiment.workers import worker_count

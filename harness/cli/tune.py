@@ -38,51 +38,62 @@ def tune(
     algo: Annotated[
         Names,
         typer.Option(
-            help="The algorithm, with what is not searched, as sac:tau=0.01.", metavar="NAME", autocompletion=ALGORITHMS
+            help="The algorithm, with parameters that stay fixed, as sac:tau=0.01.",
+            metavar="NAME",
+            autocompletion=ALGORITHMS,
         ),
     ] = None,
     reward: RewardNames = None,
     baseline: Annotated[
         str | None,
-        typer.Option(help="Tuned beside them.", show_default="baseline", metavar="NAME", autocompletion=REWARDS),
+        typer.Option(
+            help="The reward that the others are compared with. It is tuned too.",
+            show_default="baseline",
+            metavar="NAME",
+            autocompletion=REWARDS,
+        ),
     ] = None,
     task: TaskName = None,
     robot: RobotName = None,
     search: Annotated[
         Names,
         typer.Option(
-            help="What to search: gamma=0.9..0.999, learning_rate=1e-4..1e-2:log, net_arch=64x64|256x256.",
+            help="The ranges to search: gamma=0.9..0.999, learning_rate=1e-4..1e-2:log, net_arch=64x64|256x256.",
             show_default="learning_rate and gamma",
             metavar="KEY=SPACE",
         ),
     ] = None,
     trials: Annotated[
-        int | None, typer.Option(help="Settings to try, in each search.", show_default="20", metavar="N")
+        int | None, typer.Option(help="How many settings each search tries.", show_default="20", metavar="N")
     ] = None,
     seeds: Annotated[
-        int | None, typer.Option(help="Trainings of each setting and reward.", show_default="2", metavar="N")
+        int | None,
+        typer.Option(help="How often each setting is trained with each reward.", show_default="2", metavar="N"),
     ] = None,
     steps: Annotated[
         int | None, typer.Option(help="Environment steps of each training.", show_default="10000", metavar="N")
     ] = None,
     validation_episodes: Annotated[
-        int | None, typer.Option(help="Episodes that each policy is judged by.", show_default="100", metavar="N")
+        int | None, typer.Option(help="How many episodes judge each policy.", show_default="100", metavar="N")
     ] = None,
     per_reward: Annotated[
         bool | None, typer.Option("--per-reward/--joint", help="A search for each reward, or one for all.")
     ] = None,
     pruner: Annotated[str | None, typer.Option(help="median or none.", show_default="median", metavar="NAME")] = None,
     batch: Annotated[
-        int | None, typer.Option(help="Trials drawn at once, to run at once.", show_default="1", metavar="N")
+        int | None,
+        typer.Option(
+            help="How many trials are drawn together, so that they can run at once.", show_default="1", metavar="N"
+        ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(help="Of what is drawn from the search space.", show_default="0", metavar="S")
+        int | None, typer.Option(help="The seed of the draws from the search space.", show_default="0", metavar="S")
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="The tuning's folder.", show_default="one under results/runs/", metavar="DIR")
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option(help="Cells at once.", show_default="as many as cores", metavar="N")
+        int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
     ] = None,
     executor: ExecutorName = "processes",
     plugin: PluginFiles = None,

@@ -15,7 +15,7 @@ UNSOUND = 1
 def verify(
     folder: Folder, as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False
 ) -> int:
-    """Name every file in an experiment's folder that is not what was written there. Changes nothing."""
+    """Name every file in an experiment's folder that was damaged or changed since it was written. Changes nothing."""
     from harness.record.verify import verify as find_problems
 
     problems = find_problems(folder)
@@ -26,16 +26,16 @@ def verify(
             say(f"{problem.path}: {problem.what}. What to do: {problem.remedy}.")
         say(f"harness repair '{folder}' sets aside what is damaged")
     else:
-        say(f"'{folder}' is what was written")
+        say(f"No file of '{folder}' is damaged")
     return UNSOUND if problems else 0
 
 
 def repair(folder: Folder) -> None:
-    """Set aside what is damaged in an experiment's folder, and mend its plan; `harness run` then does the rest."""
+    """Set aside the damaged files of an experiment, and mend its plan. `harness run` then trains what is missing."""
     from harness.record.verify import repair as mend
 
     actions = mend(folder)
     for action in actions:
         say(f"{action.path}: {action.what}")
     if not actions:
-        say(f"'{folder}' is what was written: there is nothing to repair")
+        say(f"No file of '{folder}' is damaged: there is nothing to repair")

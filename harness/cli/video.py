@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import say
+from harness.cli.options import PluginFiles
 from harness.errors import UsageError
 
 MOST_CELLS = 4
@@ -16,15 +17,19 @@ def video(
     cells: Annotated[
         list[str] | None,
         typer.Option(
-            help=f"Cells beside one another, {MOST_CELLS} at most: their ids, or how these begin. "
+            help=f"Cells to show side by side, at most {MOST_CELLS}: their ids, or the first letters of these. "
             "(default: the first comparison)",
             metavar="ID,...",
         ),
     ] = None,
     episodes: Annotated[int, typer.Option(help="How many episodes.", metavar="N", min=1, max=100)] = 3,
     out: Annotated[Path, typer.Option(help="The film: .gif or .mp4.", metavar="FILE")] = Path("replay.gif"),
+    plugin: PluginFiles = None,
 ) -> None:
-    """Make a film of recorded episodes: the arm, its target, what it is paid. Takes no simulator and no screen."""
+    """Make a film of recorded episodes: the arm, its target, what it is paid. Needs no simulator and no screen.
+
+    In an environment the policies play their evaluations again. That needs the environment, which draws itself.
+    """
     from harness.registry.choice import split_list
     from harness.results import load_results
     from harness.results.replay import first_show, show_cells
@@ -32,11 +37,15 @@ def video(
     from harness.video.write import require_kind, write_film
 
     require_kind(out)
-    results = load_results(folder)
-    results.require_arm("harness video")
+    results = load_results(folder, plugins=plugin or ())
     named = split_list(cells or [])
     if len(named) > MOST_CELLS:
         raise UsageError(f"--cells names {len(named)} cells, {MOST_CELLS} are allowed")
-    show = show_cells(results, named, episodes) if named else first_show(results, episodes)
-    write_film(film_of(show), out)
+    if results.is_in_environment:
+        from harness.video.environment_film import environment_film
+
+        write_film(environment_film(results, named, episodes), out)
+    else:
+        show = show_cells(results, named, episodes) if named else first_show(results, episodes)
+        write_film(film_of(show), out)
     say(f"Video: {out} ({out.stat().st_size / 1e6:.2f} MB)", err=True)

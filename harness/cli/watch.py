@@ -18,10 +18,12 @@ HOST = "127.0.0.1"
 
 def watch(
     folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
-    port: Annotated[int, typer.Option(help="Of the page; 0 for any that is free.", metavar="N", min=0, max=65535)] = 0,
+    port: Annotated[
+        int, typer.Option(help="The port of the page. 0: any port that is free.", metavar="N", min=0, max=65535)
+    ] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open it in the browser.")] = True,
 ) -> None:
-    """Show recorded episodes in the browser, also of a run that goes on: the page tells when more cells have ended."""
+    """Show recorded episodes in the browser. While a run goes on, the page says when more cells have ended."""
     pages = Pages(folder)
     pages.page()  # what is wrong with the folder is said here
     with open_server(pages, port) as server:

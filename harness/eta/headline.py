@@ -141,7 +141,7 @@ def return_sentence(names: Names, split: ReturnSplit) -> str:
     if split.total.ruler.mean is None:
         return f"{told}; not split: {split.total.ruler.note}."
     return (
-        f"{told}: {ruler} because {names.proposed} counts the same runs otherwise (ruler), "
+        f"{told}: {ruler} because {names.proposed} counts the same runs differently (ruler), "
         f"{behaviour} because the runs differ (behaviour)."
     )
 
@@ -236,7 +236,7 @@ def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
     if split.ruler.value is None or split.ruler.near_zero is not None:
         return f"{told}; not split: {split.ruler.near_zero or split.ruler.note}."
     return (
-        f"{told}: x {_text(split.ruler)} because {names.proposed} counts the same runs otherwise (ruler), "
+        f"{told}: x {_text(split.ruler)} because {names.proposed} counts the same runs differently (ruler), "
         f"x {_text(split.behaviour)} because the runs differ (behaviour)."
     )
 

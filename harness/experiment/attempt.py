@@ -85,27 +85,13 @@ def begin_attempt(
     return Attempt(folder, origin, every, checkpoint, note)
 
 
-def restart(folder: Path) -> str:
-    """Empty a partial folder, but for its log, for work that cannot go on in the middle.
-
-    Returns:
-        What there is to say of it: empty if nothing was left there.
-    """
-    if not _left_behind(folder):
-        return ""
-    _empty(folder)
-    note = "started over: trainings in an environment leave no checkpoint"
-    write_log(folder / LOG, f"an earlier process was killed; this one {note}")
-    return note
-
-
 def _usable_checkpoint(folder: Path, origin: Mapping[str, Any], restore: Restore) -> tuple[Checkpoint | None, str]:
     """The checkpoint that was left, the env put where it says; or why there is none to go on from."""
     if not (folder / CHECKPOINT).is_file():
         return None, "no checkpoint was left"
     try:
         checkpoint = read_checkpoint(folder, origin)
-        restore(checkpoint.env)
+        restore(checkpoint.restored_env(folder))
     except SchemaError as error:
         return None, f"{CHECKPOINT} is of no use: {error}"
     return checkpoint, ""

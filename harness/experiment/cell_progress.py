@@ -1,14 +1,13 @@
 """What becomes of a cell's progress."""
 
-import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from harness.executor import Word
 from harness.experiment.attempt import Attempt
 from harness.experiment.cell_evaluations import CellEvaluations
-from harness.experiment.checkpoint import Checkpoint, store
 from harness.experiment.learning_so_far import LearningSoFar
+from harness.experiment.left_checkpoints import LeftCheckpoints
 from harness.experiment.order import Report
 from harness.experiment.trace_parts import TraceParts
 from harness.progress import Progress, TrainingState
@@ -16,9 +15,6 @@ from harness.progress import Progress, TrainingState
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
     from harness.policy import Policy
-
-SECONDS = 600.0
-"""From one checkpoint to the next, where nobody says how many steps."""
 
 
 class CellProgress(Progress):
@@ -47,8 +43,7 @@ class CellProgress(Progress):
         """
         self._report, self._attempt, self._env, self._parts = report, attempt, env, parts
         self._evaluations, self._learning, self._tracked = evaluations, learning, tracked
-        self._last, self._since = attempt.begun_from, time.perf_counter()
-        self._rings = attempt.checkpoint.rings if attempt.checkpoint else {}
+        self._checkpoints = LeftCheckpoints(attempt)
 
     def __call__(self, steps: int) -> None:
         """See `harness.progress.Progress`."""
@@ -65,24 +60,12 @@ class CellProgress(Progress):
 
     def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
         """See `harness.progress.Progress`."""
-        attempt = self._attempt
-        if not self._is_due(steps):
+        if not self._checkpoints.is_due(steps):
             return
         self._parts.cut()
-        stored = store(attempt.folder, make(), self._rings)
-        digests, seconds = tuple(self._parts.digests), attempt.seconds - self._evaluations.seconds
-        Checkpoint(steps, attempt.origin, env=self._env.state(), parts=digests, seconds=seconds, **stored).write(
-            attempt.folder
-        )
-        self._last, self._since, self._rings = steps, time.perf_counter(), stored["rings"]
+        seconds = self._attempt.seconds - self._evaluations.seconds
+        self._checkpoints.leave(steps, make(), self._env.state(), seconds, self._parts.digests)
 
     def restored(self) -> TrainingState | None:
         """See `harness.progress.Progress`."""
-        checkpoint = self._attempt.checkpoint
-        return checkpoint.restored(self._attempt.folder) if checkpoint else None
-
-    def _is_due(self, steps: int) -> bool:
-        every = self._attempt.every
-        if every is None:
-            return time.perf_counter() - self._since >= SECONDS
-        return 0 < every <= steps - self._last
+        return self._checkpoints.restored()

@@ -39,7 +39,7 @@ class Checkpoint:
         origin: The cell, and what it ran on: it goes on only where these are the same.
         algorithm: What the algorithm needs to go on, but for its rings.
         env: What the env needs.
-        rings: Where the algorithm's rings are, by name.
+        rings: Where the algorithm's rings are, by name, and those of the env, by their names behind `ENV`.
         parts: SHA-256 of each finished part of the trace.
         seconds: What the training took so far.
     """
@@ -69,28 +69,37 @@ class Checkpoint:
 
     def restored(self, folder: Path) -> TrainingState:
         """What the algorithm needs, with its rings, which are read from `folder`."""
-        return {**self.algorithm, **{name: read_ring(folder, ring) for name, ring in self.rings.items()}}
+        rings = {name: ring for name, ring in self.rings.items() if not name.startswith(ENV)}
+        return {**self.algorithm, **{name: read_ring(folder, ring) for name, ring in rings.items()}}
+
+    def restored_env(self, folder: Path) -> TrainingState:
+        """What the env needs, with its rings, which are read from `folder`."""
+        return {**self.env, **{name: read_ring(folder, ring) for name, ring in under(ENV, self.rings).items()}}
 
     def _arrays(self) -> TrainingState:
         return {**prefixed(ALGORITHM, self.algorithm), **prefixed(ENV, self.env)}
 
 
-def store(folder: Path, state: TrainingState, before: Mapping[str, StoredRing]) -> dict[str, Any]:
-    """Put what an algorithm needs to go on to where a `Checkpoint` names it.
+def store(
+    folder: Path, algorithm: TrainingState, env: TrainingState, before: Mapping[str, StoredRing]
+) -> dict[str, Any]:
+    """Put what a training needs to go on to where a `Checkpoint` names it.
 
     Args:
         folder: The partial folder of its cell.
-        state: What it needs.
+        algorithm: What the algorithm needs.
+        env: What the env needs.
         before: Where the rings of the last checkpoint are.
 
     Returns:
-        The fields `algorithm` and `rings` of the checkpoint.
+        The fields `algorithm`, `env` and `rings` of the checkpoint.
     """
-    arrays = {name: value for name, value in state.items() if not isinstance(value, Ring)}
-    rings = {
-        name: store_ring(folder, name, ring, before.get(name)) for name, ring in state.items() if isinstance(ring, Ring)
+    rings = {name: value for name, value in {**algorithm, **prefixed(ENV, env)}.items() if isinstance(value, Ring)}
+    return {
+        "algorithm": {name: value for name, value in algorithm.items() if not isinstance(value, Ring)},
+        "env": {name: value for name, value in env.items() if not isinstance(value, Ring)},
+        "rings": {name: store_ring(folder, name, ring, before.get(name)) for name, ring in rings.items()},
     }
-    return {"algorithm": arrays, "rings": rings}
 
 
 def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:

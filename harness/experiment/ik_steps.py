@@ -11,7 +11,7 @@ from harness.env.known_arm import kinematics_policy, why_not_kinematics
 from harness.env.make import World
 from harness.errors import SimulationDiverged
 from harness.record.trace import COLUMN, Rows
-from harness.registry.sources import fingerprint
+from harness.registry.sources import description
 from harness.task import varies
 
 
@@ -31,7 +31,7 @@ def ik_steps(world: World, episodes: int, seed: int) -> tuple[int | None, ...] |
     """
     if why_not_kinematics(world.task, world.robot):
         return None
-    parts = (fingerprint(world.simulator), fingerprint(world.task), world.robot.driven_digest)
+    parts = (description(world.simulator), description(world.task), world.robot.driven_digest)
     return _answer(_Question(parts, episodes, seed, world))
 
 

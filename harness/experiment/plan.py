@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
-from harness.algorithm import Algorithm, why_not
+from harness.algorithm import Algorithm, needs_goals, why_not
 from harness.errors import UsageError, sentence
 from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
 from harness.experiment.task_form import task_for
@@ -51,6 +51,11 @@ Interval: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 LISTS = ("sim", "algo", "reward")
 
 
+NO_GOALS = (
+    "learns by paying steps again for other goals, which a task of an arm does not allow: its rewards remember earlier "
+    "steps, it pays for the ground and the target too, and what is observed holds the way to the target. Give an "
+    "environment with goals, as --task fetch-reach"
+)
 DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
 
@@ -212,7 +217,10 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
     baseline, rewards = looked.rewards_asked(experiment.baseline, experiment.reward)
     seeds = experiment.seed_list
     _require_few(len(seeds), 1, len(algorithms), len(rewards))
-    reasons = {algorithm: why_not_in(looked, algorithm, registry, experiment.steps) for algorithm in algorithms}
+    reasons = {
+        (algorithm, reward): why_not_in(looked, algorithm, reward, registry, experiment.steps)
+        for algorithm, reward in itertools.product(algorithms, rewards)
+    }
     cells = [
         Cell(
             NO_SIMULATOR, NO_ROBOT, task, algorithm, Choice(reward, (), reward), seed, experiment.steps,
@@ -221,10 +229,11 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
         for seed, algorithm, reward in itertools.product(seeds, algorithms, rewards)
     ]  # fmt: skip
     given = _given(experiment, registry.given)
+    why_not_of = [(cell, reasons[cell.algorithm, cell.reward.name]) for cell in cells]
     return Plan(
         baseline,
-        tuple(cell for cell in cells if not reasons[cell.algorithm]),
-        tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
+        tuple(cell for cell, reason in why_not_of if not reason),
+        tuple((cell, reason) for cell, reason in why_not_of if reason),
         {
             **{key: value for key, value in given.items() if key not in ("sim", "robot")},
             "algo": [table_of(choice) for choice in algorithms],
@@ -283,6 +292,8 @@ def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, step
         if steps % built.num_envs:
             envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
             return Fit(form, f"steps={steps} is not a multiple of {envs}")
+        if needs_goals(built):
+            return Fit(form, f"{algorithm.label} {NO_GOALS}")
         return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
 
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Collection, Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ def describe_environment(
         "versions": {"python": platform.python_version(), **versions_behind(specs.values())},
         "machine": describe_machine(),
         **_engine(specs),
-        "commit": source_commit(),
+        "commit": source_commit(CHECKOUT),
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
         "sources": {**_source_hashes(specs), **digests},
     }
@@ -89,9 +90,14 @@ def distribution_of(module: str) -> str:
 def _version(distribution: str) -> str:
     """Of an installed distribution; empty if it is not installed."""
     try:
-        return importlib.metadata.version(distribution)
+        return _installed_version(distribution)
     except importlib.metadata.PackageNotFoundError:
         return ""
+
+
+@lru_cache(maxsize=256)  # what a process runs, it loaded before; to ask reads all of the distribution's metadata
+def _installed_version(distribution: str) -> str:
+    return importlib.metadata.version(distribution)
 
 
 def specs_of(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Spec]:
@@ -121,16 +127,19 @@ def describe_machine() -> dict[str, Any]:
     }
 
 
-def source_commit() -> str:
-    """The commit of the project's own checkout, ``+`` behind it if files differ; empty if this is no checkout of it.
+@lru_cache(maxsize=1)  # what a process runs, it loaded before; a cell would wait for git
+def source_commit(checkout: Path) -> str:
+    """The commit of a checkout of this project, ``+`` behind it if files differ; as it was when first asked for.
 
-    A repository that only surrounds the installation says nothing about it.
+    Args:
+        checkout: A folder; empty text if it is no checkout of this project. A repository that only surrounds the
+            installation says nothing about it.
     """
-    if not _is_checkout(CHECKOUT):
+    if not _is_checkout(checkout):
         return ""
     try:
         described = subprocess.run(
-            ["git", "-C", str(CHECKOUT), "describe", "--always", "--abbrev=40", "--dirty=+", "--exclude=*"],
+            ["git", "-C", str(checkout), "describe", "--always", "--abbrev=40", "--dirty=+", "--exclude=*"],
             capture_output=True,
             text=True,
             check=True,

@@ -44,7 +44,7 @@ def run_cell(
 
     The folder is written beside its final name and renamed when complete. What a plugin raises ends up in the
     manifest, as the reason of a failed cell, and in the log. If this process is killed, the next call goes on from the
-    last checkpoint, if it left one. A cell whose task is an environment leaves none, and starts over.
+    last checkpoint, if it left one.
 
     Args:
         cell: What to do.

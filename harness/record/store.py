@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from harness.experiment.plan import Plan
 
 CELLS, RESULTS, REPORT, LOCK = "cells", "results.parquet", "report.html", ".lock"
+MOST_NAMED = 5
+"""Most experiments that a message about the folder above them names."""
 
 
 class Store:
@@ -48,8 +50,12 @@ class Store:
         Raises:
             UsageError: The folder is not there, or is not an experiment's.
         """
+        if not folder.is_dir():
+            raise UsageError(f"No folder '{folder}'. Name the --out folder of a run")
         if not cls.is_experiment(folder):
-            raise UsageError(f"'{folder}' is no experiment: it holds no {PLAN}. Name the --out folder of a run")
+            inside = sorted(path.parent.name for path in folder.glob(f"*/{PLAN}"))
+            told = f". Experiments in it: {', '.join(inside[:MOST_NAMED])}" if inside else ""
+            raise UsageError(f"'{folder}' is no experiment: it holds no {PLAN}. Name the --out folder of a run{told}")
         return cls(folder)
 
     @classmethod

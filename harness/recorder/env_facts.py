@@ -3,6 +3,7 @@
 import json
 import platform
 import sys
+from collections.abc import Collection
 from typing import Any
 
 import gymnasium
@@ -55,10 +56,10 @@ def plain(value: Any) -> Any:
     return value
 
 
-def versions_of(env: Any) -> dict[str, str]:
-    """Of Python, of what records, of the env's package and of learning libraries that are loaded."""
+def versions_of(env: Any, learners: Collection[str] = LEARNERS) -> dict[str, str]:
+    """Of Python, of what records, of the env's package and of those `learners` that are loaded."""
     home = type(env.unwrapped).__module__.partition(".")[0]
-    loaded = {name: getattr(sys.modules.get(name), "__version__", None) for name in (home, *LEARNERS)}
+    loaded = {name: getattr(sys.modules.get(name), "__version__", None) for name in (home, *learners)}
     return {
         "python": platform.python_version(),
         "fd100-harness": harness.__version__,

@@ -8,6 +8,7 @@ import gymnasium
 
 from harness.errors import UsageError
 from harness.recorder.column import Given
+from harness.recorder.env_facts import LEARNERS
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import OnError
 
@@ -28,6 +29,7 @@ def evaluate_policy(
     lower_is_better: Collection[str] = (),
     episodes: int = EPISODES,
     on_error: OnError = "warn",
+    learners: Collection[str] = LEARNERS,
 ) -> None:
     """Record whole episodes of a finished policy; ``harness report`` then judges by them, not by the training.
 
@@ -45,6 +47,7 @@ def evaluate_policy(
         lower_is_better: Names of measures of which less is better.
         episodes: How many.
         on_error: As of `RecordRewards`.
+        learners: The same.
 
     Raises:
         UsageError: Something of that cannot be used, there is no such env, or `path` holds another recording.
@@ -63,6 +66,7 @@ def evaluate_policy(
         seed=seed,
         evaluation=True,
         on_error=on_error,
+        learners=learners,
     )
     try:
         for episode in range(episodes):

@@ -10,6 +10,7 @@ import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
 from harness.recorder.column import Column, Given, Untold, as_number
+from harness.recorder.env_facts import LEARNERS
 from harness.recorder.recorder import OnError, Recorder, differs, kept
 
 Observation = TypeVar("Observation")
@@ -54,6 +55,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         number: int = 0,
         resume: bool = False,
         on_error: OnError = "warn",
+        learners: Collection[str] = LEARNERS,
     ) -> None:
         """Check what was given, and start the recording.
 
@@ -74,6 +76,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             resume: Go on with the recording in `path`, if there is one, after what it has. Otherwise a path that
                 holds one is refused. Rewards, measures and env have to be the same as before.
             on_error: ``"warn"``, or ``"raise"`` to stop the training where a reward or a measure fails.
+            learners: Modules of learning libraries; the version of each is noted where something has imported it.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -95,6 +98,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             number=number,
             resume=resume,
             on_error=on_error,
+            learners=learners,
         )
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
         self._looks = any(column.measures for column in self._recorder.columns)

@@ -14,7 +14,7 @@ from harness.errors import StorageError, UsageError, one_line
 from harness.record.recording.facts import REWARD, Failure, TrainingFacts
 from harness.record.recording.recording_writer import RecordingWriter, Rows
 from harness.recorder.column import OWN, Column, Given, columns_of, source_of
-from harness.recorder.env_facts import env_facts, versions_of
+from harness.recorder.env_facts import LEARNERS, env_facts, versions_of
 
 OnError = Literal["warn", "raise"]
 
@@ -45,6 +45,7 @@ class Recorder:
         resume: bool,
         on_error: OnError,
         batched: Collection[str] = (),
+        learners: Collection[str] = LEARNERS,
     ) -> None:
         """Check what was given, then start the files; see `harness.recorder.record_rewards.RecordRewards`.
 
@@ -74,7 +75,7 @@ class Recorder:
             seed=seed,
             num_envs=num_envs,
             env=env_facts(env),
-            versions=versions_of(env),
+            versions=versions_of(env, learners),
             sources={column.name: source_of(column.given) for column in self.columns},
         )
         try:

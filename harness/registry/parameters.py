@@ -6,6 +6,7 @@ import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import pydantic
@@ -49,7 +50,7 @@ def build(target: Any, given: Mapping[str, Any], noun: str, registry: Registry |
         if key not in names:
             there = f"There is: {', '.join(names) or 'none'}.{did_you_mean(key, names)}"
             raise UsageError(f"{sentence(noun)} has no parameter '{key}'. {there}")
-    hints = typing.get_type_hints(target)
+    hints = _hints(target)
     values = {key: _split_tuple(hints[key], value) for key, value in given.items()}
     try:
         built = adapter.validate_python(values, context={"registry": registry})
@@ -94,8 +95,7 @@ def parameters_of(target: Any) -> list[Parameter]:
     """The parameters that a registered dataclass takes; an empty list for any other target."""
     if not dataclasses.is_dataclass(target):
         return []
-    hints = typing.get_type_hints(target)
-    extras = typing.get_type_hints(target, include_extras=True)
+    hints, extras = _hints(target), _hints(target, include_extras=True)
     return [
         Parameter(field.name, _type_name(hints[field.name]), _default_of(field), _description_of(extras[field.name]))
         for field in dataclasses.fields(target)
@@ -113,16 +113,22 @@ def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
         raise PluginError(f"{sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
 
 
+@cache
+def _hints(target: Any, include_extras: bool = False) -> Mapping[str, Any]:
+    """The types of a dataclass's fields, by their names."""
+    return MappingProxyType(typing.get_type_hints(target, include_extras=include_extras))
+
+
 @cache  # a run builds the same few classes hundreds of times
 def _type_adapter(target: Any) -> "pydantic.TypeAdapter[Any]":
-    typing.get_type_hints(target)
+    _hints(target)
     return pydantic.TypeAdapter(target)
 
 
 @cache
 def _fields_alone(target: Any) -> Any:
     """A dataclass of the same parameters that does nothing when it is built, and takes every one of them."""
-    hints = typing.get_type_hints(target, include_extras=True)
+    hints = _hints(target, include_extras=True)
     fields = [(field.name, hints[field.name]) for field in dataclasses.fields(target) if field.init]
     settings = {"__pydantic_config__": getattr(target, "__pydantic_config__", {})}
     return dataclasses.make_dataclass("Fields", fields, namespace=settings)

@@ -3,7 +3,8 @@
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from importlib.metadata import EntryPoint, entry_points
+from functools import lru_cache
+from importlib.metadata import Distribution, EntryPoint
 from types import ModuleType
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
 from harness.registry.given import Given, PluginClass, PluginFile, class_of_file, import_file
 from harness.registry.hooks import fault_of, hooks_of
+from harness.registry.installed import installed
 from harness.registry.names import unknown_name
 from harness.registry.spec import Spec, canonical
 from harness.registry.wanted import Wanted
@@ -175,13 +177,9 @@ def load_registry(found: Iterable[EntryPoint] | None = None, given: Sequence[Giv
     manager = pluggy.PluginManager(PROJECT)
     manager.add_hookspecs(Hooks)
     wanted = Wanted.from_environment()
-    candidates = entry_points(group=PROJECT) if found is None else found
-    origins: dict[object, Origin] = {}
+    candidates = installed(PROJECT) if found is None else found
     for point in sorted(candidates, key=lambda point: (point.name, point.value)):
-        # To ask a distribution for its name reads its metadata, each time; all plugins of one share the answer.
-        origin = origins.get(point.dist) or _origin_of(point)
-        if point.dist is not None:
-            origins[point.dist] = origin
+        origin = _origin_of(point.dist) if point.dist else Origin(point.module, "")
         reason = wanted.why_off(point.name, origin.distribution)
         if reason:
             registry.plugins.append(_plugin(point, origin, "off", reason))
@@ -200,8 +198,9 @@ class Origin(NamedTuple):
     version: str
 
 
-def _origin_of(point: EntryPoint) -> Origin:
-    return Origin(point.dist.name, point.dist.version) if point.dist else Origin(point.module, "")
+@lru_cache(maxsize=64)  # to ask a distribution for anything reads its metadata, each time
+def _origin_of(distribution: Distribution) -> Origin:
+    return Origin(distribution.name, distribution.version)
 
 
 def _load_plugin(point: EntryPoint, origin: Origin, manager: pluggy.PluginManager, registry: Registry) -> None:

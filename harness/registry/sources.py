@@ -59,7 +59,7 @@ def fingerprint(built: Any) -> str:
     """
     types = dict.fromkeys(type(part) for part in _parts_of(built))
     files = [file for part in types for file in (*source_files(part), *_files_behind(part.__module__))]
-    return hashlib.sha256(f"{_describe(built)} {_digest(dict.fromkeys(files))}".encode()).hexdigest()
+    return hashlib.sha256(f"{description(built)} {_digest(dict.fromkeys(files))}".encode()).hexdigest()
 
 
 def _parts_of(built: Any, around: tuple[int, ...] = ()) -> Iterator[Any]:
@@ -71,14 +71,17 @@ def _parts_of(built: Any, around: tuple[int, ...] = ()) -> Iterator[Any]:
         yield from _parts_of(value, (*around, id(built)))
 
 
-def _describe(built: Any, around: tuple[int, ...] = ()) -> str:
-    """The class and its attributes, whatever the order in which they were set."""
+def description(built: Any, around: tuple[int, ...] = ()) -> str:
+    """The class of a built plugin and its attributes, whatever the order in which they were set.
+
+    Within a process, whose classes stay what they are, this is all that decides what it computes.
+    """
     if _is_plain(built):
         return repr(built)
     if id(built) in around:
         return "itself"
     values = sorted(getattr(built, "__dict__", {}).items())
-    told = ", ".join(f"{name}={_describe(value, (*around, id(built)))}" for name, value in values)
+    told = ", ".join(f"{name}={description(value, (*around, id(built)))}" for name, value in values)
     return f"{type(built).__module__}.{type(built).__qualname__}({told})"
 
 
@@ -111,7 +114,7 @@ def _source_of(module: str) -> Path | None:
 def _imports_of(source: bytes, package: str) -> tuple[str, ...]:
     """Whatever the source of a module in `package` imports, also inside functions; names in a module among them."""
     found: list[str] = []
-    for node in ast.walk(ast.parse(source)):
+    for node in _statements(ast.parse(source)):
         if isinstance(node, ast.Import):
             found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -119,6 +122,16 @@ def _imports_of(source: bytes, package: str) -> tuple[str, ...]:
             base = ".".join(part for part in (parent, node.module) if part)
             found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
     return tuple(found)
+
+
+def _statements(module: ast.Module) -> Iterator[ast.AST]:
+    """Also those inside of others; not the many expressions, which import nothing."""
+    waiting: list[ast.AST] = [module]
+    while waiting:
+        statement = waiting.pop()
+        yield statement
+        for part in ("body", "handlers", "orelse", "finalbody", "cases"):
+            waiting += getattr(statement, part, ())
 
 
 def _digest(files: Iterable[Path]) -> str:

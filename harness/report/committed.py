@@ -24,9 +24,9 @@ MOST_BYTES = 64 * 2**20
 HEADINGS = ("", "the robot", "success", "seeds", "eta_N", "eta_P", "ruler")
 PLACES = ("simulator", "algorithm", "robot", "task")
 READING = (
-    "success: baseline > proposed. eta = proposed / baseline; below 1 counts as better for eta_N, above 1 for eta_P. "
-    "ruler: the part of eta_P that comes from counting the same runs otherwise. In brackets, where the window has "
-    "room: the 95% interval. *: see the remarks below."
+    "success: baseline > proposed. eta: the proposed reward's number divided by the baseline's. eta_N below 1 and "
+    "eta_P above 1 count as better. ruler: the part of eta_P that comes from counting the same runs differently. "
+    "In brackets, if the window is wide enough: the 95% interval. *: see the remarks below."
 )
 Number = Annotated[float, Field(allow_inf_nan=False)]
 

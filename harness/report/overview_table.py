@@ -9,7 +9,7 @@ from rich.text import Text
 
 from harness.eta.headline import Answer
 from harness.report.grid_table import divide_columns, show_grid
-from harness.report.rows import Grid, advice, count_cells, unfinished_cells
+from harness.report.rows import Grid, advice, count_cells, split_grid, unfinished_cells
 from harness.results import Results
 from harness.results.combination import Combination
 from harness.results.overview import (
@@ -38,8 +38,9 @@ def overview_table(results: Results, details: str) -> RenderableType:
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
     if len(combinations) == 1:
         parts += _sentences(results, combinations[0])
+    parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
     parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, unfinished_cells(results))]
-    return Together(*parts, *([Text(f"Everything that this rests on: {details}")] if combinations else []))
+    return Together(*parts, *([Text(f"All numbers behind this: {details}")] if combinations else []))
 
 
 def comparison_lines(combinations: Sequence[Combination]) -> RenderableType:
@@ -74,6 +75,12 @@ def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool)
         Grid(HEADINGS, [overview_row(it.names.proposed, it, with_intervals) for it in members], [], name)
         for name, members in groupby(combinations, key=lambda it: group_name(it, varying))
     ]
+
+
+def _not_split(combinations: Sequence[Combination]) -> list[str]:
+    """Why a reward could not pay the runs of another one, each reason once: etas without it are hard to read."""
+    told = (it.splits for it in combinations if it.seeds and not it.is_split)
+    return list(dict.fromkeys(note for splits in told for note in split_grid(splits).notes))
 
 
 def _sentences(results: Results, combination: Combination) -> list[RenderableType]:

@@ -14,9 +14,9 @@ NEAR_ZERO = "near zero"
 HEADINGS = ("", "the robot", "success", "eta_N", "eta_P", "ruler")
 """Of `overview_row`."""
 READING = (
-    "success: baseline > proposed. eta = proposed / baseline, with a 95% interval where the window has room; below 1 "
-    "counts as better for eta_N, above 1 for eta_P. ruler: the part of eta_P that comes from counting the same runs "
-    "otherwise; no robot moved differently for it."
+    "success: baseline > proposed. eta: the proposed reward's number divided by the baseline's, with its 95% interval "
+    "if the window is wide enough. eta_N below 1 and eta_P above 1 count as better. ruler: the part of eta_P that "
+    "comes from counting the same runs differently; no robot moved differently for it."
 )
 
 

@@ -145,7 +145,7 @@ def show_cells(results: Results, ids: Sequence[str], episodes: int = MOST) -> Sh
         UsageError: No such cell is done, several are meant, or one has no scene.
         SchemaError: A file is damaged or written by a newer version.
     """
-    cells = [_find(results, name) for name in ids]
+    cells = [find_done(results, name) for name in ids]
     titles = tuple(f"{cell.reward.label} · seed {cell.seed}" for cell in cells)
     common = " · ".join(dict.fromkeys(Group.of(cell).title for cell in cells))
     show = _show(results, Pair(tuple(cells), common, titles), episodes)
@@ -217,7 +217,12 @@ def _count_outcomes(results: Results, cell: Cell, manner: str) -> int:
     return sum(share > 1e-9 for share in (reached, over, 1.0 - reached - over))
 
 
-def _find(results: Results, name: str) -> Cell:
+def find_done(results: Results, name: str) -> Cell:
+    """The done cell whose id begins so.
+
+    Raises:
+        UsageError: There is none, or there are several.
+    """
     found = [manifest.cell for manifest in results.done if manifest.cell.id.startswith(name)]
     if len(found) != 1:
         told = "several" if found else "none"

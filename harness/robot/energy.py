@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -38,8 +39,13 @@ def read_bodies(robot: Robot) -> Body | None:
     Returns:
         One for each joint, arrays read-only; None where no link that moves has a mass.
     """
-    urdf = parse_urdf(robot.urdf)
-    carried: dict[str, list[Body]] = {name: [] for name in robot.joint_names}
+    return _read_bodies(robot.urdf, robot.joint_names)
+
+
+@lru_cache(maxsize=8)  # of what it moves with every evaluation asks
+def _read_bodies(text: str, joint_names: tuple[str, ...]) -> Body | None:
+    urdf = parse_urdf(text)
+    carried: dict[str, list[Body]] = {name: [] for name in joint_names}
     for name, link in urdf.links.items():
         joint, T_child_link = moving_carrier(name, urdf.carriers)
         if joint in carried:

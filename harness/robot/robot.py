@@ -240,6 +240,8 @@ def _check_count(driven: Sequence[Joint], tip: str) -> None:
 
 def _name_meshes_by_content(urdf: str) -> str:
     """The URDF's text with the SHA-256 of each mesh file in the place of its path; a URDF without meshes as it is."""
+    if "mesh" not in urdf:
+        return urdf
     robot = parse_urdf(urdf).element
     meshes = list(robot.iter("mesh"))
     for mesh in meshes:

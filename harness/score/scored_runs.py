@@ -61,18 +61,20 @@ class Payer:
             return np.allclose(score_trace(self._reward, own), own["reward"], rtol=1e-9, atol=1e-12)
 
     def require_unchanged(self, pays_recorded: bool) -> None:
-        """See `pays_recorded`: one that pays its own steps otherwise now is another reward.
+        """See `pays_recorded`: one that now pays its own steps differently is another reward.
 
         Raises:
             Unscored: It has changed.
         """
         if not pays_recorded:
-            raise Unscored(
-                f"reward {self.choice.label} pays its own recorded steps otherwise than then: it has changed"
-            )
+            raise Unscored(f"reward {self.choice.label} now pays its recorded steps differently: it has changed")
 
     @cached_property
     def _reward(self) -> Reward:
+        if ("rewards", self.choice.name) not in self._registry.specs:
+            raise HarnessError(
+                f"No reward '{self.choice.name}' is installed. If it stands in a file, add --plugin FILE"
+            )
         reward: Reward = self.choice.build(self._registry, "rewards")
         return reward
 

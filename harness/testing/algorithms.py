@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.algorithm import Algorithm, learns
+from harness.algorithm import Algorithm, learns, needs_goals
 from harness.policy import Policy, load_policy
 from harness.testing.acting import require_in_the_middle
 from harness.testing.checkpoints import differences, train_with_checkpoints
@@ -54,7 +54,7 @@ def action_spaces_are_declared(algorithm: Algorithm) -> None:
 
 @check("algo-budget")
 def the_budget_is_spent_exactly(algorithm: Algorithm) -> None:
-    """Training takes as many environment steps as it was given, counted over all envs."""
+    """Training takes exactly as many environment steps as it was given, counted over all envs."""
     given = steps_for(algorithm, FEW)
     for done in trainings(algorithm, FEW):
         require(done.env.steps == given, f"{done.env.steps} environment steps were taken, {given} were given")
@@ -62,7 +62,7 @@ def the_budget_is_spent_exactly(algorithm: Algorithm) -> None:
 
 @check("algo-progress")
 def progress_is_told_to_the_end(algorithm: Algorithm) -> None:
-    """`progress` hears of ever more steps; the last it hears is the budget."""
+    """`progress` is told of ever more steps, and the last number is the budget."""
     told, given = train(algorithm, FEW).told, steps_for(algorithm, FEW)
     require(told and told[-1] == given, f"progress was told {told[-3:]} in the end, {given} steps were given")
     require(told == sorted(told), f"progress was told {told}: steps that are done cannot be undone")
@@ -98,7 +98,7 @@ def actions_of_the_policy_are_in_the_box(algorithm: Algorithm) -> None:
 
 @check("algo-same-seed")
 def the_same_seed_gives_the_same_policy(algorithm: Algorithm) -> None:
-    """Two trainings with one seed give the same weights, bit for bit, whatever else drew random numbers before."""
+    """Two trainings with the same seed give the same weights, bit for bit, whatever drew random numbers before."""
     first = train(algorithm, FEW, seed=1).policy
     np.random.random(7)
     random.random()
@@ -140,7 +140,7 @@ def the_return_rises(algorithm: Algorithm) -> None:
 
 @check("algo-every-env")
 def every_env_counts(algorithm: Algorithm) -> None:
-    """What any one env pays makes a difference: none is trained on in vain."""
+    """The pay of every single env makes a difference: the training uses all envs."""
     if not learns(algorithm):
         return
     each = in_several_envs(algorithm)
@@ -149,9 +149,18 @@ def every_env_counts(algorithm: Algorithm) -> None:
         require(not _same_weights(fined, paid), f"whatever env {env} of {each.num_envs} pays, the weights are the same")
 
 
+@check("algo-hindsight")
+def it_learns_in_hindsight(algorithm: Algorithm) -> None:
+    """An algorithm with `needs_goals` pays steps again for other goals, and that pay makes a difference."""
+    if needs_goals(algorithm):
+        fined, paid = (train(algorithm, FEW, hindsight_bonus=bonus).policy for bonus in (-100.0, 100.0))
+        same = _same_weights(fined, paid)
+        require(not same, "needs_goals is True, and whatever steps are paid for other goals, the weights are the same")
+
+
 @check("algo-learns-nothing")
 def what_learns_nothing_says_so(algorithm: Algorithm) -> None:
-    """`learns` is False only where no training makes a difference: neither its length nor its seed."""
+    """`learns` is False only if neither the length of a training nor its seed makes a difference."""
     if learns(algorithm):
         return
     first, longer, other = (train(algorithm, *how).policy for how in ((FEW, 1), (2 * FEW, 1), (FEW, 2)))
@@ -166,7 +175,7 @@ def the_policy_comes_back_from_its_folder(algorithm: Algorithm) -> None:
     with tempfile.TemporaryDirectory() as folder:
         policy.save(Path(folder) / "policy")
         loaded = load_policy(Path(folder) / "policy")
-    require(np.array_equal(policy.act(seen), loaded.act(seen)), "the loaded policy acts otherwise")
+    require(np.array_equal(policy.act(seen), loaded.act(seen)), "the loaded policy acts differently")
 
 
 @check("algo-policy-box")
@@ -186,7 +195,7 @@ def the_policy_has_the_envs_actions(algorithm: Algorithm) -> None:
 
 @check("algo-acts-as-trained")
 def the_policy_acts_as_it_trained(algorithm: Algorithm) -> None:
-    """The policy's actions are in the middle of those that the training took around them, at the same observations.
+    """At the same observations the policy's actions lie in the middle of those that the training drew around them.
 
     Where the algorithm tells its policy on the way, by `Progress.policy`, each step is compared with the policy of that
     step; else the last steps, roughly, with the last policy. `check_export` compares exactly.
@@ -198,7 +207,7 @@ def the_policy_acts_as_it_trained(algorithm: Algorithm) -> None:
 
 @check("algo-checkpoint-silent")
 def checkpoints_change_nothing(algorithm: Algorithm) -> None:
-    """A training that leaves checkpoints does the same steps as one that leaves none, and gives the same weights."""
+    """A training that leaves checkpoints does the same steps and gives the same weights as one that leaves none."""
     with tempfile.TemporaryDirectory() as folder:
         without = train_with_checkpoints(algorithm, LONGER, 2 * LONGER, Path(folder) / "without")
         left = train_with_checkpoints(algorithm, LONGER, EVERY, Path(folder) / "with")
@@ -208,7 +217,7 @@ def checkpoints_change_nothing(algorithm: Algorithm) -> None:
 
 @check("algo-resume")
 def a_training_goes_on_where_it_stood(algorithm: Algorithm) -> None:
-    """A training that goes on from a checkpoint in a new process does what the one that left it did then, bit for bit.
+    """A training that goes on from a checkpoint in a new process does what the first one did from there, bit for bit.
 
     And so does one that goes on from a checkpoint of that. Of an algorithm that leaves no checkpoints nothing is asked.
     """
@@ -236,6 +245,7 @@ ALGORITHM_CHECKS: tuple[Check, ...] = (
     learning_goes_on,
     the_return_rises,
     every_env_counts,
+    it_learns_in_hindsight,
     what_learns_nothing_says_so,
     the_policy_comes_back_from_its_folder,
     the_policy_has_the_envs_actions,
@@ -247,7 +257,7 @@ ALGORITHM_CHECKS: tuple[Check, ...] = (
 
 @check("algo-tells-policy", "warning")
 def the_policy_is_told_on_the_way(algorithm: Algorithm) -> None:
-    """While it trains it calls `progress.policy`: without it there is no learning curve of what the policy does."""
+    """The training calls `progress.policy`: without it there is no learning curve of what the policy does."""
     if learns(algorithm):
         told = train(algorithm, FEW).env.told.newest
         require(
@@ -259,7 +269,7 @@ def the_policy_is_told_on_the_way(algorithm: Algorithm) -> None:
 
 @check("algo-leaves-checkpoints", "warning")
 def checkpoints_are_offered(algorithm: Algorithm) -> None:
-    """While it trains it calls `progress.checkpoint`: without it a training that is killed starts over."""
+    """The training calls `progress.checkpoint`: without it a killed training starts over."""
     with tempfile.TemporaryDirectory() as folder:
         left = train_with_checkpoints(algorithm, FEW, FEW // 2, Path(folder) / "left").left
     require(left, "progress.checkpoint is not called: a training that is killed starts over, and going on is not tried")

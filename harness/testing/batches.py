@@ -52,7 +52,7 @@ def a_simulation_has_its_methods(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-batch-order")
 def every_env_does_what_it_was_told(simulator: Simulator, robot: Robot) -> None:
-    """Row k of what is told moves env k, and row k of the state is env k: different ways are not mixed up."""
+    """Row k of the commands moves env k, and row k of the state belongs to env k: rows are not mixed up."""
     with opened(simulator, robot) as simulation:
         home = start_at_home(simulation, robot).qpos
         way = SHARES[:, None] * MOVE * robot.max_speed * PERIOD * turns(robot, 1)
@@ -72,7 +72,7 @@ def every_env_does_what_it_was_told(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-contact-per-env")
 def ground_contact_is_the_envs_own(simulator: Simulator, robot: Robot) -> None:
-    """An arm in the ground is told for its own env alone: the envs that stay at home touch nothing."""
+    """If one arm is in the ground, only its own env reports contact: the envs that stay at home touch nothing."""
     with opened(simulator, robot) as simulation:
         home = start_at_home(simulation, robot)
         targets = home.qpos.copy()
@@ -87,7 +87,7 @@ def ground_contact_is_the_envs_own(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-state-owned")
 def states_are_not_the_callers_arrays(simulator: Simulator, robot: Robot) -> None:
-    """No array of a state is the one that the caller gave: it tells what the engine holds, not what it was told."""
+    """A state holds the engine's own values: none of its arrays is one that the caller passed in."""
     with opened(simulator, robot) as simulation:
         qpos = poses_near_home(robot, NUM_ENVS)
         calls: dict[str, Callable[[Float], State]] = {

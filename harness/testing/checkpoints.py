@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.algorithm import Algorithm
+from harness.algorithm import Algorithm, needs_goals
 from harness.arrays import Float
 from harness.env import ReachVectorEnv
 from harness.experiment.checkpoint import Checkpoint, read_checkpoint, store
@@ -57,8 +57,8 @@ class _Keeping(Told):
         """See `harness.progress.Progress`."""
         if steps < self._last + self._every:
             return
-        stored = store(self._folder, make(), self._rings)
-        Checkpoint(steps, ORIGIN, env=self._env.state(), **stored).write(self._folder)
+        stored = store(self._folder, make(), self._env.state(), self._rings)
+        Checkpoint(steps, ORIGIN, **stored).write(self._folder)
         self._last, self._rings = steps, stored["rings"]
         copied = self._folder.with_name(f"{self._folder.name}-{steps}")
         shutil.copytree(self._folder, copied)
@@ -75,7 +75,7 @@ class _Keeping(Told):
 
 def open_easy(algorithm: Algorithm) -> ReachVectorEnv:
     """The easy task with as many envs as the algorithm wants."""
-    return WatchedEnv(algorithm.num_envs, min(algorithm.action_spaces))
+    return WatchedEnv(algorithm.num_envs, min(algorithm.action_spaces), needs_goals(algorithm))
 
 
 def train_with_checkpoints(

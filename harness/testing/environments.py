@@ -9,8 +9,15 @@ from typing import Any
 import numpy as np
 from gymnasium.utils.env_checker import check_env
 
-from harness.environment import AnyEnv, Environment, Measure, baseline_of, lower_is_better
-from harness.experiment.environments.spaces import flat_observation, flat_observations, kind_of_actions
+from harness.environment import AnyEnv, Environment, Measure, baseline_of, goal_rewards, lower_is_better
+from harness.experiment.environments.spaces import (
+    ACHIEVED,
+    DESIRED,
+    flat_observation,
+    flat_observations,
+    goal_columns,
+    kind_of_actions,
+)
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
@@ -30,7 +37,7 @@ def check_environment(environment: Environment) -> None:
 
 @check("environment-api")
 def the_env_is_one_of_gymnasium(environment: Environment) -> None:
-    """What `make` gives passes `gymnasium.utils.env_checker.check_env`, rendering left out."""
+    """The env that `make` returns passes `gymnasium.utils.env_checker.check_env`, without rendering."""
     with closing(environment.make()) as env, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # advice on how spaces are best
         check_env(env, skip_render_check=True)
@@ -58,7 +65,7 @@ def names_are_known(environment: Environment) -> None:
 
 @check("environment-finite")
 def numbers_are_finite(environment: Environment) -> None:
-    """Every reward gives a finite number for every step; so does every measure, which may be untold before the end."""
+    """Every reward gives a finite number for every step. So does every measure, at least at the end of an episode."""
     with closing(environment.make()) as env:
         rewards, measures = environment.rewards(env), environment.behaviour(env)
         for step in _steps(env, 0, STEPS):
@@ -76,18 +83,45 @@ def a_seed_decides_everything(environment: Environment) -> None:
     """The same seed and the same actions give the same observations, rewards and measures, in one env and in two."""
     with closing(environment.make()) as env, closing(environment.make()) as other:
         first, again, elsewhere = (_rollout(environment, it) for it in (env, env, other))
-    require(np.array_equal(first, again, equal_nan=True), "an env that is reset with the same seed behaves otherwise")
-    require(np.array_equal(first, elsewhere, equal_nan=True), "another env with the same seed behaves otherwise")
+    require(np.array_equal(first, again, equal_nan=True), "an env that is reset with the same seed behaves differently")
+    require(np.array_equal(first, elsewhere, equal_nan=True), "another env with the same seed behaves differently")
 
 
 @check("environment-looks-on")
 def rewards_change_nothing(environment: Environment) -> None:
-    """Episodes are the same whether rewards and measures are asked or not: they look on alone."""
+    """Rewards and measures only look on: episodes are the same whether they are asked or not."""
     with closing(environment.make()) as env, closing(environment.make()) as other:
         asked = _rollout(environment, env)
         alone = [step.numbers for step in _steps(other, 0, STEPS)]
     same = all(np.array_equal(row[: len(bare)], bare) for row, bare in zip(asked, alone, strict=True))
-    require(same, "an episode goes on otherwise when its rewards and measures are asked")
+    require(same, "an episode goes on differently when its rewards and measures are asked")
+
+
+@check("environment-goals")
+def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
+    """Each name in `goal_rewards` is a reward, and its function pays the observed goals what the steps were paid.
+
+    They are given all steps at once, when the env stands elsewhere. Of an environment without any nothing is asked.
+    """
+    with closing(environment.make()) as env:
+        rewards, by_goals = environment.rewards(env), goal_rewards(environment, env)
+        if not by_goals:
+            return
+        goal_columns(env.observation_space)
+        unknown = sorted(by_goals.keys() - rewards.keys())
+        require(not unknown, f"goal_rewards names {unknown}, which are none of its rewards {sorted(rewards)}")
+        asked = {name: rewards[name] for name in by_goals}
+        paid, goals = list[dict[str, Any]](), list[list[Any]]()
+        for step in _steps(env, 0, STEPS):
+            paid.append(step.values(asked))
+            goals.append([np.array(step.after[key], float) for key in (ACHIEVED, DESIRED)])
+        achieved, desired = (np.array(each) for each in zip(*goals, strict=True))
+        for name, pay in by_goals.items():
+            found, right = np.asarray(pay(achieved, desired)), np.array([one[name] for one in paid], float)
+            require(found.shape == right.shape, f"'{name}' pays {STEPS} steps by goals with shape {found.shape}")
+            off = int(np.argmax(np.abs(found - right)))
+            same = np.allclose(found, right, rtol=1e-5, atol=1e-6)
+            require(same, f"'{name}' paid a step {right[off]:.6g}, and by its goals alone {found[off]:.6g}")
 
 
 @check("environment-ends")
@@ -102,9 +136,9 @@ class _Step:
 
     def __init__(self, space: Any, before: Any, action: Any, told: tuple[Any, ...]) -> None:
         self._before, self._action = before, action
-        self._after, self.paid, terminated, truncated, self._info = told
+        self.after, self.paid, terminated, truncated, self._info = told
         self.ended = bool(terminated or truncated)
-        self.numbers: Row = [*flat_observation(space, self._after).tolist(), float(self.paid)]
+        self.numbers: Row = [*flat_observation(space, self.after).tolist(), float(self.paid)]
 
     def values(self, measures: Mapping[str, Measure]) -> dict[str, float | None]:
         """By name; None of a key that info does not have."""
@@ -114,7 +148,7 @@ class _Step:
         if isinstance(measure, str):
             told = self.paid if measure == OWN else self._info.get(measure)
             return None if told is None else float(told)
-        return float(measure(self._before, self._action, self._after, self._info))
+        return float(measure(self._before, self._action, self.after, self._info))
 
 
 def _steps(env: AnyEnv, seed: int, count: int, on_start: Callable[[], None] = lambda: None) -> Iterator[_Step]:
@@ -158,5 +192,6 @@ ENVIRONMENT_CHECKS: tuple[Check, ...] = (
     numbers_are_finite,
     a_seed_decides_everything,
     rewards_change_nothing,
+    rewards_of_goals_pay_as_they_do,
     episodes_end,
 )

@@ -43,7 +43,7 @@ def check_executor(executor: Executor, folder: Path | None = None) -> None:
 
 @check("executor-no-jobs")
 def no_jobs_are_no_events(executor: Executor, folder: Path) -> None:
-    """Where there is nothing to do, nothing is told and nothing is raised."""
+    """Without jobs there is no event and no error."""
     told: list[Event] = []
     executor.run([], 2, told.append)
     require(not told, f"told {told} of no jobs")
@@ -51,7 +51,7 @@ def no_jobs_are_no_events(executor: Executor, folder: Path) -> None:
 
 @check("executor-events")
 def every_job_begins_and_ends_once(executor: Executor, folder: Path) -> None:
-    """Of each job: ``started``, any number of ``progress`` within the cell's steps, then ``ended``, and no more."""
+    """Each job has the events ``started``, any ``progress`` within the cell's steps, then ``ended``, and no more."""
     cells = [odd_cell(seed) for seed in range(3)]
     told = _run(executor, cells, folder, at_once=2)
     require({event.cell for event in told} == set(cells), "told of other cells than those of the jobs, or not of all")
@@ -65,7 +65,7 @@ def every_job_begins_and_ends_once(executor: Executor, folder: Path) -> None:
 
 @check("executor-thread")
 def events_are_told_in_the_callers_thread(executor: Executor, folder: Path) -> None:
-    """Who is told need not be safe for threads, and what it raises reaches the caller of `run`."""
+    """`on_event` need not be safe for threads, and an error that it raises reaches the caller of `run`."""
     threads: set[int] = set()
     _run(executor, [odd_cell()], folder, on_event=lambda _: threads.add(threading.get_ident()))
     require(threads == {threading.get_ident()}, "on_event was called in another thread")
@@ -73,7 +73,7 @@ def events_are_told_in_the_callers_thread(executor: Executor, folder: Path) -> N
 
 @check("executor-results")
 def a_done_cell_leaves_what_run_job_leaves(executor: Executor, folder: Path) -> None:
-    """The job's folder is whole, and every file but the log and the manifest is, byte for byte, `run_job`'s."""
+    """The job's folder is complete; every file but log and manifest is the one of `run_job`, byte for byte."""
     cell = odd_cell()
     told = _run(executor, [cell], folder)
     left = examine(folder / cell.id, cell)
@@ -88,7 +88,7 @@ def a_done_cell_leaves_what_run_job_leaves(executor: Executor, folder: Path) -> 
 
 @check("executor-raises")
 def what_raises_costs_itself_alone(executor: Executor, folder: Path) -> None:
-    """A cell whose plugin raises leaves a manifest that tells it; the cells before and after it are done."""
+    """A cell whose plugin raises an error leaves a manifest that says so; the cells before and after it are done."""
     raising = odd_cell(1, "raise")
     _run(executor, [odd_cell(0), raising, odd_cell(2)], folder)
     _require_done([odd_cell(0), odd_cell(2)], folder)
@@ -110,7 +110,7 @@ def what_is_killed_costs_itself_alone(executor: Executor, folder: Path) -> None:
 
 @check("executor-hangs")
 def what_hangs_is_ended(executor: Executor, folder: Path) -> None:
-    """A cell that tells no progress for as long as its limits say is ended, with the reason; the others are done."""
+    """A cell that makes no progress for longer than its limit is ended, with the reason; the others are done."""
     notes = _notes(folder)
     hanging = odd_cell(1, "hang", notes)
     try:
@@ -127,7 +127,7 @@ def what_hangs_is_ended(executor: Executor, folder: Path) -> None:
 
 @check("executor-at-once")
 def no_more_at_once_than_asked(executor: Executor, folder: Path) -> None:
-    """At most `at_once` cells run at a time, as the events tell it and as the cells themselves show it."""
+    """At most `at_once` cells run at a time, by the events and by what the cells themselves show."""
     notes = _notes(folder)
     cells = [odd_cell(seed, "last", notes) for seed in range(4)]
     running: set[Cell] = set()
@@ -150,7 +150,7 @@ def no_more_at_once_than_asked(executor: Executor, folder: Path) -> None:
 
 @check("executor-interruption")
 def an_interruption_leaves_nothing_running(executor: Executor, folder: Path) -> None:
-    """KeyboardInterrupt from `on_event` reaches the caller of `run`, and a moment later no cell runs any more."""
+    """KeyboardInterrupt from `on_event` reaches the caller of `run`, and all cells end within a moment."""
     notes = _notes(folder)
     cells = [odd_cell(0), odd_cell(1, "hang", notes), odd_cell(2, "hang", notes)]
 

@@ -42,7 +42,7 @@ def check_export(policy: Policy, act: Act, seen: Float32 | None = None) -> None:
 
 @check("export-shape")
 def both_give_actions_of_one_shape(policy: Policy, act: Act, seen: Float32) -> None:
-    """For some observations and for one, both give as many actions, of one shape, all of them finite."""
+    """For many observations and for one, policy and model give equally many finite actions of one shape."""
     for some in (seen, seen[:1]):
         own, other = policy.act(some), np.asarray(act(some))
         given = f"{len(some)} observations"
@@ -52,13 +52,13 @@ def both_give_actions_of_one_shape(policy: Policy, act: Act, seen: Float32) -> N
 
 @check("export-actions")
 def both_act_the_same(policy: Policy, act: Act, seen: Float32) -> None:
-    """At every observation the policy takes the action that the model takes without noise."""
+    """At every observation the policy takes the same action as the model without noise."""
     own, other = policy.act(seen), np.asarray(act(seen))
     if own.shape != other.shape:
         return  # another check says so
     if own.ndim == 1:
         differing = np.count_nonzero(own != other)
-        told = f"at {differing} of {len(seen)} observations the policy chooses otherwise than the model"
+        told = f"at {differing} of {len(seen)} observations the policy chooses differently than the model"
         require(differing <= TOLERANCE * len(seen), f"{told}, first {_first_pair(own, other)}")
         return
     error = np.abs(own - other) / _half_of_box(policy)
@@ -72,12 +72,12 @@ def both_act_the_same(policy: Policy, act: Act, seen: Float32) -> None:
 
 @check("export-saved")
 def it_acts_the_same_from_its_folder(policy: Policy, act: Act, seen: Float32) -> None:
-    """The policy that comes back from its folder acts as the one that was written, bit for bit."""
+    """A policy that is read from its folder acts like the one that was written, bit for bit."""
     with tempfile.TemporaryDirectory() as folder:
         policy.save(Path(folder) / "policy")
         loaded = load_policy(Path(folder) / "policy")
     require(
-        np.array_equal(policy.act(seen), loaded.act(seen)), "the policy that is read from its folder acts otherwise"
+        np.array_equal(policy.act(seen), loaded.act(seen)), "the policy that is read from its folder acts differently"
     )
 
 

@@ -27,7 +27,7 @@ DECISIONS = 60
 
 @check("task-goal-words")
 def goals_are_described(task: Task, robot: Robot) -> None:
-    """A goal's error has a name and a unit, one line each; its numbers, steps and bounds are what they have to be."""
+    """A goal's error has a name and a unit, one line each; its numbers, steps and bounds have the right form."""
     goal = goal_of(task, robot)
     if goal is None:
         return
@@ -45,7 +45,7 @@ def goals_are_described(task: Task, robot: Robot) -> None:
 
 @check("task-error")
 def errors_are_numbers(task: Task, robot: Robot) -> None:
-    """The error is (n,), float64, finite and >= 0; it is the same when asked twice, and each arm's own."""
+    """The error is (n,), float64, finite and >= 0. Two calls give the same, and each arm has its own."""
     goal = goal_of(task, robot)
     if goal is None:
         return
@@ -64,7 +64,7 @@ def errors_are_numbers(task: Task, robot: Robot) -> None:
 
 @check("task-error-zero")
 def errors_are_zero_at_the_goal(task: Task, robot: Robot) -> None:
-    """Where the kinematics know how to do what is asked, the error is 0 there, and nowhere else within reach."""
+    """Where the kinematics can solve the task, the error is 0 at the solution, and nowhere else within reach."""
     goal = goal_of(task, robot)
     if goal is None or goal.aim is None:
         return
@@ -82,7 +82,7 @@ def errors_are_zero_at_the_goal(task: Task, robot: Robot) -> None:
 
 @check("task-goal-motion")
 def targets_move_from_where_they_are_set(task: Task, robot: Robot) -> None:
-    """A target moves by (n, 3), finite, from 0 at step 0, the same whenever it is asked; one that stays moves by 0."""
+    """A target moves by (n, 3), finite, from 0 at step 0, and by the same in every call; one that stays moves by 0."""
     goal = goal_of(task, robot)
     if goal is None:
         return
@@ -92,7 +92,7 @@ def targets_move_from_where_they_are_set(task: Task, robot: Robot) -> None:
     for step in (np.zeros(COUNT), now.step):
         moved = goal.displacement(now.numbers, step)
         require(moved.shape == (COUNT, 3) and np.isfinite(moved).all(), f"a displacement is {moved.shape}: {moved}")
-        require(np.array_equal(moved, goal.displacement(now.numbers, step)), "a target moves otherwise each time")
+        require(np.array_equal(moved, goal.displacement(now.numbers, step)), "a target moves differently each time")
         may = goal.moves and step.any()
         require(
             may or not moved.any(),
@@ -102,7 +102,7 @@ def targets_move_from_where_they_are_set(task: Task, robot: Robot) -> None:
 
 @check("task-goal-observed")
 def goals_show_numbers_in_their_bounds(task: Task, robot: Robot) -> None:
-    """What a goal tells the learner is (n, size), finite, and within its bounds, over episodes at random."""
+    """What a goal shows the learner is (n, size), finite, and within its bounds, in random episodes."""
     goal = goal_of(task, robot)
     if goal is None:
         return

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.robot.kinematics import Chain, end_effector_position
+from harness.robot.kinematics import child_frames
 from harness.simulator import State
 
 
@@ -32,8 +32,6 @@ class IdealSimulation:
 
     def __init__(self, robot: Robot, num_envs: int) -> None:
         self.robot = robot
-        # The first joint's origin stands still.
-        self._parts = [_first_joints(robot.chain, count) for count in range(2, robot.dof + 1)]
         self.qpos = np.tile(robot.home, (num_envs, 1))
         self.qvel = np.zeros_like(self.qpos)
 
@@ -58,9 +56,10 @@ class IdealSimulation:
 
     def state(self) -> State:
         """What every call tells."""
-        tip = self.robot.end_effector(self.qpos)
-        heights = [end_effector_position(part, self.qpos[:, : part.dof])[:, 2] for part in self._parts]
-        return State(self.qpos.copy(), self.qvel.copy(), tip, np.min([tip[:, 2], *heights], axis=0) <= 0.0)
+        frames = child_frames(self.robot.chain, self.qpos)
+        tip = (frames[-1] @ self.robot.chain.T_last_tip)[:, :3, 3]
+        heights = [tip[:, 2], *(frame[:, 2, 3] for frame in frames[1:])]  # the first joint's origin stands still
+        return State(self.qpos.copy(), self.qvel.copy(), tip, np.min(heights, axis=0) <= 0.0)
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """Raises UsageError, always."""
@@ -68,8 +67,3 @@ class IdealSimulation:
 
     def close(self) -> None:
         """Does nothing: there is no engine."""
-
-
-def _first_joints(chain: Chain, count: int) -> Chain:
-    """The first `count` joints, with the last one's origin as the tip."""
-    return Chain(chain.T_previous_joint[:count], chain.axes[:count], chain.kinds[:count], np.eye(4))

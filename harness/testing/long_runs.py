@@ -22,7 +22,7 @@ MIB = 2**20
 
 @check("sim-long-run")
 def a_long_simulation_neither_drifts_nor_leaks(simulator: Simulator, robot: Robot) -> None:
-    """After 10,000 periods an episode is what it was in the beginning, bit for bit, and the process is no larger."""
+    """After 10,000 periods an episode is the same as at the beginning, bit for bit, and the process has not grown."""
     with opened(simulator, robot) as simulation:
         first = drive_out_and_back(simulation, robot)
         targets = ramps(robot, NUM_ENVS)

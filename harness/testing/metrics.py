@@ -68,7 +68,7 @@ def a_full_trace_has_a_value(metric: Metric) -> None:
 
 @check("metric-no-reward")
 def rewards_do_not_matter(metric: Metric) -> None:
-    """The value stays when the columns of rewards hold anything else: behaviour is judged, not what it was paid."""
+    """The value does not depend on the columns of rewards: a metric judges behaviour, not its pay."""
     trace = recorded_trace(0, ALL_ENDS)
     others = {name: recorded_trace(1, ALL_ENDS * 9)[name][: len(trace)] for name in REWARDS}
     value, scrambled = metric(trace), metric(replace(trace, columns={**trace.columns, **others}))
@@ -77,7 +77,7 @@ def rewards_do_not_matter(metric: Metric) -> None:
 
 @check("metric-unfinished")
 def unfinished_episodes_do_not_count(metric: Metric) -> None:
-    """An episode that was cut off by the end of the trace changes nothing."""
+    """An episode that the end of the trace cuts off changes nothing."""
     value, longer = (metric(recorded_trace(0, ends)) for ends in (ALL_ENDS, (*ALL_ENDS, "")))
     require(value == longer, f"the value goes from {value} to {longer} with an unfinished episode")
 

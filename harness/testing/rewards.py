@@ -62,16 +62,16 @@ def arguments_are_left_alone(reward: Reward) -> None:
 
 @check("reward-episodes")
 def episodes_do_not_depend_on_one_another(reward: Reward) -> None:
-    """An episode is paid the same whatever was scored before: nothing is remembered but in the carry."""
+    """An episode is paid the same whatever was scored before: only the carry remembers anything."""
     first = play(reward, random_samples(0))[1]
     play(reward, random_samples(1, num_envs=2))
     again = play(reward, random_samples(0))[1]
-    require(_equal(first, again), "the same episode was paid otherwise the second time")
+    require(_equal(first, again), "the same episode was paid differently the second time")
 
 
 @check("reward-memory")
 def the_carry_is_all_that_is_remembered(reward: Reward) -> None:
-    """A step is paid the same whenever its carry and its sample come again, in whatever order."""
+    """The same carry and sample are always paid the same, in whatever order they come."""
     samples = random_samples(0)
     carries, values = play(reward, samples)
     for step in reversed(range(len(samples))):
@@ -124,7 +124,7 @@ def any_array_library_will_do(reward: Reward) -> None:
 
 @check("reward-no-event")
 def no_event_is_paid(reward: Reward) -> None:
-    """Coming nearer to the target, the value never jumps: reaching it is paid by the task, and recorded apart."""
+    """The value never jumps while the arm comes nearer: the task pays for reaching the target, apart from it."""
     distances = np.linspace(0.01, 0.4, 391)
     values = _values_at(reward, distances)
     for index in np.flatnonzero(np.abs(np.diff(values)) > BONUS):

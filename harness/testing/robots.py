@@ -70,7 +70,7 @@ def home_is_in_the_joint_ranges(robot: Robot) -> None:
 
 @check("robot-home-clear")
 def home_is_above_the_ground(robot: Robot) -> None:
-    """In the resting pose the end effector and every moving shape are above the ground: an episode ends on it."""
+    """In the resting pose the end effector and every moving shape are above the ground, which would end the episode."""
     height = float(robot.end_effector(robot.home)[2])
     require(height > 0.0, f"at rest the end effector is {height:.3f} m high, the ground is z = 0: choose another home")
     lowest = float(_lowest(robot, robot.home[None])[0])
@@ -88,7 +88,9 @@ def the_jacobian_is_that_of_the_kinematics(robot: Robot) -> None:
         step = STEP * (np.arange(robot.dof) == joint)
         measured = (robot.end_effector(poses + step) - robot.end_effector(poses - step)) / (2.0 * STEP)
         error = float(np.abs(jacobian[..., joint] - measured).max())
-        require(error <= MOST_JACOBIAN_ERROR, f"joint '{name}' moves the end effector otherwise, by {error:.2g} m/rad")
+        require(
+            error <= MOST_JACOBIAN_ERROR, f"joint '{name}' moves the end effector differently, by {error:.2g} m/rad"
+        )
     far = float(np.linalg.norm(robot.end_effector(poses), axis=-1).max())
     require(far <= robot.extent * (1.0 + 1e-9), f"the end effector is {far:.3f} m away, extent is {robot.extent:.3f} m")
 
@@ -134,7 +136,7 @@ def masses_are_those_of_bodies(robot: Robot) -> None:
 
 @check("robot-meshes")
 def meshes_can_be_read(robot: Robot) -> None:
-    """Every mesh of the URDF is a file that is there; those that are collided with are STL or OBJ with points."""
+    """Every mesh of the URDF is an existing file; meshes for collisions are STL or OBJ and have points."""
     for link in ElementTree.fromstring(robot.urdf).findall("link"):
         for part in ("visual", "collision"):
             for mesh in link.iterfind(f"{part}/geometry/mesh"):
@@ -164,7 +166,7 @@ def moving_links_can_touch(robot: Robot) -> None:
 
 @check("robot-own-numbers", "warning")
 def the_numbers_are_given(robot: Robot) -> None:
-    """Resting pose, speeds and accelerations are the author's: results depend on them."""
+    """The author gave resting pose, speeds and accelerations: results depend on them."""
     ruled = [
         f"{name} is {origin}" for name, origin in robot.origins.items() if name != "end_effector" and origin != FILE
     ]
@@ -173,7 +175,7 @@ def the_numbers_are_given(robot: Robot) -> None:
 
 @check("robot-link-masses", "warning")
 def links_have_masses_of_their_own(robot: Robot) -> None:
-    """Every link that has a shape has a mass in the URDF: where it has none, next to none is taken."""
+    """Every link that has a shape has a mass in the URDF. Without one, almost no mass is assumed."""
     for link in ElementTree.fromstring(robot.urdf).findall("link"):
         inertial, shaped = link.find("inertial"), link.find("collision") is not None
         mass = 0.0 if inertial is None else _number(inertial, "mass", "value")

@@ -63,7 +63,7 @@ def servo_check(name: str, checks: Sequence[Check]) -> Check:
     """
 
     def the_contract_holds_with_servo_drives(simulator: Simulator, robot: Robot, servo: Servo) -> None:
-        """Where there is a field `drive`: what holds with ideal drives holds with "servo", but for exact tracking.
+        """If there is a field `drive`, all that holds with ideal drives holds with "servo" too, except exact tracking.
 
         That is every check of resets, ground contact, batches and repetition.
         """
@@ -103,7 +103,7 @@ def drives_keep_their_limits(simulator: Simulator, robot: Robot, servo: Servo) -
 @check("sim-servo-latency")
 @of_servo_drives
 def commands_come_late(simulator: Simulator, robot: Robot, servo: Servo) -> None:
-    """With `drive=servo` and a latency of one control period an arm does what it does without, one period later."""
+    """With `drive=servo` and a latency of one control period an arm moves as without latency, one period later."""
     prompt, late = (_driven(simulator, _with(robot, latency=latency)) for latency in (0.0, PERIOD))
     way = max(float(np.abs(state.qpos - prompt[0].qpos).max()) for state in prompt)
     for number, (state, later) in enumerate(zip(prompt, late[1:], strict=False)):

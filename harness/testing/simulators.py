@@ -98,7 +98,7 @@ def states_are_finite(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-reset")
 def reset_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None:
-    """After `reset` the joints of the masked envs are where they were told to be, at rest, also after a motion."""
+    """After `reset` the joints of the masked envs rest where the call put them, also after a motion."""
     with opened(simulator, robot) as simulation:
         drive_out_and_back(simulation, robot)
         qpos = poses_near_home(robot, NUM_ENVS)
@@ -107,7 +107,7 @@ def reset_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None
 
 @check("sim-place")
 def place_puts_the_arm_there_at_rest(simulator: Simulator, robot: Robot) -> None:
-    """After `place` the joints of all envs are where they were told to be, at rest, also after a motion."""
+    """After `place` the joints of all envs rest where the call put them, also after a motion."""
     with opened(simulator, robot) as simulation:
         drive_out_and_back(simulation, robot)
         qpos = poses_near_home(robot, NUM_ENVS)
@@ -191,7 +191,7 @@ def no_ground_contact_in_the_air(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-read")
 def read_returns_the_state_of_the_last_call(simulator: Simulator, robot: Robot) -> None:
-    """`read` tells, each time, what the last `reset` or `drive` told."""
+    """`read` returns, each time, the state that the last `reset` or `drive` returned."""
     with opened(simulator, robot) as simulation:
         for call in (start_at_home, lambda *given: drive_out_and_back(*given)[-1]):
             state = call(simulation, robot)
@@ -208,7 +208,7 @@ def arguments_are_copied(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-determinism")
 def same_calls_give_same_states(simulator: Simulator, robot: Robot) -> None:
-    """Two simulations that get the same calls tell the same states, bit for bit."""
+    """Two simulations that get the same calls return the same states, bit for bit."""
     runs = []
     for _ in range(2):
         with opened(simulator, robot) as simulation:
@@ -220,17 +220,17 @@ def same_calls_give_same_states(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-reset-forgets")
 def reset_forgets_what_was_before(simulator: Simulator, robot: Robot) -> None:
-    """What follows a reset does not depend, not by a bit, on what came before it, ground contact included."""
+    """What an arm does after a reset does not depend, not by a bit, on what was before, not even on ground contact."""
     with opened(simulator, robot) as simulation:
         fresh = drive_out_and_back(simulation, robot)
         dive_into_the_ground(simulation, robot)
         again = drive_out_and_back(simulation, robot)
-    require(same(fresh, again), "after a reset the arm moves otherwise than when it was new")
+    require(same(fresh, again), "after a reset the arm moves differently than when it was new")
 
 
 @check("sim-resume")
 def the_same_way_leads_to_the_same_place(simulator: Simulator, robot: Robot) -> None:
-    """What is told again what it was told since its last reset stands where it stood, bit for bit, and goes on alike.
+    """An arm that gets all calls since its last reset again stands where it stood, bit for bit, and goes on alike.
 
     Whatever came before that reset, and whenever other envs were reset; touching the ground, too. Trainings that were
     killed go on from checkpoints that hold no more of the physics.
@@ -238,28 +238,28 @@ def the_same_way_leads_to_the_same_place(simulator: Simulator, robot: Robot) -> 
     stood, went_on = _goes_on(simulator, robot, None)
     if not same(went_on, _goes_on(simulator, robot, None)[1]):
         return  # it does not even do the same in the same run: another check says so
-    require(same(went_on, _goes_on(simulator, robot, stood)[1]), "an arm that stands where it stood moves otherwise")
+    require(same(went_on, _goes_on(simulator, robot, stood)[1]), "an arm that stands where it stood moves differently")
 
 
 @check("sim-batch-as-alone")
 def an_env_in_a_batch_is_as_one_alone(simulator: Simulator, robot: Robot) -> None:
-    """Each env of a batch tells the states, bit for bit, that an env alone tells for the same calls."""
+    """Each env of a batch has the same states, bit for bit, as an env alone that gets the same calls."""
     batch, alone = _driven_alike(simulator, robot, NUM_ENVS), _driven_alike(simulator, robot, 1)
     for env in range(NUM_ENVS):
         one = [part(state, np.array([env])) for state in batch]
-        require(same(one, alone), f"env {env} of {NUM_ENVS} moves otherwise than one env alone")
+        require(same(one, alone), f"env {env} of {NUM_ENVS} moves differently than one env alone")
 
 
 @check("sim-env-isolation")
 def envs_do_not_touch_one_another(simulator: Simulator, robot: Robot) -> None:
-    """What an env does is the same, bit for bit, whatever the other envs are told to do."""
+    """What an env does is the same, bit for bit, whatever commands the other envs get."""
     runs = [_driven_beside(simulator, robot, share) for share in (1.0, 0.5)]
-    require(same(*runs), "env 1 moves otherwise when the others do")
+    require(same(*runs), "env 1 moves differently when the others do")
 
 
 @check("sim-rest")
 def resting_arms_change_nothing(simulator: Simulator, robot: Robot) -> None:
-    """Where there is a `rest`: the other arms do what they do without, and a reset wakes an arm."""
+    """If the simulation has `rest`, the other arms move as they do without it, and a reset wakes an arm."""
     with opened(simulator, robot) as simulation:
         if getattr(simulation, "rest", None) is None:
             return
@@ -285,7 +285,7 @@ def render_gives_a_frame_or_says_why_not(simulator: Simulator, robot: Robot) -> 
 
 @check("sim-render-target")
 def frames_show_the_target(simulator: Simulator, robot: Robot) -> None:
-    """Where `render` gives frames, a target at another place gives another frame."""
+    """If `render` gives frames, a target at another place gives another frame."""
     with opened(simulator, robot) as simulation:
         start_at_home(simulation, robot)
         first, second = (_frame(simulation, TARGET + offset, 320, 240) for offset in (0.0, 0.2))
@@ -361,7 +361,7 @@ SIMULATOR_CHECKS: tuple[Check, ...] = (
 
 @check("sim-render-tried", "warning")
 def frames_were_tried(simulator: Simulator, robot: Robot) -> None:
-    """`render` gives a frame on this machine: where it does not, it was never tried."""
+    """`render` gives a frame on this machine. If it does not, drawing could not be tried here."""
     with opened(simulator, robot) as simulation:
         start_at_home(simulation, robot)
         try:

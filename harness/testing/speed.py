@@ -46,7 +46,7 @@ def a_simulation_is_quick(simulator: Simulator, robot: Robot) -> None:
 
 @check("algo-slow", "warning")
 def a_training_is_quick(algorithm: Algorithm) -> None:
-    """An environment step of a training takes less than 20 ms, in a simulator that takes next to none."""
+    """An environment step of a training takes less than 20 ms, in a simulator that takes almost no time."""
     if not learns(algorithm):
         return
     steps = steps_for(algorithm, LEARNING_STEPS)

@@ -60,7 +60,7 @@ def numbers_are_in_their_ranges(task: Task, robot: Robot) -> None:
 
 @check("task-words")
 def words_are_lines(task: Task, robot: Robot) -> None:
-    """What ``harness describe`` says of starts, targets and their reward is one line each."""
+    """``harness describe`` says in one line each what starts, targets and their reward are."""
     words = (task.start_in_words(robot), task.target_in_words(robot), task.target_reward_in_words(), task.action)
     for text in words:
         require(isinstance(text, str) and text and "\n" not in text, f"{text!r} is not one line of text")
@@ -104,7 +104,7 @@ def draws_depend_on_the_stream_alone(task: Task, robot: Robot) -> None:
 
 @check("task-varies")
 def episodes_are_alike_where_it_says_so(task: Task, robot: Robot) -> None:
-    """A task with `varies` False has the same start and targets whatever the random stream."""
+    """A task with `varies` False has the same start and targets for every random stream."""
     if not varies(task):
         same = np.array_equal(_draws(task, robot), _draws(task, robot, seed=1))
         require(same, "varies is False, and another stream gave other starts or targets")
@@ -112,7 +112,7 @@ def episodes_are_alike_where_it_says_so(task: Task, robot: Robot) -> None:
 
 @check("task-targets-in-reach")
 def targets_can_be_reached(task: Task, robot: Robot) -> None:
-    """Every target is above the ground; of all but 5 in 100 the error gets within `epsilon`, in some pose."""
+    """Every target is above the ground, and the arm can reach at least 95 of 100 within `epsilon` in some pose."""
     places, starts = _places(task, robot)
     low = places[places[:, 2] < 0.0]
     require(
@@ -126,7 +126,7 @@ def targets_can_be_reached(task: Task, robot: Robot) -> None:
 
 @check("task-targets-count")
 def targets_do_not_depend_on_the_count(task: Task, robot: Robot) -> None:
-    """Targets are spread alike however many are asked for at once: the harness asks for some ahead."""
+    """The spread of targets does not depend on how many are drawn at once: the harness draws some ahead."""
     for count in (TARGETS, 4 * TARGETS):
         rng, other = np.random.default_rng(0), np.random.default_rng(0)
         many, _ = task.draw_targets(robot, rng, count)
@@ -145,7 +145,7 @@ def targets_do_not_depend_on_the_count(task: Task, robot: Robot) -> None:
 
 @check("task-target-rewards")
 def target_rewards_are_one_per_pose(task: Task, robot: Robot) -> None:
-    """What a target pays is (count,), float64, finite, for any poses."""
+    """The reward of targets is (count,), float64, finite, for any poses."""
     for count in (1, DRAWS):
         poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (count, robot.dof))
         _require_array(f"the reward of {count} targets", task.target_rewards(robot, poses), (count,))
@@ -180,7 +180,7 @@ def bounds_are_a_space(task: Task, robot: Robot) -> None:
 
 @check("task-observations")
 def observations_are_in_their_bounds(task: Task, robot: Robot) -> None:
-    """Over episodes at random, ends included, every observation is float32, of the bounds' size, and within them."""
+    """In random episodes, ends included, every observation is float32, has the bounds' size, and lies within them."""
     observation = task.observation(robot)
     low, high = observation.low, observation.high
     for seen in _episodes(_env(task, robot)):
@@ -191,7 +191,7 @@ def observations_are_in_their_bounds(task: Task, robot: Robot) -> None:
 
 @check("task-observing")
 def observing_changes_nothing(task: Task, robot: Robot) -> None:
-    """`observe` gives the same twice, in arrays of the caller's own, and leaves the episodes as they are."""
+    """Two calls of `observe` give the same, in arrays that the caller owns, and leave the episodes as they are."""
     env = _env(task, robot)
     env.reset(seed=0)
     before, observation = env.episodes.matrix.copy(), task.observation(robot)
@@ -233,7 +233,7 @@ def _require_array(name: str, array: Any, shape: tuple[int, ...]) -> None:
 
 @check("task-all-targets-in-reach", "warning")
 def all_targets_can_be_reached(task: Task, robot: Robot) -> None:
-    """Not one target of 128 is out of reach: on those that are, the best policy fails too."""
+    """None of 128 targets is out of reach: on such targets even the best policy fails."""
     places, starts = _places(task, robot)
     missed = places[~_are_reached(task, robot, places, starts)]
     require(not len(missed), f"{_out_of_reach(missed, task, robot)}: no policy succeeds on those")

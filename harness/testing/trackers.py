@@ -34,7 +34,7 @@ def check_tracker(tracker: Tracker, folder: Path | None = None) -> None:
 
 @check("tracker-why-not")
 def whether_it_can_be_used_is_a_text(tracker: Tracker, folder: Path) -> None:
-    """`why_not` returns a text, which is empty where the tracker can be used, as it has to be here."""
+    """`why_not` returns a text. It is empty if the tracker can be used, as it has to be here."""
     reason = tracker.why_not()
     require(isinstance(reason, str), f"why_not returned {reason!r}, not a text")
     require(not reason, f"it cannot be used here: {reason}")
@@ -42,7 +42,7 @@ def whether_it_can_be_used_is_a_text(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-outcomes")
 def every_outcome_is_taken(tracker: Tracker, folder: Path) -> None:
-    """A cell may be done, fail or be interrupted, without a single number too."""
+    """The tracker copes with cells that are done, fail or are interrupted, also without a single number."""
     for number, outcome in enumerate(get_args(Outcome)):
         track = tracker.begin(_cell(folder, number))
         track.end(outcome, "the arm fell off" if outcome == "failed" else "")
@@ -50,7 +50,7 @@ def every_outcome_is_taken(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-side-by-side")
 def cells_are_tracked_side_by_side(tracker: Tracker, folder: Path) -> None:
-    """Another cell begins before the first one ends, and their numbers come by turns."""
+    """The tracker copes with two cells at once, whose numbers come in turns."""
     first, second = (tracker.begin(_cell(folder, number)) for number in range(2))
     for steps in (100, 200):
         first.log(steps, SCALARS)
@@ -62,7 +62,7 @@ def cells_are_tracked_side_by_side(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-numbers")
 def odd_numbers_are_taken(tracker: Tracker, folder: Path) -> None:
-    """Numbers may be NaN or infinite, and other numbers may come at the same steps."""
+    """The tracker copes with numbers that are NaN or infinite, and several numbers for one step."""
     track = tracker.begin(_cell(folder))
     for name, value in {"nan": math.nan, "infinite": math.inf, "huge": -1e300}.items():
         track.log(100, {name: value})
@@ -71,7 +71,7 @@ def odd_numbers_are_taken(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-texts")
 def odd_texts_are_taken(tracker: Tracker, folder: Path) -> None:
-    """Labels of plugins may be long and hold any character, and so may the reason of a failure."""
+    """The tracker copes with long labels and reasons with any characters."""
     track = tracker.begin(_cell(folder, title=LONG))
     track.log(100, SCALARS)
     track.end("failed", LONG)
@@ -79,7 +79,7 @@ def odd_texts_are_taken(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-goes-on")
 def a_killed_cell_goes_on(tracker: Tracker, folder: Path) -> None:
-    """A cell begins again under the id that it had before its run was killed."""
+    """The tracker copes with a cell that begins again with its old id after its run was killed."""
     track = tracker.begin(_cell(folder))
     track.log(100, SCALARS)
     track.end("done", "")  # a kill cannot be had here, and some libraries allow one writer at a time
@@ -90,7 +90,7 @@ def a_killed_cell_goes_on(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-thread")
 def another_thread_may_call_it(tracker: Tracker, folder: Path) -> None:
-    """All calls but `why_not` come from a thread that is not the main one."""
+    """The tracker works in a thread that is not the main one, where all calls but `why_not` come from."""
     errors: list[BaseException] = []
 
     def follow() -> None:
@@ -107,7 +107,7 @@ def another_thread_may_call_it(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-silent")
 def nothing_is_printed(tracker: Tracker, folder: Path) -> None:
-    """It prints nothing: standard output belongs to the results."""
+    """The tracker prints nothing: standard output belongs to the results."""
     told = io.StringIO()
     with contextlib.redirect_stdout(told):
         _follow(tracker, folder)
@@ -116,7 +116,7 @@ def nothing_is_printed(tracker: Tracker, folder: Path) -> None:
 
 @check("tracker-folder")
 def the_experiment_is_left_alone(tracker: Tracker, folder: Path) -> None:
-    """No file of the experiment's folder is changed, and no link is left in it: harness writes into none with links."""
+    """The tracker changes no file of the experiment's folder and leaves no link in it, which would end the run."""
     (folder / "plan.json").write_text("{}")
     _follow(tracker, folder)
     require((folder / "plan.json").read_text() == "{}", "plan.json is not what it was")

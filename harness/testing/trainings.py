@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.algorithm import ActionSpace, Algorithm
+from harness.algorithm import ActionSpace, Algorithm, Goals, needs_goals
 from harness.arrays import Float, Float32, Mask
 from harness.env import ReachVectorEnv
 from harness.env.vector_env import Actions, Infos
@@ -85,15 +85,20 @@ class WatchedEnv(ReachVectorEnv):
     Attributes:
         space: The kind of action.
         bonus: Paid on top, (num_envs,): whether a training heeds what each env pays.
+        hindsight_bonus: Paid on top of what is paid again for other goals.
+        goals: For an algorithm that learns in hindsight; what is observed then says nowhere else where the target is.
         told: What the algorithm tells while it trains.
         decisions: All of them.
     """
 
-    def __init__(self, num_envs: int, space: ActionSpace = "continuous") -> None:
+    def __init__(self, num_envs: int, space: ActionSpace = "continuous", with_goals: bool = False) -> None:
         task = replace(EASY, action=MODES[space])
         super().__init__(IdealSimulator(), easy_robot(), task, NegativeDistance(), num_envs, resumable=True)
         self.space = space
-        self.bonus = np.zeros(num_envs)
+        self.bonus, self.hindsight_bonus = np.zeros(num_envs), 0.0
+        target = 3 * self.robot.dof  # its column; see `harness.env.arm_observation.ArmObservation`
+        achieved, desired = slice(target + 3, target + 6), slice(target, target + 3)
+        self.goals = Goals(achieved, desired, self._pay_again) if with_goals else None
         self.told = Told()
         self.decisions: list[Decision] = []
         self._seen: Any = None
@@ -105,7 +110,8 @@ class WatchedEnv(ReachVectorEnv):
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Float32, Infos]:
         """As any reset; keeps the seed."""
         self.seeds.append(seed)
-        self._seen, infos = super().reset(seed=seed, options=options)
+        observations, infos = super().reset(seed=seed, options=options)
+        self._seen = self._shown(observations)
         self._episode = self._episode + 1
         return self._seen, infos
 
@@ -115,8 +121,21 @@ class WatchedEnv(ReachVectorEnv):
         self.actions_in_box &= self.action_space.contains(np.asarray(actions, self.action_space.dtype))
         self.decisions.append(Decision(self._seen, np.array(actions), self._episode, self.told.newest))
         observations, rewards, terminated, truncated, infos = super().step(actions)
+        observations = self._shown(observations)
+        if "final_obs" in infos:
+            infos["final_obs"] = self._shown(infos["final_obs"])
         self._seen, self._episode = observations, self._episode + (terminated | truncated)
         return observations, rewards + self.bonus, terminated, truncated, infos
+
+    def _shown(self, observations: Float32) -> Float32:
+        """Without what depends on the goal beside the goal itself, which is another one in hindsight."""
+        if self.goals:
+            observations[:, self.goals.achieved.stop :] = 0.0
+        return observations
+
+    def _pay_again(self, achieved: Float, desired: Float) -> Float:
+        paid: Float = self.hindsight_bonus - np.linalg.norm(achieved - desired, axis=1)
+        return paid
 
 
 @dataclass
@@ -141,7 +160,13 @@ def trainings(algorithm: Algorithm, steps: int, seed: int = 0) -> Iterator[Train
 
 
 def train(
-    algorithm: Algorithm, steps: int, seed: int = 0, space: ActionSpace | None = None, bonus: float = 0.0, env: int = 0
+    algorithm: Algorithm,
+    steps: int,
+    seed: int = 0,
+    space: ActionSpace | None = None,
+    bonus: float = 0.0,
+    env: int = 0,
+    hindsight_bonus: float = 0.0,
 ) -> Training:
     """Train on the easy task for `steps`, or a few more to make it a multiple of the algorithm's envs.
 
@@ -154,21 +179,28 @@ def train(
         space: The kind of action; None for the first that the algorithm takes.
         bonus: Paid on top on every step of one env.
         env: Which one.
+        hindsight_bonus: Paid on top of what is paid again for other goals.
     """
     wanted = space or min(algorithm.action_spaces)
     try:
         hash(algorithm)
     except TypeError:  # not frozen: another check says so
-        return train_anew(algorithm, steps, seed, wanted, bonus, env)
-    return _train_once(algorithm, steps, seed, wanted, bonus, env)  # type: ignore[arg-type]  # it has a hash
+        return train_anew(algorithm, steps, seed, wanted, bonus, env, hindsight_bonus)
+    return _train_once(algorithm, steps, seed, wanted, bonus, env, hindsight_bonus)  # type: ignore[arg-type]  # it has a hash
 
 
 def train_anew(
-    algorithm: Algorithm, steps: int, seed: int = 0, space: ActionSpace | None = None, bonus: float = 0.0, env: int = 0
+    algorithm: Algorithm,
+    steps: int,
+    seed: int = 0,
+    space: ActionSpace | None = None,
+    bonus: float = 0.0,
+    env: int = 0,
+    hindsight_bonus: float = 0.0,
 ) -> Training:
     """As `train`, whatever was done before."""
-    watched = WatchedEnv(algorithm.num_envs, space or min(algorithm.action_spaces))
-    watched.bonus[env] = bonus
+    watched = WatchedEnv(algorithm.num_envs, space or min(algorithm.action_spaces), needs_goals(algorithm))
+    watched.bonus[env], watched.hindsight_bonus = bonus, hindsight_bonus
     watched.reset(seed=ENV_SEED)
     watched.seeds.clear()
     policy = algorithm.train(watched, steps_for(algorithm, steps), seed, watched.told)
@@ -202,7 +234,7 @@ def observations() -> Float32:
 
 def mean_return(training: Training) -> float:
     """The mean return of episodes in which the policy of a training acts without noise."""
-    env = WatchedEnv(EVALUATION_EPISODES, training.env.space)
+    env = WatchedEnv(EVALUATION_EPISODES, training.env.space, training.env.goals is not None)
     seen, _ = env.reset(seed=ENV_SEED)
     running, returns = np.ones(env.num_envs, bool), np.zeros(env.num_envs)
     while running.any():

@@ -51,24 +51,20 @@ def film_of(show: Show) -> Iterator[Frame]:
         ways = [_way(side.scene, episode.qpos) for side, episode in zip(show.sides, episodes, strict=True)]
         camera = _camera(ways, episodes, show)
         last = max(int(episode.steps[-1]) for episode in episodes)
-        steps = _clock(last)
+        steps = clock_of(last)
         for step in steps:
             views = [
                 _view(side, episode, way, camera, step, COLOURS[index % len(COLOURS)])
                 for index, (side, episode, way) in enumerate(zip(show.sides, episodes, ways, strict=True))
             ]
-            yield Frame(_beside(views, f"episode {number}, step {step:.0f} of {last}"), _seconds(step == steps[-1]))
+            yield frame_of(views, f"episode {number}, step {step:.0f} of {last}", step == steps[-1])
 
 
-def _clock(last: int) -> Float:
+def clock_of(last: int) -> Float:
     """The step that each frame of an episode of `last` steps shows."""
     count = int(np.clip(PER_STEP * last, FEWEST, FRAMES))
     power = 1 if last <= count else 2
     return last * np.linspace(0.0, 1.0, count) ** power
-
-
-def _seconds(held: bool) -> float:
-    return HELD if held else 1 / RATE
 
 
 def _way(scene: Scene, qpos: Float) -> Float:
@@ -90,26 +86,34 @@ def _camera(ways: list[Float], episodes: tuple[Episode, ...], show: Show) -> Cam
 
 def _view(side: Side, episode: Episode, way: Float, camera: Camera, step: float, colour: str) -> "Image.Image":
     """One side at a moment, with its title and what is measured."""
-    from PIL import Image, ImageDraw
-
     at = float(np.interp(step, episode.steps, np.arange(len(episode.steps))))
     qpos = np.array([np.interp(step, episode.steps, column) for column in episode.qpos.T])
     row = round(at)
     path = np.vstack([way[: int(at) + 1], _way(side.scene, qpos)])
+    measured = f"{side.error} {episode.distance[row]:.3f} {side.unit}".rstrip()
+    outcome = episode.outcome if step >= episode.steps[-1] else ""
+    picture = draw_arm(side.scene, qpos, episode.target[row], path, colour, camera)
+    return view_of(picture, side.title, f"{measured}   paid {episode.paid[row]:.2f}", colour, outcome)
+
+
+def view_of(picture: "Image.Image", title: str, told: str, colour: str, outcome: str) -> "Image.Image":
+    """A side: its picture, WIDTH x HEIGHT; its title above, what is measured below, and how it ended, if it did."""
+    from PIL import Image, ImageDraw
+
     image = Image.new("RGB", (WIDTH, HEIGHT + 2 * LINE), BACKGROUND)
-    image.paste(draw_arm(side.scene, qpos, episode.target[row], path, colour, camera), (0, LINE))
+    image.paste(picture, (0, LINE))
     pen = ImageDraw.Draw(image)
     pen.rectangle((0, 4, 4, LINE - 4), fill=colour)
-    _write(pen, (10, 3), side.title, INK)
-    measured = f"{side.error} {episode.distance[row]:.3f} {side.unit}".rstrip()
-    _write(pen, (10, HEIGHT + LINE), f"{measured}   paid {episode.paid[row]:.2f}", INK)
-    if step >= episode.steps[-1]:
+    _write(pen, (10, 3), title, INK)
+    _write(pen, (10, HEIGHT + LINE), told, INK)
+    if outcome:
         pen.rectangle((WIDTH - 92, 2, WIDTH - 8, LINE), outline=colour, width=2)
-        _write(pen, (WIDTH - 50, 3), episode.outcome, colour, "ma")
+        _write(pen, (WIDTH - 50, 3), outcome, colour, "ma")
     return image
 
 
-def _beside(views: list["Image.Image"], caption: str) -> "Image.Image":
+def frame_of(views: list["Image.Image"], caption: str, is_last: bool) -> Frame:
+    """All sides beside one another, with a line below; an episode's last frame is held."""
     from PIL import Image, ImageDraw
 
     size = (WIDTH * len(views), HEIGHT + 3 * LINE)
@@ -117,7 +121,7 @@ def _beside(views: list["Image.Image"], caption: str) -> "Image.Image":
     for index, view in enumerate(views):
         whole.paste(view, (WIDTH * index, 0))
     _write(ImageDraw.Draw(whole), (10, HEIGHT + 2 * LINE - 2), caption, INK)
-    return whole
+    return Frame(whole, HELD if is_last else 1 / RATE)
 
 
 def _write(pen: "ImageDraw.ImageDraw", at: tuple[int, int], text: str, colour: str, anchor: str = "la") -> None:

@@ -4,6 +4,7 @@ import harness
 
 SB3 = (
     ("sac", "sac:Sac", "soft actor-critic"),
+    ("her", "her:Her", "soft actor-critic with hindsight experience replay, for environments with goals"),
     ("td3", "td3:Td3", "twin delayed deep deterministic policy gradient"),
     ("ppo", "ppo:Ppo", "proximal policy optimisation, continuous or discrete"),
     ("dqn", "dqn:Dqn", "deep Q-learning for discrete actions"),

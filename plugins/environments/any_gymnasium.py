@@ -5,13 +5,16 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import gymnasium
+import numpy as np
+from gymnasium.spaces import Dict
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.environment import AnyEnv, Measure
+from harness.arrays import Float
+from harness.environment import AnyEnv, GoalReward, Measure
 from harness.errors import UsageError
 
-OWN = "own"
+OWN, ACHIEVED, DESIRED = "own", "achieved_goal", "desired_goal"
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,24 @@ class AnyGymnasium:
     def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
         """See `harness.environment.Environment`."""
         return {key: key for key in _split(self.tells)}
+
+    def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
+        """See `harness.environment.goal_rewards`: what an env with goals pays, by its ``compute_reward``.
+
+        One that asks for more than goals, or for those of one step, is none of these.
+        """
+        space, compute = env.observation_space, getattr(env.unwrapped, "compute_reward", None)
+        if compute is None or not (isinstance(space, Dict) and {ACHIEVED, DESIRED} <= space.spaces.keys()):
+            return {}
+
+        def own(achieved: Float, desired: Float) -> Any:
+            return compute(achieved, desired, np.array([{} for _ in achieved]))
+
+        goals = [np.zeros((2, *space[name].shape)) for name in (ACHIEVED, DESIRED)]  # type: ignore[misc] # boxes
+        try:
+            return {OWN: own} if np.shape(own(*goals)) == (2,) else {}
+        except Exception:  # whatever people's functions raise
+            return {}
 
     def _arguments(self) -> dict[str, Any]:
         found = {}

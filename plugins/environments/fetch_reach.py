@@ -1,13 +1,15 @@
 """The Fetch arm of Gymnasium-Robotics, which moves its gripper to a point."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from harness.environment import AnyEnv, Measure
+from harness.arrays import Float
+from harness.environment import AnyEnv, GoalReward, Measure
 from harness.errors import UsageError
 
 REMEDY = "pip install 'fd100-harness[robotics]'"
@@ -41,12 +43,16 @@ class FetchReach:
         """See `harness.environment.Environment`."""
 
         def sparse(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
-            return _paid(env, "sparse", next_observation, info)
+            return float(_paid(env, "sparse", next_observation["achieved_goal"], next_observation["desired_goal"]))
 
         def dense(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
-            return _paid(env, "dense", next_observation, info)
+            return float(_paid(env, "dense", next_observation["achieved_goal"], next_observation["desired_goal"]))
 
         return {"sparse": sparse, "dense": dense}
+
+    def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
+        """See `harness.environment.goal_rewards`: both are."""
+        return {"sparse": partial(_paid, env, "sparse"), "dense": partial(_paid, env, "dense")}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
         """See `harness.environment.Environment`."""
@@ -58,11 +64,11 @@ def distance(observation: Any, action: Any, next_observation: Any, info: Any) ->
     return float(np.linalg.norm(next_observation["achieved_goal"] - next_observation["desired_goal"]))
 
 
-def _paid(env: AnyEnv, kind: str, observation: Any, info: Any) -> float:
-    """By the environment's own function, told to pay so."""
+def _paid(env: AnyEnv, kind: str, achieved: Float, desired: Float) -> Any:
+    """By the environment's own function, told to pay so; goals (..., 3) give payments (...)."""
     arm: Any = env.unwrapped
     kept, arm.reward_type = arm.reward_type, kind
     try:
-        return float(arm.compute_reward(observation["achieved_goal"], observation["desired_goal"], info))
+        return arm.compute_reward(achieved, desired, {})
     finally:
         arm.reward_type = kept

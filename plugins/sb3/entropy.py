@@ -17,7 +17,13 @@ def actor_entropy(model: Any) -> float | None:
     buffer = getattr(model, "replay_buffer", None)
     if draw is None or buffer is None or buffer.pos == 0:
         return None
-    newest = buffer.observations[max(buffer.pos - LAST, 0) : buffer.pos].reshape(-1, *buffer.obs_shape)
+    rows, seen = slice(max(buffer.pos - LAST, 0), buffer.pos), buffer.observations
+    newest = {key: _of_all(part[rows]) for key, part in seen.items()} if isinstance(seen, dict) else _of_all(seen[rows])
     with torch.random.fork_rng(devices=[]), torch.no_grad():
-        _, log_prob = draw(torch.as_tensor(newest))
+        _, log_prob = draw(newest)
     return -float(log_prob.mean())
+
+
+def _of_all(rows: Any) -> torch.Tensor:
+    """Observations (steps, envs, ...) as (steps * envs, ...)."""
+    return torch.as_tensor(rows.reshape(-1, *rows.shape[2:]))

@@ -1,5 +1,6 @@
 """All that a training by stable-baselines3 needs to go on between two rollouts, as arrays."""
 
+from collections.abc import Sequence
 from operator import attrgetter
 from typing import Any, TypeAlias
 
@@ -14,8 +15,10 @@ from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, resto
 ARRAYS = ("_last_obs", "_last_episode_starts")
 NUMBERS = ("num_timesteps", "_n_updates", "_episode_num", "_current_progress_remaining", "exploration_rate", "_n_calls")
 """Of a model, where it has them."""
-COLUMNS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
-"""Of a replay buffer."""
+COLUMNS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts", "ep_start")
+"""Of a replay buffer, where it has them."""
+EPISODES = ("ep_length", "_current_ep_start")
+"""Of a replay buffer that knows its episodes: not only the newest rows change."""
 
 Part: TypeAlias = tuple[dict[str, Any], Any]
 """Tensors by name, or an optimiser."""
@@ -29,19 +32,20 @@ def can_be_packed(model: Any) -> bool:
 
 def pack_model(model: Any) -> TrainingState:
     """What a model has learned, gathered, counted and logged, and the random numbers that it will draw."""
-    state: dict[str, Any] = {name: getattr(model, name) for name in (*ARRAYS, *NUMBERS) if hasattr(model, name)}
+    state: dict[str, Any] = {**_arrays(model, ARRAYS), **_values(model, NUMBERS)}
     for name, (tensors, optimizer) in _parts(model).items():
         state |= prefixed(f"{name}.", pack_optimizer(optimizer) if optimizer else pack_tensors(tensors))
     buffer = getattr(model, "replay_buffer", None)
     if buffer is not None:
-        state["replay"] = Ring({name: getattr(buffer, name) for name in COLUMNS}, model.num_timesteps // model.n_envs)
+        state["replay"] = Ring(_arrays(buffer, COLUMNS), model.num_timesteps // model.n_envs)
+        state |= prefixed("episodes.", _values(buffer, EPISODES))
     return as_state({**state, **prefixed("logged.", model.logger.name_to_value), **_pack_generators(model)})
 
 
 def restore_model(model: Any, state: TrainingState) -> None:
     """Bring a model that was made with the same settings to where it was packed; its logger is not there yet."""
-    for name in (name for name in ARRAYS if name in state):
-        setattr(model, name, np.array(state[name]))
+    for name in ARRAYS:
+        setattr(model, name, _array_of(name, state))
     for name in (name for name in NUMBERS if name in state):
         setattr(model, name, state[name].item())
     for name, (tensors, optimizer) in _parts(model).items():
@@ -52,7 +56,9 @@ def restore_model(model: Any, state: TrainingState) -> None:
             restore_tensors(tensors, packed)
     if "replay" in state:
         ring, buffer = state["replay"], model.replay_buffer
-        ring.copy_into({name: getattr(buffer, name) for name in COLUMNS})
+        ring.copy_into(_arrays(buffer, COLUMNS))
+        for name, values in under("episodes.", state).items():
+            getattr(buffer, name)[:] = values
         buffer.pos, buffer.full = ring.written % buffer.buffer_size, ring.written >= buffer.buffer_size
     _restore_generators(model, state)
 
@@ -61,6 +67,25 @@ def restore_logged(model: Any, state: TrainingState) -> None:
     """What was logged last, into a logger that is there."""
     for name, value in under("logged.", state).items():
         model.logger.record(name, value.item())
+
+
+def _values(owner: Any, names: Sequence[str]) -> dict[str, Any]:
+    return {name: getattr(owner, name) for name in names if hasattr(owner, name)}
+
+
+def _arrays(owner: Any, names: Sequence[str]) -> dict[str, Any]:
+    """Arrays by name; of a dict of arrays each, under ``name.key``."""
+    found: dict[str, Any] = {}
+    for name, value in _values(owner, names).items():
+        found |= prefixed(f"{name}.", value) if isinstance(value, dict) else {name: value}
+    return found
+
+
+def _array_of(name: str, state: TrainingState) -> Any:
+    """A copy of what `_arrays` made of it."""
+    if name in state:
+        return np.array(state[name])
+    return {key: np.array(value) for key, value in under(f"{name}.", state).items()}
 
 
 def _parts(model: Any) -> dict[str, Part]:

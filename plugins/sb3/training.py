@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import torch
+from gymnasium.spaces import Dict
 
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
@@ -24,6 +25,7 @@ def train(
     progress: Progress,
     policy_of: Callable[[Any], Policy],
     decisions_per_update: int,
+    adapter: type[VecEnvAdapter] = VecEnvAdapter,
     **settings: Any,
 ) -> Policy:
     """Train a class of the library for `steps` environment steps and yield the policy.
@@ -36,6 +38,7 @@ def train(
         progress: The same.
         policy_of: The policy of a model as it stands.
         decisions_per_update: Between two updates, over all envs.
+        adapter: What makes the library's env of `env`.
         settings: What the class is made with, besides.
     """
     # One thread each is faster than two that wait for one another, and sums come out the same.
@@ -48,7 +51,9 @@ def train(
             """Schedules end with the budget; the library would count decisions."""
             super()._update_current_progress_remaining(env.environment_steps - before, steps)
 
-    model = Model("MlpPolicy", VecEnvAdapter(env), seed=seed % 2**32, device="cpu", **settings)
+    adapted = adapter(env)
+    policy = "MultiInputPolicy" if isinstance(adapted.observation_space, Dict) else "MlpPolicy"
+    model = Model(policy, adapted, seed=seed % 2**32, device="cpu", **settings)
     if state is not None:
         restore_model(model, under("model.", state))
     callback = ProgressCallback(env, progress, steps, policy_of, decisions_per_update, state)

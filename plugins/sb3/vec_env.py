@@ -15,11 +15,11 @@ class VecEnvAdapter(VecEnv):
     def __init__(self, env: ReachVectorEnv) -> None:
         self.env = env
         self._actions: Any = None
-        super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
+        super().__init__(env.num_envs, self._space(), env.single_action_space)
 
     def reset(self) -> Any:
         """First observations, (num_envs, observation_size)."""
-        return self.env.reset()[0]
+        return self._seen(self.env.reset()[0])
 
     def step_async(self, actions: Any) -> None:
         """Keep the actions for `step_wait`."""
@@ -32,11 +32,11 @@ class VecEnvAdapter(VecEnv):
         told: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for k in np.flatnonzero(dones):
             told[k] = {
-                "terminal_observation": infos["final_obs"][k],
+                "terminal_observation": self._seen(infos["final_obs"][k]),
                 "TimeLimit.truncated": bool(truncated[k] and not terminated[k]),
                 "is_success": bool(infos["is_success"][k]),
             }
-        return observations, rewards.astype(np.float32), dones, told
+        return self._seen(observations), rewards.astype(np.float32), dones, told
 
     def close(self) -> None:
         """The env belongs to whoever made it."""
@@ -56,6 +56,14 @@ class VecEnvAdapter(VecEnv):
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
         """No env is."""
         return [False] * len(self._indices(indices))
+
+    def _space(self) -> Any:
+        """Of the observations of one env, as the library sees them."""
+        return self.env.single_observation_space
+
+    def _seen(self, observations: Any) -> Any:
+        """Observations, (..., observation_size), as the library sees them."""
+        return observations
 
     def _indices(self, indices: Any) -> Sequence[int]:
         return list(self._get_indices(indices))

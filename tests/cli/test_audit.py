@@ -28,7 +28,7 @@ def test_the_verdict_is_in_plain_words(harness):
 
 def test_it_says_that_no_engine_was_used(harness):
     """Without --sim joints move exactly as told."""
-    assert "no engine: joints move exactly as told" in harness("audit", "--reward", "baseline", *FEW).out
+    assert "no simulator: joints move exactly as told" in harness("audit", "--reward", "baseline", *FEW).out
 
 
 def test_properties_and_distance_are_shown(harness):

@@ -30,4 +30,4 @@ def test_a_folder_that_is_no_experiment_is_refused(harness, finished):
     """Status 2 and one line."""
     answer = harness("compare", finished(seeds=2), "missing")
     assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
-    assert "'missing' is no experiment" in answer.err
+    assert "No folder 'missing'" in answer.err

@@ -57,6 +57,23 @@ def test_the_reward_explains_the_contradiction_of_its_sources(harness):
     assert "1.5" in out
 
 
+def test_names_of_sources_are_explained_where_they_stand(harness):
+    """`arp` cites both; `random` cites none."""
+    assert harness("describe", "arp").out.endswith("NOTE and ARP are the sources that docs/sources.md names.\n")
+    assert "docs/sources.md" not in harness("describe", "random").out
+
+
+def test_docstring_of_one_line_is_told_once(harness, tmp_path):
+    """The reward of a file has it for a summary too."""
+    file = tmp_path / "plain.py"
+    file.write_text(
+        "import dataclasses\n\n@dataclasses.dataclass(frozen=True)\nclass Plain:\n"
+        '    """Pays nothing at all."""\n\n    def initial_carry(self, begin_distance):\n        return ()\n\n'
+        "    def __call__(self, carry, sample):\n        return carry, 0.0 * sample.distance\n"
+    )
+    assert harness("describe", "plain", "--plugin", file).out.count("Pays nothing at all.") == 1
+
+
 def test_robot_of_a_path_is_described(harness, tmp_path):
     """A URDF anywhere is described with its joints, home, and where the numbers come from."""
     shutil.copy(Path(harness_robots.UNITY_ARM, "unity_arm.urdf"), tmp_path / "mine.urdf")

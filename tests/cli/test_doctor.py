@@ -31,6 +31,19 @@ def test_missing_libraries_come_with_their_extra(harness, rendering, distant):
     assert "missing no_such_engine for simulator 'distant': pip install 'far-away[engine]'" in harness("doctor").out
 
 
+def test_what_lacks_the_same_library_stands_in_one_line(harness, rendering, install):
+    """With the names in order."""
+    rendering("true")
+    source = (
+        "import harness\n@harness.hookimpl\ndef register_rewards(register):\n    for name in ('far', 'away'):\n"
+        "        register(name, 'no:where', summary='far', requires=['no_such_library'], extra='far')\n"
+    )
+    install("far-away", source)
+    out = harness("doctor").out
+    assert "missing no_such_library for rewards away, far: pip install 'far-away[far]'" in out
+    assert out.count("no_such_library") == 1
+
+
 def test_broken_plugins_are_told(harness, rendering, install):
     """A plugin that cannot be imported is named with the reason, and the doctor goes on."""
     rendering("true")
@@ -44,7 +57,8 @@ def test_broken_plugins_are_told(harness, rendering, install):
 def test_what_can_be_run_is_told_last(harness, rendering):
     """With what is installed."""
     rendering("true")
-    last = harness("doctor").out.splitlines()[-2:]
-    assert last[0].startswith("you can run: harness run --sim ")
-    assert "ideal" in last[1]
-    assert "wander" in last[1]
+    simulators, algorithms, last = harness("doctor").out.splitlines()[-3:]
+    assert simulators.startswith("installed simulators: ")
+    assert "ideal" in simulators
+    assert "wander" in algorithms
+    assert last.startswith("you can run: harness run --sim ")

@@ -30,5 +30,5 @@ def test_what_cannot_be_merged_is_told_in_one_line(harness, tmp_path):
     """Status 2, and nothing is written."""
     answer = harness("merge", "missing", "--out", "all")
     assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
-    assert "'missing' is no experiment" in answer.err
+    assert "No folder 'missing'" in answer.err
     assert list(tmp_path.iterdir()) == []

@@ -105,7 +105,7 @@ def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
         (["mine", "--to", "stock"], "Did you mean 'stuck'?"),
         (["mine", "--to", "stuck:dt=1"], "has no parameter 'dt'"),
         (["mine", "--jobs", "0"], "jobs=0: must be at least 1"),
-        (["nowhere"], "'nowhere' is no experiment"),
+        (["nowhere"], "No folder 'nowhere'"),
         (["unfinished"], "has no finished cell"),
     ],
 )

@@ -13,8 +13,8 @@ def experiment(finished):
 
 def test_sound_folder_ends_with_0(harness, experiment):
     """One line says so, and that there is nothing to repair."""
-    assert harness("verify", experiment)[:2] == (0, "'mine' is what was written\n")
-    assert harness("repair", experiment)[:2] == (0, "'mine' is what was written: there is nothing to repair\n")
+    assert harness("verify", experiment)[:2] == (0, "No file of 'mine' is damaged\n")
+    assert harness("repair", experiment)[:2] == (0, "No file of 'mine' is damaged: there is nothing to repair\n")
 
 
 def test_damage_is_named_set_aside_and_done_again(harness, experiment, quick, tmp_path):

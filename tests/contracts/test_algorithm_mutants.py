@@ -243,6 +243,12 @@ class DeniesThatItLearns(Sound):
     learns: ClassVar[bool] = False
 
 
+class IgnoresItsGoals(Sound):
+    """It asks for goals, and never pays a step again for another one."""
+
+    needs_goals: ClassVar[bool] = True
+
+
 class DrawsForItsCheckpoint(Sound):
     """Making a checkpoint takes a random number."""
 
@@ -274,6 +280,7 @@ MUTANTS = {
     Minimises: algorithms.the_return_rises,
     ReadsTheFirstEnvsReward: algorithms.every_env_counts,
     LeavesAnEnvOut: algorithms.every_env_counts,
+    IgnoresItsGoals: algorithms.it_learns_in_hindsight,
     DeniesThatItLearns: algorithms.what_learns_nothing_says_so,
     SavesCarelessly: algorithms.the_policy_comes_back_from_its_folder,
     DrawsForItsCheckpoint: algorithms.checkpoints_change_nothing,

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.algorithm import needs_goals
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import Progress, Ring, TrainingState
@@ -23,6 +24,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "ddqn": SELDOM,
     "td3": {**SELDOM, "policy_delay": 3},
     "sac": {**SELDOM, "buffer_size": 100},
+    "her": {**SELDOM, "buffer_size": 100},
 }
 """Small ones, which use all that they keep: buffers that are full, delays that no checkpoint divides."""
 NEEDED = {
@@ -40,9 +42,12 @@ NEEDED = {
         "model.num_timesteps", "model.policy.actor.mu.weight", "model.policy.critic_target.qf0.0.bias",
         "model.critic.optimizer.1.exp_avg_sq", "model.ent_coef_optimizer.0.exp_avg", "model.variable.log_ent_coef",
     ),
+    "her": (
+        "model.replay", "model.episodes.ep_length", "model.episodes._current_ep_start", "model._last_obs.columns_0",
+    ),
 }  # fmt: skip
 """Of what each keeps, one of every sort."""
-BY_SB3 = ("ppo", "dqn", "ddqn", "td3", "sac")
+BY_SB3 = ("ppo", "dqn", "ddqn", "td3", "sac", "her")
 """One thing of each shows in every run that the check sees through the library; the others are slow ones."""
 CASES = [
     pytest.param(algorithm, name, marks=[pytest.mark.slow] * (algorithm in BY_SB3 and index > 0))
@@ -94,6 +99,7 @@ class Spoiled:
     def __init__(self, algorithm: Any, name: str) -> None:
         self._algorithm, self._name = algorithm, name
         self.num_envs, self.action_spaces = algorithm.num_envs, algorithm.action_spaces
+        self.needs_goals = needs_goals(algorithm)
 
     def train(self, env: ReachVectorEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""

@@ -67,7 +67,7 @@ DRAW_CHECKS = (
 )
 """Of a task, what looks at its starts and targets alone."""
 OTHER_CHECKS = tuple(check for check in SIMULATOR_CHECKS if check not in FRAME_CHECKS)
-LARGE = ("sac", "td3", "dqn", "ddqn")
+LARGE = ("sac", "her", "td3", "dqn", "ddqn")
 """Their default networks take long to train; `SMALLER` ones show the same in most checks."""
 SMALLER = {"net_arch": (16,), "batch_size": 32}
 SLOW = {(name, the_return_rises) for name in (*LARGE, "ppo")}
@@ -80,7 +80,7 @@ SLOW |= {
 """The same, or several trainings; `test_checkpoint_mutants` runs the last two with smaller networks."""
 SLOW |= {
     (name, check)
-    for name in ("td3", "ddqn")
+    for name in ("her", "td3", "ddqn")
     for check in ALGORITHM_CHECKS
     if check.name in {"algo-every-env", "algo-same-seed", "algo-other-seed", "algo-budget"}
 }

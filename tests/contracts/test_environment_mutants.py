@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from harness.environment import AnyEnv, Measure
+from harness.environment import AnyEnv, GoalReward, Measure
 from harness.testing import ENVIRONMENT_CHECKS, violations
 
 
@@ -147,6 +147,69 @@ class NeverEnds(Sound):
         return env
 
 
+class WalkToGoal(Walk):
+    """The walk has a goal: to come to 1."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        box: gymnasium.Space[Any] = self.observation_space
+        self.observation_space = gymnasium.spaces.Dict({"achieved_goal": box, "desired_goal": box})
+
+    def _observed(self) -> Any:
+        return {"achieved_goal": np.array([self.at], np.float32), "desired_goal": np.ones(1, np.float32)}
+
+
+@dataclass(frozen=True)
+class SoundWithGoals(Sound):
+    """Nothing is wrong with it either."""
+
+    def make(self) -> AnyEnv:
+        return WalkToGoal()
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        def near(before: Any, action: Any, after: Any, info: Any) -> float:
+            return -abs(float(after["achieved_goal"][0]) - 1.0)
+
+        return {"near": near}
+
+    def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
+        return {"near": lambda achieved, desired: -np.abs(achieved - desired)[:, 0]}
+
+
+class PaysGoalsOtherwise(SoundWithGoals):
+    """By its goals it pays the square."""
+
+    def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
+        return {"near": lambda achieved, desired: -((achieved - desired) ** 2)[:, 0]}
+
+
+class PaysByWhereItStands(SoundWithGoals):
+    """It looks into the env, which stands elsewhere when steps are paid again."""
+
+    def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
+        return {"near": lambda achieved, desired: np.full(len(achieved), -abs(env.unwrapped.at - 1.0))}
+
+
+class PaysOneStepAlone(SoundWithGoals):
+    """It takes the goals of one step."""
+
+    def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
+        return {"near": lambda achieved, desired: -np.linalg.norm(achieved - desired)}
+
+
+class NamesNoRewardOfGoals(SoundWithGoals):
+    """Its reward of goals is none of its rewards."""
+
+    def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
+        return {"nearer": super().goal_rewards(env)["near"]}
+
+
+class ShowsNoGoals(Sound):
+    """Its reward of goals never meets one."""
+
+    goal_rewards = SoundWithGoals.goal_rewards
+
+
 MUTANTS: dict[type[Any], set[str]] = {
     Thawed: {"settings-frozen"},
     SetUpWithASet: {"settings-json"},
@@ -158,13 +221,19 @@ MUTANTS: dict[type[Any], set[str]] = {
     TellsNothing: {"environment-finite"},
     Unseeded: {"environment-seeded", "environment-looks-on"},
     Meddles: {"environment-looks-on"},
+    PaysGoalsOtherwise: {"environment-goals"},
+    PaysByWhereItStands: {"environment-goals"},
+    PaysOneStepAlone: {"environment-goals"},
+    NamesNoRewardOfGoals: {"environment-goals"},
+    ShowsNoGoals: {"environment-goals"},
     NeverEnds: {"environment-ends"},
 }
 
 
-def test_the_sound_one_keeps_the_contract():
+@pytest.mark.parametrize("sound", [Sound(), SoundWithGoals()])
+def test_the_sound_one_keeps_the_contract(sound: Any):
     """The mutants differ from it in one thing each."""
-    assert [failed.check for failed in violations(ENVIRONMENT_CHECKS, Sound())] == []
+    assert [failed.check for failed in violations(ENVIRONMENT_CHECKS, sound)] == []
 
 
 @pytest.mark.parametrize("mutant", MUTANTS)

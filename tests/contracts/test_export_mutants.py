@@ -67,7 +67,7 @@ MUTANTS: dict[str, tuple[Callable[[], Any], Check, str]] = {
     "no squashing": (lambda: Unsquashed(POLICY), exports.both_act_the_same, "action"),
     "one action for all": (lambda: FirstOnly(POLICY), exports.both_give_actions_of_one_shape, "the model (96, 6)"),
     "saved carelessly": (
-        lambda: SavesCarelessly(POLICY.weights, "tanh", *BOX), exports.it_acts_the_same_from_its_folder, "otherwise",
+        lambda: SavesCarelessly(POLICY.weights, "tanh", *BOX), exports.it_acts_the_same_from_its_folder, "differently",
     ),
 }  # fmt: skip
 
@@ -121,4 +121,4 @@ def test_choices_are_compared_too():
     (violation,) = violations(
         [exports.both_act_the_same], greedy, lambda seen: seen[:, :3].argmin(axis=1), exports._some()
     )
-    assert "the policy chooses otherwise than the model" in violation.sentence
+    assert "the policy chooses differently than the model" in violation.sentence

@@ -8,7 +8,7 @@ import pytest
 
 from tests.docs.pages import FENCE, PAGES, ROOT
 
-LINKED = [*PAGES, ROOT / "CHANGELOG.md", *sorted(ROOT.glob("results/reference/*/summary.md"))]
+LINKED = [*PAGES, ROOT / "CHANGELOG.md", *sorted(ROOT.glob("results/reference/**/summary.md"))]
 LINK = re.compile(r"\]\(<?([^)\s>]+)>?\)")
 HEADING = re.compile(r"^#{1,6} +(.+?) *#*$", re.MULTILINE)
 TARGET = re.compile(r"^\(([\w-]+)\)=$", re.MULTILINE)

@@ -228,7 +228,7 @@ TRIAL = {"bb": (-1000.0, 1000.0), "bk": (-1430.0, 500.0), "kb": (-60.0, 46_500.0
 def test_triumph_that_is_all_ruler():
     """eta_P of 25.6: 48.8 is the ruler's, and the runs are worth half. No word of better stands there."""
     assert number(compared(**TRIAL)) == (
-        "I_P with mine is 25.6 times that with base: x 48.8 because mine counts the same runs otherwise (ruler), "
+        "I_P with mine is 25.6 times that with base: x 48.8 because mine counts the same runs differently (ruler), "
         "x 0.525 because the runs differ (behaviour)."
     )
 
@@ -243,7 +243,7 @@ def test_both_indices_are_told():
 def test_intervals_stand_behind_their_values():
     """Where there are enough seeds."""
     assert number(compared(kb=(-50.0, 200.0), kk=(-50.0, 200.0), seeds=3)) == (
-        "I_P with mine is 2 [2, 2] times that with base: x 2 [2, 2] because mine counts the same runs otherwise "
+        "I_P with mine is 2 [2, 2] times that with base: x 2 [2, 2] because mine counts the same runs differently "
         "(ruler), x 1 [1, 1] because the runs differ (behaviour)."
     )
 

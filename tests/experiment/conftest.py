@@ -14,6 +14,7 @@ from harness.experiment.order import Order
 from harness.experiment.run_cell import TrainCell
 from harness.experiment.worker import DONE
 from harness.record.cell import Cell
+from harness.registry.given import Given
 
 WORKER = [sys.executable, "-m", "harness.experiment.worker"]
 
@@ -22,8 +23,10 @@ WORKER = [sys.executable, "-m", "harness.experiment.worker"]
 def train_in_a_process() -> Callable[..., None]:
     """Do a cell in a worker of its own, which is killed when it has told of `until` steps, if it gets there."""
 
-    def train(cell: Cell, folder: Path, every: int = 0, until: int | None = None) -> None:
-        order = Order(folder, TrainCell(cell, CellOptions(checkpoint_every=every)))
+    def train(
+        cell: Cell, folder: Path, every: int = 0, until: int | None = None, plugins: tuple[Given, ...] = ()
+    ) -> None:
+        order = Order(folder, TrainCell(cell, CellOptions(checkpoint_every=every, plugins=plugins)))
         with subprocess.Popen(WORKER, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as worker:
             worker.stdin.write(order.line() + "\n")
             worker.stdin.flush()

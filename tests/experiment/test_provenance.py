@@ -113,26 +113,24 @@ def _repository(folder: Path, name: str | None) -> Path:
     return folder
 
 
-def test_commit_is_that_of_the_projects_own_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_commit_is_that_of_the_projects_own_checkout(tmp_path: Path):
     """40 digits, and a plus sign where files differ from it."""
     checkout = _repository(tmp_path / "mine", "fd100-harness")
-    monkeypatch.setattr(provenance, "CHECKOUT", checkout)
-    clean = source_commit()
+    clean = source_commit(checkout)
     (checkout / "file").write_text("y")
     assert re.fullmatch("[0-9a-f]{40}", clean)
-    assert source_commit() == f"{clean}+"
+    assert source_commit(checkout) == clean  # what a process runs was loaded before
+    source_commit.cache_clear()
+    assert source_commit(checkout) == f"{clean}+"
 
 
 @pytest.mark.parametrize("name", ["someones-project", None])
-def test_repository_around_the_installation_does_not_count(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str | None
-):
+def test_repository_around_the_installation_does_not_count(tmp_path: Path, name: str | None):
     """Neither one whose root the package lies in, nor one that only has the installation somewhere inside."""
     other = _repository(tmp_path / "theirs", name)
     (other / "site-packages").mkdir()
     for folder in (other, other / "site-packages"):
-        monkeypatch.setattr(provenance, "CHECKOUT", folder)
-        assert source_commit() == ""
+        assert source_commit(folder) == ""
 
 
 def test_module_in_a_package_is_of_its_own_distribution_where_there_is_one(monkeypatch: pytest.MonkeyPatch):

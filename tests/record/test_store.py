@@ -93,9 +93,19 @@ def test_unwritable_folder_is_refused(
 
 def test_folder_that_is_no_experiment_is_not_opened(tmp_path: Path):
     """Whether it is missing or holds something else, the message says what to name."""
-    for folder in (tmp_path, tmp_path / "nowhere"):
-        with pytest.raises(UsageError, match=r"is no experiment: it holds no plan.json. Name the --out folder"):
-            Store.open(folder)
+    with pytest.raises(UsageError, match=r"^No folder '.*nowhere'\. Name the --out folder of a run$"):
+        Store.open(tmp_path / "nowhere")
+    with pytest.raises(UsageError, match=r"is no experiment: it holds no plan.json. Name the --out folder of a run$"):
+        Store.open(tmp_path)
+
+
+def test_folder_above_experiments_is_told_which_they_are(tmp_path: Path):
+    """Whoever names the folder around them sees their names."""
+    for name in ("second", "first"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "plan.json").touch()
+    with pytest.raises(UsageError, match=r"Name the --out folder of a run. Experiments in it: first, second$"):
+        Store.open(tmp_path)
 
 
 def test_summary_is_no_experiment(make_cell: MakeCell, make_plan: MakePlan, tmp_path: Path):

@@ -73,7 +73,7 @@ def test_cells_that_are_not_done_are_told(build):
     text = printed(build(ended={("arp", 0): ("failed", "the arm fell off"), ("arp", 1): ("pending", "")}))
     assert "6 cells: 4 done, 1 failed, 1 pending" in text
     assert "the arm fell off" in text
-    assert text.endswith("Everything that this rests on: harness report DIR --details\n")
+    assert text.endswith("All numbers behind this: harness report DIR --details\n")
 
 
 def test_mixture_is_marked(mixed):

@@ -450,7 +450,7 @@ def test_reward_that_has_changed(
         if cell.reward.label == changed:
             rewards[1] *= 1.001
         finish(store, cell, BASELINE_RUNS[cell.seed], rewards=rewards)
-    reason = f"reward {changed} pays its own recorded steps otherwise than then: it has changed"
+    reason = f"reward {changed} now pays its recorded steps differently: it has changed"
     _nothing_is_split(only(Results(store.folder, registry)), reason)
 
 

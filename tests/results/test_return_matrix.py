@@ -81,7 +81,7 @@ def test_reward_that_has_changed_has_no_return(results: Results):
             assert manifest.cell.id  # kept: it names the folder
             object.__setattr__(manifest.cell, "reward", changed)
     (matrix,) = return_matrices(results)
-    reason = "reward arp pays its own recorded steps otherwise than then: it has changed"
+    reason = "reward arp now pays its recorded steps differently: it has changed"
     assert {(mean.mean, mean.note) for mean in matrix.returns["arp"].values()} == {(None, reason)}
     assert all(mean.mean is not None for mean in matrix.returns["dense"].values())
 

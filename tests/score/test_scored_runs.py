@@ -56,7 +56,7 @@ def test_reward_that_has_changed_says_so(run: Trace, arp: Payer):
     """It does not pay what is recorded."""
     pays = arp.pays_recorded(run)
     assert not pays
-    with pytest.raises(Unscored, match="reward arp pays its own recorded steps otherwise than then: it has changed"):
+    with pytest.raises(Unscored, match="reward arp now pays its recorded steps differently: it has changed"):
         arp.require_unchanged(pays)
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,10 +10,20 @@ from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from harness.algorithm import Goals
 from harness.arrays import Float, Float32
-from harness.environment import SUCCESS
-from harness.experiment.environments.spaces import flat_actions, flat_observation, flat_observations
-from harness.progress import LAST_EPISODES
+from harness.environment import SUCCESS, GoalReward
+from harness.errors import SchemaError, UsageError, one_line
+from harness.experiment.environments.spaces import (
+    ACHIEVED,
+    DESIRED,
+    flat_actions,
+    flat_observation,
+    flat_observations,
+    goal_columns,
+)
+from harness.experiment.environments.step_log import StepLog, actions_of
+from harness.progress import LAST_EPISODES, TrainingState
 from harness.record.recording.facts import BEHAVIOUR
 from harness.recorder.record_rewards import RecordRewards
 
@@ -28,12 +38,17 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         environment_steps: Taken so far, counted over all envs.
         returns: What the last `LAST_EPISODES` episodes were paid, in the order in which they ended.
         successes: Whether they ended in success; empty where nothing measures that.
+        goals: For an algorithm that learns in hindsight; None where the reward is no function of goals.
     """
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 # Gymnasium's own
 
-    def __init__(self, envs: Sequence[RecordRewards[Any, Any]]) -> None:
+    def __init__(self, envs: Sequence[RecordRewards[Any, Any]], pay: GoalReward | None = None) -> None:
         """Take envs of one kind.
+
+        Args:
+            envs: They pay the reward that is trained with.
+            pay: The same reward as a function of goals, if it is one.
 
         Raises:
             UsageError: An algorithm cannot train on such envs.
@@ -46,6 +61,8 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         self._shape = self.num_envs, *flat.shape
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._is_discrete, self._action_type = isinstance(actions, Discrete), actions.dtype
+        self.goals = Goals(*goal_columns(self._space), pay) if pay else None
+        self._log = StepLog()
         self.environment_steps = 0
         self._paid = np.zeros(self.num_envs)
         self.returns: deque[float] = deque(maxlen=LAST_EPISODES)
@@ -55,10 +72,13 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Float32, dict[str, Any]]:
         """Start an episode in every env; a seed is that of the first env, and the next ones have the next."""
+        self._log.note_reset(is_plain=seed is None and options is None)
         seeds = _seeds(seed, self.num_envs)
         self._paid[:] = 0.0
         rows = [env.reset(seed=one, options=options)[0] for env, one in zip(self._envs, seeds, strict=True)]
-        return np.stack([flat_observation(self._space, row) for row in rows]), {}
+        observations = np.stack([flat_observation(self._space, row) for row in rows])
+        self._log.note_answers(observations)
+        return observations, {}
 
     def step(self, actions: Actions) -> tuple[Float32, Float, Flags, Flags, dict[str, Any]]:
         """A step in every env.
@@ -67,18 +87,23 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
             Observations (num_envs, observation_size), payments, terminations, truncations, and in `infos`
             ``is_success`` (num_envs,), and where an episode ended ``final_obs``, as the observations.
         """
+        given = np.asarray(actions, self._action_type)
+        self._log.note_actions(given)
         observations = np.empty(self._shape, np.float32)
         paid, success = np.empty(self.num_envs), np.zeros(self.num_envs, bool)
         terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         final = np.zeros_like(observations)
-        for k, (env, action) in enumerate(zip(self._envs, actions, strict=True)):
-            told, reward, terminated[k], truncated[k], _ = env.step(self._given(action))
+        for k, (env, action) in enumerate(zip(self._envs, given, strict=True)):
+            told, reward, terminated[k], truncated[k], _ = env.step(int(action) if self._is_discrete else action)
             observations[k], paid[k] = flat_observation(self._space, told), float(reward)
+            if self.goals:
+                _require_paid_by_goals(self.goals, told, paid[k])
             self._paid[k] += paid[k]
             if terminated[k] or truncated[k]:
                 success[k] = self._end(k, env)
                 final[k] = observations[k]
                 observations[k] = flat_observation(self._space, env.reset()[0])
+        self._log.note_answers(observations, final, paid, terminated, truncated, success)
         self.environment_steps += self.num_envs
         ended = terminated | truncated
         infos: dict[str, Any] = {"is_success": success}
@@ -86,14 +111,42 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
             infos |= {"final_obs": final, "_final_obs": ended}
         return observations, paid, terminated, truncated, infos
 
+    @property
+    def can_be_kept(self) -> bool:
+        """Whether `state` is enough to bring new envs to where these are."""
+        return self._log.is_complete
+
+    def state(self) -> TrainingState:
+        """What was done since the first reset, which had a seed; see `do_again`."""
+        return self._log.state()
+
+    def do_again(self, state: TrainingState, seed: int, tell: Callable[[int], None]) -> None:
+        """Bring new envs to where others were, by telling them the same.
+
+        Args:
+            state: Of the others.
+            seed: That they were reset with.
+            tell: Told now and then how many environment steps were done.
+
+        Raises:
+            SchemaError: They answer otherwise than the others did, or raise an error.
+        """
+        try:
+            self.reset(seed=seed)
+            for actions in actions_of(state):
+                if actions is None:
+                    self.reset()
+                else:
+                    self.step(actions)
+                    tell(self.environment_steps)
+        except Exception as error:  # whatever people's envs raise
+            raise SchemaError(f"the environment, told the same again, fails: {one_line(error)}") from error
+        self._log.require_same(state)
+
     def close_extras(self, **kwargs: Any) -> None:
         """Close the envs, and their recordings."""
         for env in self._envs:
             env.close()
-
-    def _given(self, action: Any) -> Any:
-        """As the env takes it."""
-        return int(action) if self._is_discrete else np.asarray(action, self._action_type)
 
     def _end(self, k: int, env: RecordRewards[Any, Any]) -> bool:
         """Note an episode that ended; returns whether in success."""
@@ -103,6 +156,16 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         if not math.isnan(told):
             self.successes.append(told > 0)
         return told > 0
+
+
+def _require_paid_by_goals(goals: Goals, told: Any, paid: float) -> None:
+    """Raise UsageError where a step was paid otherwise than by the goals observed after it."""
+    pays = float(np.asarray(goals.pay(told[ACHIEVED][np.newaxis], told[DESIRED][np.newaxis]))[0])
+    if abs(pays - paid) > 1e-6 + 1e-5 * abs(paid):
+        raise UsageError(
+            f"a step was paid {paid:.9g}, and the reward as a function of goals pays {pays:.9g} for it: it is no "
+            "function of goals alone, so that steps cannot be paid again for other goals"
+        )
 
 
 def _seeds(seed: int | Sequence[int | None] | None, count: int) -> list[int | None]:

@@ -5,10 +5,18 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
 
-from harness.algorithm import ActionSpace, Algorithm, needs_arm
-from harness.environment import AnyEnv, Environment, baseline_of, lower_is_better, measured_behaviour, rewards_of
+from harness.algorithm import ActionSpace, Algorithm, needs_arm, needs_goals
+from harness.environment import (
+    AnyEnv,
+    Environment,
+    baseline_of,
+    goal_rewards,
+    lower_is_better,
+    measured_behaviour,
+    rewards_of,
+)
 from harness.errors import UsageError
-from harness.experiment.environments.spaces import flat_observations, kind_of_actions
+from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
 from harness.registry.choice import Choice, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
@@ -29,6 +37,8 @@ class Looked:
         baseline: The one that the others are compared with, where the user names none.
         actions: Their kind; None where no algorithm takes them.
         unusable: Why no algorithm can train in it; empty if some can.
+        goal_rewards: Names of the rewards that are functions of goals alone.
+        goalless: Why no reward can be paid again for other goals; empty if observations tell of goals.
     """
 
     label: str
@@ -36,6 +46,15 @@ class Looked:
     baseline: str
     actions: ActionSpace | None
     unusable: str = ""
+    goal_rewards: frozenset[str] = frozenset()
+    goalless: str = ""
+
+    def why_not_in_hindsight(self, reward: str) -> str:
+        """Why steps that are paid by a reward cannot be paid again for other goals; empty if they can."""
+        if self.goalless or reward in self.goal_rewards:
+            return self.goalless
+        others = f"; these are: {', '.join(sorted(self.goal_rewards))}" if self.goal_rewards else ""
+        return f"the reward '{reward}' is not known to depend on the goals alone{others}"
 
     def rewards_asked(self, baseline: Given | None, proposed: Sequence[Given] | None) -> tuple[str, tuple[str, ...]]:
         """The baseline, and all rewards that train, the baseline first; by default each of the environment's.
@@ -117,11 +136,16 @@ def look_at(task: Choice, registry: Registry) -> Looked:
         baseline = baseline_of(environment, dict.fromkeys(names, ""))
         if baseline not in names:
             raise UsageError(f"{task.label}: its baseline '{baseline}' is none of its rewards {', '.join(names)}")
-        return Looked(task.label, names, baseline, *_actions_of(env))
+        in_hindsight = frozenset(goal_rewards(environment, env))
+        for name in in_hindsight.difference(names):
+            raise UsageError(
+                f"{task.label}: goal_rewards names '{name}', which is none of its rewards {', '.join(names)}"
+            )
+        return Looked(task.label, names, baseline, *_actions_of(env), in_hindsight, _goalless(env))
 
 
-def why_not_in(looked: Looked, algorithm: Choice, registry: Registry, steps: int) -> str:
-    """Why an algorithm cannot train in an environment for so many steps; empty if it can."""
+def why_not_in(looked: Looked, algorithm: Choice, reward: str, registry: Registry, steps: int) -> str:
+    """Why an algorithm cannot train in an environment by a reward for so many steps; empty if it can."""
     if looked.unusable:
         return looked.unusable
     with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
@@ -133,6 +157,8 @@ def why_not_in(looked: Looked, algorithm: Choice, registry: Registry, steps: int
             return f"{algorithm.label} takes {taken} actions, those of {looked.label} are {looked.actions}"
         if steps % built.num_envs:
             return f"steps={steps} is not a multiple of the {built.num_envs} envs that {algorithm.label} trains on"
+        if needs_goals(built) and (reason := looked.why_not_in_hindsight(reward)):
+            return f"{algorithm.label} learns by paying steps again for other goals; in {looked.label} {reason}"
     return ""
 
 
@@ -142,6 +168,14 @@ def _actions_of(env: AnyEnv) -> tuple[ActionSpace | None, str]:
         return kind_of_actions(env.action_space), ""
     except UsageError as error:
         return None, str(error)
+
+
+def _goalless(env: AnyEnv) -> str:
+    try:
+        goal_columns(env.observation_space)
+    except UsageError as error:
+        return str(error)
+    return ""
 
 
 def _name_of(given: Given) -> Any:

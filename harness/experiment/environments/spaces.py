@@ -4,7 +4,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Discrete, flatdim, flatten
+from gymnasium.spaces import Box, Dict, Discrete, flatdim, flatten
 
 from harness.algorithm import ActionSpace
 from harness.arrays import Float32
@@ -12,6 +12,8 @@ from harness.errors import UsageError
 
 MOST_NUMBERS = 1_000_000
 """Of an observation."""
+ACHIEVED, DESIRED = "achieved_goal", "desired_goal"
+"""Keys of observations that tell of goals."""
 
 
 def flat_observations(space: gymnasium.Space[Any]) -> Box:
@@ -33,6 +35,24 @@ def flat_observation(space: gymnasium.Space[Any], observation: Any) -> Float32:
     """An observation as one row of numbers, (observation_size,); one of dicts in the order of the space's keys."""
     flat: Float32 = np.asarray(flatten(space, observation), np.float32).ravel()
     return flat
+
+
+def goal_columns(space: gymnasium.Space[Any]) -> tuple[slice, slice]:
+    """Where a `flat_observation` has the achieved goal, and where the desired one.
+
+    Raises:
+        UsageError: Observations of `space` tell of no goals.
+    """
+    parts = space.spaces if isinstance(space, Dict) else {}
+    shapes = [goal.shape for name in (ACHIEVED, DESIRED) if isinstance(goal := parts.get(name), Box)]
+    if len(shapes) < 2 or shapes[0] != shapes[1] or len(shapes[0]) != 1:
+        raise UsageError(
+            f"observations have no goals: they would be a dict with {ACHIEVED} and {DESIRED}, two rows of as many "
+            "numbers"
+        )
+    ends = np.cumsum([flatdim(part) for part in parts.values()]).tolist()
+    columns = {name: slice(end - flatdim(part), end) for (name, part), end in zip(parts.items(), ends, strict=True)}
+    return columns[ACHIEVED], columns[DESIRED]
 
 
 def kind_of_actions(space: gymnasium.Space[Any]) -> ActionSpace:

@@ -1,8 +1,10 @@
 """Train and evaluate one cell in an environment of anybody."""
 
+import importlib
 import math
+import shutil
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,22 +12,23 @@ from typing import Any
 
 import numpy as np
 
-from harness.algorithm import Algorithm
-from harness.environment import AnyEnv, Environment, lower_is_better, measured_behaviour, rewards_of
+from harness.algorithm import Algorithm, needs_goals
+from harness.environment import AnyEnv, Environment, goal_rewards, lower_is_better, measured_behaviour, rewards_of
 from harness.executor import NO_SCALARS, CellOptions, Word
-from harness.experiment.attempt import restart
+from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.draft import Draft
+from harness.experiment.environments.acting import Acting
 from harness.experiment.environments.batch import EnvironmentBatch
-from harness.experiment.environments.spaces import flat_observation
+from harness.experiment.left_checkpoints import LeftCheckpoints
 from harness.experiment.order import Report
 from harness.experiment.provenance import describe_environment
 from harness.experiment.watch import Watch
 from harness.policy import Policy
-from harness.progress import RETURN, SPEED, SUCCESS, Progress
+from harness.progress import RETURN, SPEED, SUCCESS, Progress, TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, POLICY, TRAINING_RECORDING
 from harness.record.manifest import Manifest
-from harness.recorder.evaluate_policy import FIRST_SEED, evaluate_policy
+from harness.recorder.evaluate_policy import evaluate_policy
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
@@ -47,36 +50,72 @@ class EnvironmentTraining:
     def leave(self, draft: Draft[Manifest]) -> None:
         """Train and evaluate; leave everything but the manifest, and put into that what there is to say.
 
-        A training that was killed starts over: what an environment of anybody is like in the middle of an episode
-        cannot be kept.
+        A training that was killed goes on from its last checkpoint: all that its envs were told before is told to new
+        ones, which record it anew.
         """
         cell, registry = self.cell, self.registry
-        draft.note(environment=describe_environment(cell, None, registry), note=restart(draft.partial))
+        draft.note(environment=describe_environment(cell, None, registry))
         self.report(Word(0))
+        for library in self._learners:
+            importlib.import_module(library)
         environment: Environment = cell.task.build(registry, "environments")
         algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
-        policy = self._train(environment, algorithm, draft)
+        attempt, batch = self._begin(environment, algorithm, draft)
+        draft.note(resumed_from=attempt.begun_from, note=attempt.note)
+        with closing(batch):
+            policy = self._train(algorithm, batch, attempt)
+        draft.note(training_seconds=round(attempt.seconds, 3))
         policy.save(draft.partial / POLICY, cell.to_json())
         self.watch.enter("evaluation")
         self._evaluate(environment, policy, draft.partial / EVALUATION_RECORDING)
         self.watch.enter("saving")
 
-    def _train(self, environment: Environment, algorithm: Algorithm, draft: Draft[Manifest]) -> Policy:
-        """Train, every step recorded, and put down how long that took."""
-        cell, clock = self.cell, time.perf_counter()
-        env_seed, algorithm_seed = (int(seed) for seed in np.random.SeedSequence(cell.seed).generate_state(2))
-        path = draft.partial / TRAINING_RECORDING
-        with closing(self._open(environment, algorithm.num_envs, path)) as batch:
+    def _begin(
+        self, environment: Environment, algorithm: Algorithm, draft: Draft[Manifest]
+    ) -> tuple[Attempt, EnvironmentBatch]:
+        """Envs where the training begins: that of a process that was killed goes on, where that can be."""
+        folder, done_again = draft.partial, list[EnvironmentBatch]()
+
+        def restore(state: TrainingState) -> None:
+            for name in (TRAINING_RECORDING, EVALUATION_RECORDING, POLICY):
+                shutil.rmtree(folder / name, ignore_errors=True)
+            batch = self._open(environment, algorithm, folder / TRAINING_RECORDING)
+            try:
+                batch.do_again(state, self._seeds[0], _Told(self.report))
+            except BaseException:
+                batch.close()
+                raise
+            done_again.append(batch)
+
+        every, described = self.options.checkpoint_every, draft.record.environment
+        attempt = begin_attempt(self.cell, folder, described, every, restore)
+        if done_again:
+            return attempt, done_again[0]
+        return attempt, self._open(environment, algorithm, folder / TRAINING_RECORDING)
+
+    def _train(self, algorithm: Algorithm, batch: EnvironmentBatch, attempt: Attempt) -> Policy:
+        """Train, every step recorded."""
+        env_seed, algorithm_seed = self._seeds
+        if attempt.checkpoint is None:
             batch.reset(seed=env_seed)
-            progress = TrainingProgress(self.report, batch, self.options.tracked)
-            policy = algorithm.train(batch, cell.steps, algorithm_seed, progress)  # type: ignore[arg-type] # see there
-            self.report(Word(min(batch.environment_steps, cell.steps), progress.learned()))
-        draft.note(training_seconds=round(time.perf_counter() - clock, 3))
+        progress = TrainingProgress(self.report, batch, attempt, self.options.tracked)
+        policy = algorithm.train(batch, self.cell.steps, algorithm_seed, progress)  # type: ignore[arg-type] # see there
+        self.report(Word(min(batch.environment_steps, self.cell.steps), progress.learned()))
         return policy
 
-    def _open(self, environment: Environment, count: int, path: Path) -> EnvironmentBatch:
+    @property
+    def _seeds(self) -> tuple[int, int]:
+        """Of the envs and of the algorithm."""
+        env, algorithm = np.random.SeedSequence(self.cell.seed).generate_state(2).tolist()
+        return env, algorithm
+
+    def _open(self, environment: Environment, algorithm: Algorithm, path: Path) -> EnvironmentBatch:
         """Envs that record, each under its number, and pay the cell's reward."""
-        return EnvironmentBatch([self._recorded(environment, path, number) for number in range(count)])
+        envs = [self._recorded(environment, path, number) for number in range(algorithm.num_envs)]
+        if not needs_goals(algorithm):
+            return EnvironmentBatch(envs)
+        with blamed_on(self.registry.get("environments", self.cell.task.name), "its rewards were named"):
+            return EnvironmentBatch(envs, goal_rewards(environment, envs[0].env)[self.cell.reward.name])
 
     def _recorded(self, environment: Environment, path: Path, number: int) -> RecordRewards[Any, Any]:
         env = self._made(environment)
@@ -85,7 +124,7 @@ class EnvironmentTraining:
 
     def _evaluate(self, environment: Environment, policy: Policy, path: Path) -> None:
         with closing(self._made(environment)) as env:
-            act = _Act(env, policy, self.cell, self.report)
+            act = _Act(Acting(env, policy, self.cell.deterministic), self.cell, self.report)
             evaluate_policy(
                 act,
                 env,
@@ -108,22 +147,30 @@ class EnvironmentTraining:
                 "rewards": rewards_of(environment, env),
                 "behaviour": measured_behaviour(environment, env),
                 "lower_is_better": lower_is_better(environment),
+                "learners": self._learners,
             }
+
+    @property
+    def _learners(self) -> tuple[str, ...]:
+        """The libraries that the algorithm needs, whose versions a recording tells; other imports do not matter."""
+        return self.registry.get("algorithms", self.cell.algorithm.name).requires
 
 
 class TrainingProgress(Progress):
-    """Passes on the steps, what the last episodes came to, and scalars for who tracks them."""
+    """Passes on the steps, what the last episodes came to, and scalars for who tracks them; writes checkpoints."""
 
-    def __init__(self, report: Report, batch: EnvironmentBatch, tracked: bool) -> None:
+    def __init__(self, report: Report, batch: EnvironmentBatch, attempt: Attempt, tracked: bool) -> None:
         """Begin to count.
 
         Args:
             report: Told the steps and the scalars.
             batch: What is trained on.
+            attempt: What the training starts with, and how often it leaves a checkpoint.
             tracked: Whether what the algorithm tells is passed on.
         """
-        self._report, self._batch, self._tracked = report, batch, tracked
-        self._told, self._steps = time.monotonic(), 0
+        self._report, self._batch, self._attempt, self._tracked = report, batch, attempt, tracked
+        self._checkpoints = LeftCheckpoints(attempt)
+        self._told, self._steps = time.monotonic(), batch.environment_steps
 
     def __call__(self, steps: int) -> None:
         """See `harness.progress.Progress`."""
@@ -134,6 +181,15 @@ class TrainingProgress(Progress):
         """See `harness.progress.Progress`."""
         if self._tracked:
             self._report(Word(int(steps), {name: float(value) for name, value in values.items()}))
+
+    def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
+        """See `harness.progress.Progress`."""
+        if self._batch.can_be_kept and self._checkpoints.is_due(steps):
+            self._checkpoints.leave(steps, make(), self._batch.state(), self._attempt.seconds)
+
+    def restored(self) -> TrainingState | None:
+        """See `harness.progress.Progress`."""
+        return self._checkpoints.restored()
 
     def learned(self) -> dict[str, float]:
         """What there is to tell now, by the names of `harness.progress`."""
@@ -147,19 +203,27 @@ class TrainingProgress(Progress):
         return found
 
 
-class _Act:
-    """A policy that acts on observations as the env has them, and says now and then that it gets on."""
+class _Told:
+    """Says now and then how many steps were done again."""
 
-    def __init__(self, env: AnyEnv, policy: Policy, cell: Cell, report: Report) -> None:
-        self._space, self._policy, self._cell, self._report = env.observation_space, policy, cell, report
-        self._type = env.action_space.dtype
-        # What it draws depends on nothing that was drawn before.
-        self._rng = None if cell.deterministic else np.random.default_rng(FIRST_SEED)
+    def __init__(self, report: Report) -> None:
+        self._report, self._told = report, time.monotonic()
+
+    def __call__(self, steps: int) -> None:
+        if time.monotonic() >= self._told + TELL_EVERY:
+            self._told = time.monotonic()
+            self._report(Word(steps))
+
+
+class _Act:
+    """Acts, and says now and then that the evaluation gets on."""
+
+    def __init__(self, act: Acting, cell: Cell, report: Report) -> None:
+        self._act, self._cell, self._report = act, cell, report
         self._told = time.monotonic()
 
     def __call__(self, observation: Any) -> Any:
         if time.monotonic() >= self._told + TELL_EVERY:
             self._told = time.monotonic()
             self._report(Word(self._cell.steps))
-        action = self._policy.act(flat_observation(self._space, observation)[np.newaxis], self._rng)[0]
-        return int(action) if np.ndim(action) == 0 else np.asarray(action, self._type)
+        return self._act(observation)

@@ -5,7 +5,8 @@
     experiment.toml      what was run, resolved; reads as an experiment file
     results.json         what ``harness report --json`` prints
     cells.csv            one row per cell: what every reward paid its episodes, and what it did in them
-    summary.md           every comparison as a table
+    figures/*.svg        of every comparison: how both learned, ruler x behaviour, the summed reward
+    summary.md           every comparison as a table, with its figures; time, machine and versions
 """
 
 import csv
@@ -19,11 +20,12 @@ from harness.eta.headline import count_seeds
 from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.environments.document import environments_text
+from harness.report.environments.figures import Figure, figures_of
 from harness.report.environments.studies import PlaceStudy
 from harness.report.rows import Grid, answer_text, count_cells, ratio_grid, split_grid, unfinished_cells
 from harness.report.summary.cells import plain_text
 from harness.report.summary.files import put_files
-from harness.report.summary.markdown import escape, markdown_table
+from harness.report.summary.markdown import escape, markdown_table, what_it_took
 from harness.report.summary.summary import CELLS, FIGURES, RECORD, SUMMARY
 from harness.report.trainings.rows import (
     RETURNS,
@@ -52,13 +54,15 @@ def write_environments_summary(results: Results, studies: Sequence[PlaceStudy], 
     """
     if (folder / PLAN).exists():
         raise UsageError(f"--summary '{folder}' is the folder of an experiment: name another")
+    figures = figures_of(studies)
     files = {
         EXPERIMENT: results.experiment_text,
         RECORD: environments_text(results, studies) + "\n",
         CELLS: _cells(results, studies),
-        SUMMARY: _markdown(results, studies),
+        SUMMARY: _markdown(results, studies, figures),
     }
-    put_files(folder, {name: text.encode() for name, text in files.items()}, FIGURES)
+    drawn = {f"{FIGURES}/{it.name}": it.content for of in figures.values() for it in of}
+    put_files(folder, {**{name: text.encode() for name, text in files.items()}, **drawn}, FIGURES)
 
 
 def _cells(results: Results, studies: Sequence[PlaceStudy]) -> str:
@@ -93,8 +97,9 @@ def _measured(studies: Sequence[PlaceStudy]) -> Iterator[tuple[str, dict[str, fl
             yield run.path.parent.name, values
 
 
-def _markdown(results: Results, studies: Sequence[PlaceStudy]) -> str:
-    parts = [f"# {escape(results.folder.resolve().name)}", escape(count_cells(results))]
+def _markdown(results: Results, studies: Sequence[PlaceStudy], figures: Mapping[Comparison, Sequence[Figure]]) -> str:
+    labels = dict.fromkeys(told.group.task.label for told in studies)
+    parts = [f"# {escape(', '.join(labels))}", escape(count_cells(results))]
     parts += [f"* {escape(line)}" for line in unfinished_cells(results)]
     parts.append(f"Made from `{EXPERIMENT}`: `harness run {EXPERIMENT}` does it again.")
     for told in studies:
@@ -105,11 +110,12 @@ def _markdown(results: Results, studies: Sequence[PlaceStudy]) -> str:
         study = told.study
         parts += [escape(study_text(study)), *(f"* {escape(line)}" for line in study.runs.notes)]
         for comparison in study.comparisons:
-            parts += _comparison(comparison)
+            parts += [*_comparison(comparison), *(_picture(it, comparison) for it in figures[comparison])]
         parts.append(escape(TABLE))
         for manner in study.tables:
             parts += _shown(paid_grid(study, manner))
         parts.append(escape(TESTS))
+    parts += what_it_took(results)
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -126,6 +132,10 @@ def _comparison(comparison: Comparison) -> list[str]:
     parts += [part for grid in _ratios(comparison) for part in _shown(grid)]
     parts += [part for manner in comparison.episodes for part in _shown(behaviour_grid(comparison, manner))]
     return [*parts, escape(claims_text(comparison))]
+
+
+def _picture(figure: Figure, comparison: Comparison) -> str:
+    return f"![{figure.shows}: {escape(pair_text(comparison))}]({FIGURES}/{figure.name})"
 
 
 def _ratios(comparison: Comparison) -> tuple[Grid, ...]:

@@ -41,10 +41,10 @@ HEADINGS = ("", "the agent", "return")
 RATIO, DIFFERENCE = ("eta", "ruler", "behaviour"), ("difference", "ruler", "behaviour")
 OVERVIEW = (
     "return: baseline > proposed, each training paid by its own reward. {whole}; the ruler is what comes from counting "
-    "the same episodes otherwise."
+    "the same episodes differently."
 )
 RATIO_IS = "eta = ruler x behaviour is the ratio of both"
-DIFFERENCE_IS = "difference = ruler + behaviour, for a ratio takes returns above 0"
+DIFFERENCE_IS = "difference = ruler + behaviour, because a ratio needs returns above 0"
 
 
 def study_overview(study: Study, details: str) -> RenderableType:
@@ -66,7 +66,7 @@ def study_overview(study: Study, details: str) -> RenderableType:
         parts += [part for line in _sentences(comparisons[0]) for part in (Text(), Text(line))]
     else:
         parts += [Text(), *(Text(line) for line in dict.fromkeys(it.basis for it in comparisons if it.basis))]
-    return Group(*parts, Text(), Text(f"Everything that this rests on: {details}"))
+    return Group(*parts, Text(), Text(f"All numbers behind this: {details}"))
 
 
 def study_table(study: Study) -> RenderableType:

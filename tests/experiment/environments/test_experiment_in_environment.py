@@ -178,7 +178,7 @@ def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given
     assert told[SUCCESS] == pytest.approx(training.behaviour["success"][ended].mean())
 
 
-def test_a_killed_cell_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+def test_a_killed_cell_without_a_checkpoint_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
     """What it left is thrown away, the manifest says so, and the result is as if nothing had happened."""
     cell = _plan(registry).cells[0]
     _done(cell, tmp_path / "whole", given)
@@ -281,7 +281,8 @@ def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report:
     """JSON, a row for each cell, and the comparisons as a table; they are read without any cell."""
     target = tmp_path / "records"
     report(folder, "--summary", target)
-    assert {path.name for path in target.iterdir()} == {"experiment.toml", "results.json", "cells.csv", "summary.md"}
+    kept = {"experiment.toml", "results.json", "cells.csv", "figures", "summary.md"}
+    assert {path.name for path in target.iterdir()} == kept
     told = json.loads((target / "results.json").read_text())
     assert told == json.loads(report(folder, "--json"))
     assert [study["algorithm"] for study in told["studies"]] == ["random"]
@@ -290,3 +291,16 @@ def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report:
     assert all(float(row["return near, in evaluations"]) <= 0.0 for row in rows)
     assert "right against near" in (target / "summary.md").read_text()
     assert "right against near" in report(target)
+
+
+def test_records_show_what_they_say(folder: Path, tmp_path: Path, report: Callable[..., str]):
+    """Figures of every comparison, which the page shows: a line for each reward, and the parts of eta."""
+    report(folder, "--summary", tmp_path / "records")
+    figures = {path.name: path.read_text() for path in (tmp_path / "records" / "figures").iterdir()}
+    stem = "toy-random-right-against-near"
+    assert sorted(figures) == [f"{stem}.{what}.svg" for what in ("learning", "runs", "split")]
+    shown = (tmp_path / "records" / "summary.md").read_text()
+    assert "| gymnasium |" in shown.partition("## What it took")[2]
+    assert all(f"(figures/{name})" in shown for name in figures)
+    assert all(word in figures[f"{stem}.learning.svg"] for word in (">right<", ">near<", ">Return, as paid<"))
+    assert all(word in figures[f"{stem}.split.svg"] for word in (">ruler<", ">behaviour<"))

@@ -13,6 +13,8 @@ from harness.environment import AnyEnv, Measure
 class _Line(gymnasium.Env[Any, Any]):
     """A point moves for eight steps; what it observes is a dict."""
 
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"]}
+
     def __init__(self, discrete: bool = False) -> None:
         box = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
         self.observation_space = gymnasium.spaces.Dict({"at": box, "left": gymnasium.spaces.Discrete(9)})
@@ -30,6 +32,14 @@ class _Line(gymnasium.Env[Any, Any]):
         self.at += float(np.sum(action)) if isinstance(self.action_space, gymnasium.spaces.Box) else int(action) - 1
         self.steps += 1
         return self._observed(), -abs(self.at), abs(self.at) > 4.0, self.steps == 8, {"distance": abs(self.at)}
+
+    def render(self) -> Any:
+        """White where the point is, if it is told to draw so."""
+        if self.render_mode != "rgb_array":
+            return None
+        picture = np.zeros((40, 40, 3), np.uint8)
+        picture[:, int(np.clip(20 + 4 * self.at, 0, 39))] = 255
+        return picture
 
     def _observed(self) -> dict[str, Any]:
         return {"at": np.array([self.at]), "left": 8 - self.steps}

@@ -7,8 +7,9 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Box, Dict
 
-from harness.environment import Environment
+from harness.environment import Environment, goal_rewards
 from harness.errors import UsageError
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
@@ -19,7 +20,7 @@ NEEDS = {
     "gymnasium:id=CartPole-v1": (),
     "inverted-double-pendulum": ("mujoco", "imageio"),
     "fetch-reach": ("gymnasium_robotics",),
-    "meta-world": ("metaworld",),
+    "meta-world:episode_steps=150": ("metaworld",),
 }
 
 
@@ -85,3 +86,51 @@ def test_the_double_pendulum_pays_as_both_versions_do():
     assert v4 - v5 == pytest.approx(10.0)
     env.close()
     older.close()
+
+
+def test_meta_world_pays_each_version_and_ends_when_told():
+    """v1-scaled is v1 divided by 200; an episode has the steps that are asked for; a success stays one."""
+    built = _built("meta-world:task=reach-v3,episode_steps=3")
+    env = built.make()
+    rewards: Any = built.rewards(env)
+    found: Any = built.behaviour(env)["success"]
+    told, _ = env.reset(seed=3)
+    ended, steps = False, 0
+    while not ended:
+        after, own, _, ended, info = env.step(env.action_space.sample())
+        paid = {name: reward(told, None, after, info) for name, reward in rewards.items()}
+        assert paid["v2"] == pytest.approx(own)
+        assert paid["v1-scaled"] == pytest.approx(paid["v1"] / 200)
+        told, steps = after, steps + 1
+    assert steps == 3
+    assert [found(told, None, told, {"success": value}) for value in (0.0, 1.0, 0.0)] == [False, True, True]
+    found.reset()
+    assert not found(told, None, told, {"success": 0.0})
+    env.close()
+
+
+class _Bits(gymnasium.Env[Any, Any]):
+    """Pays for every bit that is as it should be, each time of a whole batch or of one step."""
+
+    observation_space = Dict({name: Box(0.0, 1.0, (4,)) for name in ("achieved_goal", "desired_goal")})
+
+    def __init__(self, of_a_batch: bool = True) -> None:
+        self.axis = 1 if of_a_batch else None
+
+    def compute_reward(self, achieved: Any, desired: Any, info: Any) -> Any:
+        return -np.abs(achieved - desired).sum(axis=self.axis)
+
+
+@pytest.mark.parametrize(
+    ("env", "names"),
+    [
+        (_Bits(), {"own"}),
+        (_Bits(of_a_batch=False), set()),
+        (gymnasium.make("harness/ReachGoal-v0", simulator="kinematic"), set()),
+        (gymnasium.make("Pendulum-v1"), set()),
+    ],
+    ids=["goals", "one step's goals", "goals and info", "no goals"],
+)
+def test_what_an_env_pays_is_a_function_of_goals_where_it_says_so(env: Any, names: set[str]):
+    """By its `compute_reward`, which needs the goals of many steps and nothing else."""
+    assert goal_rewards(_built("gymnasium:id=Pendulum-v1"), env).keys() == names

@@ -1,0 +1,85 @@
+"""What envs were told since they were made, and a digest of what they answered: enough to do all of it again.
+
+The state of an env of anybody cannot be kept. But an env that draws whatever it draws from the generator that a seeded
+reset gives it, as Gymnasium asks, does the same again when it is told the same.
+"""
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import SchemaError
+from harness.progress import Ring, TrainingState, as_state
+
+FIRST_ROOM = 1024
+"""Decisions that there is room for in the beginning."""
+
+
+class StepLog:
+    """Grows with every decision: by an action of each env.
+
+    Attributes:
+        is_complete: False where they were reset in a way that the log does not hold.
+    """
+
+    def __init__(self) -> None:
+        self.is_complete, self._has_begun = True, False
+        self._actions: NDArray[Any] = np.empty((0, 0))
+        self._decisions, self._resets = 0, list[int]()
+        self._digest = hashlib.sha256()
+
+    def note_reset(self, is_plain: bool) -> None:
+        """All envs were reset: at first with a seed, which whoever does it again knows, and then without anything."""
+        self.is_complete &= is_plain == self._has_begun
+        if self._has_begun:
+            self._resets.append(self._decisions)
+        self._has_begun = True
+
+    def note_actions(self, actions: NDArray[Any]) -> None:
+        """They were told one action each, (num_envs, ...)."""
+        if self._decisions == len(self._actions):
+            grown = np.empty((max(FIRST_ROOM, 2 * self._decisions), *actions.shape), actions.dtype)
+            grown[: self._decisions] = self._actions[: self._decisions] if self._decisions else 0
+            self._actions = grown
+        self._actions[self._decisions] = actions
+        self._decisions += 1
+
+    def note_answers(self, *answers: NDArray[Any]) -> None:
+        """They answered so: arrays whose order in memory is that of their rows."""
+        for answer in answers:
+            self._digest.update(answer.data)
+
+    def state(self) -> TrainingState:
+        """All of it; see `actions_of`."""
+        return as_state(
+            {
+                "actions": Ring({"actions": self._actions}, self._decisions),
+                "resets": np.array(self._resets, np.int64),
+                "digest": np.frombuffer(self._digest.digest(), np.uint8),
+            }
+        )
+
+    def require_same(self, state: TrainingState) -> None:
+        """See that what was done again was answered as before.
+
+        Raises:
+            SchemaError: It was not.
+        """
+        if self._digest.digest() != np.asarray(state["digest"]).tobytes():
+            raise SchemaError(
+                "the environment, told the same again, did something else: what it does depends on more than the seed "
+                "that it is reset with"
+            )
+
+
+def actions_of(state: TrainingState) -> Iterator[NDArray[Any] | None]:
+    """What the envs of a log were told, in order: actions, (num_envs, ...), or None for a reset without a seed."""
+    ring, resets = state["actions"], Counter(np.asarray(state["resets"]).tolist())
+    for decision in range(ring.written):
+        yield from [None] * resets[decision]
+        yield ring.columns["actions"][decision]
+    yield from [None] * resets[ring.written]

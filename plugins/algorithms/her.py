@@ -1,0 +1,55 @@
+"""Soft actor-critic with hindsight experience replay, by stable-baselines3."""
+
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.policy import Policy
+from harness.progress import Progress
+
+from ..sb3 import SOURCES
+from ..soft_actor_critic import SoftActorCritic
+
+if TYPE_CHECKING:
+    from harness.env import ReachVectorEnv
+
+
+@dataclass(frozen=True)
+class Her(SoftActorCritic):
+    """stable-baselines3's SAC, which also learns from steps as if another goal had been desired (Andrychowicz 2017).
+
+    The other goal is one that was achieved in the same episode. The step is paid by the reward of the training, as a
+    function of goals, so that a reward which only tells whether the goal was achieved teaches something from the first
+    episode on. It learns in environments with goals alone, and begins when the first episode has ended.
+    """
+
+    sampled_goals: Annotated[
+        int, Field(gt=0, description="steps with another goal for each step as it was, in an update")
+    ] = 4
+    goal: Annotated[
+        Literal["future", "final", "episode"],
+        Field(description="the other goal: achieved later in the episode, at its end, or anywhere in it"),
+    ] = "future"
+
+    needs_goals: ClassVar[bool] = True
+    sources: ClassVar[tuple[str, ...]] = SOURCES
+
+    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+        """See `harness.algorithm.Algorithm`."""
+        # Imported here: the settings above are checked before anything runs, and torch takes seconds.
+        from stable_baselines3 import HerReplayBuffer
+
+        from ..sb3.hindsight import GoalEnvAdapter, HindsightSAC
+        from ..sb3.policies import squashed_gaussian
+        from ..sb3.training import soft_actor_critic_settings, train
+
+        return train(
+            HindsightSAC, env, steps, seed, progress,
+            lambda model: squashed_gaussian(model, self.activation, "her"),
+            decisions_per_update=self.train_freq * self.num_envs,
+            adapter=GoalEnvAdapter,
+            replay_buffer_class=HerReplayBuffer,
+            replay_buffer_kwargs={"n_sampled_goal": self.sampled_goals, "goal_selection_strategy": self.goal},
+            **soft_actor_critic_settings(self, steps),
+        )  # fmt: skip

@@ -1,0 +1,194 @@
+"""Cells in an environment that are killed go on from their last checkpoint, to the same end."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.executor import CellOptions, Word
+from harness.experiment.plan import check_experiment, expand
+from harness.experiment.run_cell import run_cell
+from harness.record.cell import Cell
+from harness.record.folder import CHECKPOINT, LOG, MANIFEST, TRAINING_RECORDING, partial_folder
+from harness.record.manifest import Manifest, digests_in, read_manifest
+from harness.registry.given import Given, read_given
+from harness.registry.registry import Registry, load_registry
+
+FOLDER = Path(__file__).parent
+EVERY = 50
+SMALL = "net_arch=8,batch_size=8,learning_starts=40"
+LEARNERS = {
+    "sac-fast": f"sac-fast:{SMALL},buffer_size=90",
+    "random, 2 envs": "random:num_envs=2",
+    "sac": f"sac:{SMALL}",
+    "her, 2 envs": f"her:{SMALL},num_envs=2",
+    "ppo": "ppo:net_arch=8,batch_size=8,rollout=32",
+    "spg": "spg:net_arch=8,decisions=9,num_envs=2,restart=3",
+    "dqn": f"dqn:{SMALL}",
+}
+CASES = [
+    pytest.param(algo, marks=[pytest.mark.slow] * (name not in ("sac-fast", "random, 2 envs", "her, 2 envs")), id=name)
+    for name, algo in LEARNERS.items()
+]
+
+
+@pytest.fixture(scope="module")
+def given() -> tuple[Given, ...]:
+    """A toy with goals, and one without."""
+    return read_given([FOLDER / "goal_toy.py", FOLDER / "toy.py"])
+
+
+@pytest.fixture(scope="module")
+def registry(given: tuple[Given, ...]) -> Registry:
+    """The installed plugins and the toys."""
+    return load_registry(given=given)
+
+
+def _cell(registry: Registry, algo: str, **keys: Any) -> Cell:
+    task = {"task": "toy:discrete=true"} if algo.startswith("dqn") else {"task": "goal_toy", "baseline": "there"}
+    asked = {"algo": algo, "reward": [], "seeds": 1, "steps": 198, "evaluation_episodes": 3, **task, **keys}
+    (cell,) = expand(check_experiment(asked), registry).cells
+    return cell
+
+
+def _files(folder: Path) -> dict[str, str]:
+    """What a cell left, but for what tells of its times."""
+    return {name: it for name, it in digests_in(folder).items() if name not in (LOG, MANIFEST)}
+
+
+def _leave(cell: Cell, folder: Path, until: int, given: tuple[Given, ...], every: int = EVERY) -> None:
+    """The partial folder of `folder`, as a process leaves it that is killed when it has told of `until` steps."""
+
+    def report(word: Word) -> None:
+        if word.steps >= until and not partial_folder(folder).exists():
+            shutil.copytree(partial_folder(folder.with_name("whole")), partial_folder(folder))
+
+    run_cell(cell, folder.with_name("whole"), report, CellOptions(every, plugins=given))
+    assert partial_folder(folder).exists()
+
+
+def _go_on(cell: Cell, folder: Path, given: tuple[Given, ...]) -> Manifest:
+    return run_cell(cell, folder, lambda word: None, CellOptions(EVERY, plugins=given))
+
+
+@pytest.mark.parametrize("algo", CASES)
+def test_a_killed_cell_ends_as_if_it_had_not_been(
+    registry: Registry, given: tuple[Given, ...], tmp_path: Path, algo: str
+):
+    """Recordings and policy are, byte for byte, those of a cell that nobody killed and that left no checkpoints."""
+    cell = _cell(registry, algo)
+    run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
+    _leave(cell, tmp_path / "killed", 198, given)
+    manifest = _go_on(cell, tmp_path / "killed", given)
+    assert (manifest.status, manifest.note) == ("done", f"went on after {manifest.resumed_from} steps")
+    assert manifest.resumed_from >= 100
+    assert _files(tmp_path / "killed") == _files(tmp_path / "whole") == _files(tmp_path / "plain")
+
+
+def test_it_goes_on_twice(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """From a checkpoint of the process that went on, too."""
+    cell = _cell(registry, LEARNERS["random, 2 envs"], steps=900)
+    run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
+    for name, until in (("once", 300), ("twice", 700)):
+        _leave(cell, tmp_path / name / "killed", until, given)
+        if name == "once":
+            shutil.copytree(tmp_path / "once", tmp_path / "twice")
+            shutil.rmtree(tmp_path / "twice" / "whole")
+            partial_folder(tmp_path / "twice" / "killed").rename(partial_folder(tmp_path / "twice" / "whole"))
+    assert 650 <= _go_on(cell, tmp_path / "twice" / "killed", given).resumed_from <= 800
+    assert read_manifest(tmp_path / "twice" / "whole").resumed_from >= 250
+    assert _files(tmp_path / "twice" / "killed") == _files(tmp_path / "plain")
+
+
+def test_an_env_that_does_not_keep_to_its_seed_starts_over(
+    registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """What it does again is compared with what it did; the note says why the cell was begun anew."""
+    cell = _cell(registry, LEARNERS["random, 2 envs"])
+    _leave(cell, tmp_path / "killed", 198, given)
+    made = registry.get("environments", "goal_toy").load().make
+
+    def moved(self: Any) -> Any:
+        env = made(self)
+        step = env.step
+        env.step = lambda action: step(0.99 * action)
+        return env
+
+    monkeypatch.setattr(registry.get("environments", "goal_toy").load(), "make", moved)
+    manifest = _go_on(cell, tmp_path / "killed", given)
+    assert (manifest.status, manifest.resumed_from) == ("done", 0)
+    assert "did something else" in manifest.note
+
+
+def test_an_env_that_fails_when_it_does_it_again_starts_over(
+    registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Once: it is not that cell's fault."""
+    cell = _cell(registry, LEARNERS["random, 2 envs"])
+    _leave(cell, tmp_path / "killed", 198, given)
+    toy, made = registry.get("environments", "goal_toy").load(), list[Any]()
+    make = toy.make
+
+    def fails_at_first(self: Any) -> Any:
+        env = make(self)
+        made.append(env)
+        if len(made) == 1:
+            env.step = lambda action: 1 / 0
+        return env
+
+    monkeypatch.setattr(toy, "make", fails_at_first)
+    manifest = _go_on(cell, tmp_path / "killed", given)
+    assert manifest.status == "done"
+    assert "fails: ZeroDivisionError" in manifest.note
+
+
+def test_nothing_of_a_checkpoint_is_left(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """In the folder of a cell that is done; while it trains there is one, with the actions in files that grow."""
+    cell = _cell(registry, LEARNERS["random, 2 envs"])
+    _leave(cell, tmp_path / "killed", 198, given)
+    left = {path.name for path in partial_folder(tmp_path / "killed").iterdir()}
+    assert {CHECKPOINT, TRAINING_RECORDING} <= left
+    assert sorted(name for name in left if name.startswith("ring.")) == [
+        "ring.env%2Factions.0-25.safetensors",
+        "ring.env%2Factions.25-50.safetensors",
+        "ring.env%2Factions.50-75.safetensors",
+    ]
+    assert not {name for name in digests_in(tmp_path / "whole") if name.startswith(("ring", CHECKPOINT))}
+
+
+def test_an_algorithm_that_resets_with_a_seed_leaves_no_checkpoint(
+    registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """What it did could not be done again."""
+    learner = registry.get("algorithms", "random").load()
+    train = learner.train
+
+    def seeds(self: Any, env: Any, *rest: Any) -> Any:
+        env.reset(seed=3)
+        return train(self, env, *rest)
+
+    monkeypatch.setattr(learner, "train", seeds)
+    _leave(_cell(registry, "random"), tmp_path / "killed", 198, given)
+    assert not (partial_folder(tmp_path / "killed") / CHECKPOINT).exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("algo", [LEARNERS["sac-fast"], LEARNERS["her, 2 envs"]])
+def test_a_process_that_is_killed_loses_nothing(
+    registry: Registry,
+    given: tuple[Given, ...],
+    tmp_path: Path,
+    train_in_a_process: Callable[..., None],
+    algo: str,
+):
+    """By SIGKILL, twice, at any moment: afterwards every byte is that of an undisturbed cell."""
+    cell = _cell(registry, algo, steps=1600)
+    train_in_a_process(cell, tmp_path / "whole", 0, plugins=given)
+    for until in (500, 1300):
+        train_in_a_process(cell, tmp_path / "killed", 100, until, plugins=given)
+        assert not (tmp_path / "killed").exists()
+    train_in_a_process(cell, tmp_path / "killed", 100, plugins=given)
+    assert read_manifest(tmp_path / "killed").resumed_from >= 1000
+    assert _files(tmp_path / "killed") == _files(tmp_path / "whole")

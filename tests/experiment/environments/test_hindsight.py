@@ -1,0 +1,100 @@
+"""Cells that learn in hindsight: on a toy with goals, and where that is not possible."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.executor import CellOptions
+from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment.run_cell import run_cell
+from harness.record.folder import EVALUATION_RECORDING, LOG, TRAINING_RECORDING
+from harness.record.manifest import Manifest, digests_in
+from harness.record.recording.recorded_training import read_recording
+from harness.registry.given import Given, read_given
+from harness.registry.registry import Registry, load_registry
+
+FOLDER = Path(__file__).parent
+SMALL = "net_arch=32,batch_size=64,learning_starts=50,learning_rate=0.003"
+
+
+@pytest.fixture(scope="module")
+def given() -> tuple[Given, ...]:
+    """A toy with goals, and one without."""
+    return read_given([FOLDER / "goal_toy.py", FOLDER / "toy.py"])
+
+
+@pytest.fixture(scope="module")
+def registry(given: tuple[Given, ...]) -> Registry:
+    """The installed plugins and the toys."""
+    return load_registry(given=given)
+
+
+def _plan(registry: Registry, algo: str, **keys: Any) -> Plan:
+    asked = {"task": "goal_toy", "baseline": "there", "reward": [], "seeds": 1, "steps": 500, **keys}
+    return expand(check_experiment({"algo": algo, **asked}), registry)
+
+
+def _done(plan: Plan, folder: Path, given: tuple[Given, ...]) -> Manifest:
+    return run_cell(plan.cells[0], folder, lambda word: None, CellOptions(plugins=given))
+
+
+def _success(folder: Path) -> float:
+    told = read_recording(folder / EVALUATION_RECORDING)
+    return float(told.behaviour["success"][told.truncated].mean())
+
+
+def test_hindsight_learns_from_a_sparse_reward(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """500 steps are enough, of which the same learner without hindsight learns next to nothing."""
+    for name, algo in (("with", "her"), ("without", "sac-fast")):
+        assert _done(_plan(registry, f"{algo}:{SMALL}"), tmp_path / name, given).status == "done"
+    assert _success(tmp_path / "with") > 0.6
+    assert _success(tmp_path / "without") < 0.3
+    told = read_recording(tmp_path / "with" / TRAINING_RECORDING)
+    assert set(np.unique(told.rewards["there"])) <= {-1.0, 0.0}
+
+
+def test_the_same_cell_is_the_same_recording(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """Bit for bit, in two envs too."""
+    plan = _plan(registry, f"her:{SMALL},num_envs=2", steps=120, evaluation_episodes=2)
+    found = []
+    for name in ("one", "other"):
+        assert _done(plan, tmp_path / name, given).status == "done"
+        found.append({file: it for file, it in digests_in(tmp_path / name).items() if file != LOG})
+    assert found[0] == found[1]
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ({"baseline": "slow"}, "'slow' is not known to depend on the goals alone; these are: there"),
+        ({"task": "toy", "baseline": "near"}, "in toy observations have no goals"),
+        ({"task": "fd100-reach", "sim": "kinematic", "baseline": "dense"}, "Give an environment with goals"),
+    ],
+)
+def test_what_cannot_be_paid_again_is_skipped(registry: Registry, keys: dict[str, Any], told: str):
+    """With the reason."""
+    plan = _plan(registry, "her", **keys)
+    assert not plan.cells
+    assert plan.skipped
+    assert all(told in reason for _, reason in plan.skipped)
+
+
+def test_other_rewards_of_the_matrix_train(registry: Registry):
+    """What is skipped is the reward that is no function of goals, and with this algorithm alone."""
+    plan = _plan(registry, "her,sac-fast", reward=["slow"])
+    assert [(cell.algorithm.label, cell.reward.label) for cell in plan.cells] == [
+        ("her", "there"),
+        ("sac-fast", "there"),
+        ("sac-fast", "slow"),
+    ]
+
+
+def test_a_reward_that_pays_otherwise_than_by_its_goals_fails_the_cell(
+    registry: Registry, given: tuple[Given, ...], tmp_path: Path
+):
+    """At the first step: nothing is learned from steps that are paid wrongly."""
+    manifest = _done(_plan(registry, f"her:{SMALL}", task="goal_toy:lies=true"), tmp_path / "cell", given)
+    assert manifest.status == "failed"
+    assert "it is no function of goals alone" in manifest.reason

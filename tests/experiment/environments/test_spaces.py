@@ -1,0 +1,38 @@
+"""Where a row of numbers has its goals."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from gymnasium.spaces import Box, Dict, Discrete
+
+from harness.errors import UsageError
+from harness.experiment.environments.spaces import flat_observation, goal_columns
+
+PAIR, TRIPLE = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (3,))
+
+
+def test_columns_are_those_of_the_goals():
+    """In the order of the space's keys, whatever lies between."""
+    space = Dict({"achieved_goal": PAIR, "before": Discrete(3), "desired_goal": PAIR, "zone": TRIPLE})
+    row = flat_observation(
+        space,
+        {"achieved_goal": np.array([1, 2]), "before": 1, "desired_goal": np.array([3, 4]), "zone": np.zeros(3)},
+    )
+    achieved, desired = goal_columns(space)
+    assert (row[achieved].tolist(), row[desired].tolist()) == ([1.0, 2.0], [3.0, 4.0])
+
+
+@pytest.mark.parametrize(
+    "space",
+    [
+        PAIR,
+        Dict({"achieved_goal": PAIR}),
+        Dict({"achieved_goal": PAIR, "desired_goal": TRIPLE}),
+        Dict({"achieved_goal": Discrete(2), "desired_goal": Discrete(2)}),
+    ],
+)
+def test_other_observations_have_no_goals(space: Any):
+    """The message says what they would be."""
+    with pytest.raises(UsageError, match="they would be a dict with achieved_goal and desired_goal"):
+        goal_columns(space)

@@ -1,0 +1,102 @@
+"""Films of policies in an environment: their evaluations, played again."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.cli import main
+from harness.errors import UsageError
+from harness.executor import CellOptions
+from harness.experiment.plan import check_experiment, expand
+from harness.experiment.run_cell import run_cell
+from harness.record.store import Store
+from harness.registry.given import read_given
+from harness.registry.registry import load_registry
+from harness.results import Results, load_results
+from harness.video.environment_film import environment_film
+from harness.video.film import HELD
+
+TOY = str(Path(__file__).parents[1] / "experiment" / "environments" / "toy.py")
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+    """An experiment of two rewards and one seed, in an env that draws a point on a line."""
+    folder, given = tmp_path_factory.mktemp("toy") / "experiment", read_given([TOY])
+    asked = {"task": "toy", "algo": "random", "seeds": 1, "steps": 16, "evaluation_episodes": 2}
+    plan = expand(check_experiment(asked), load_registry(given=given))
+    store = Store.create(folder, plan)
+    for cell in plan.cells:
+        done = run_cell(cell, store.cell_folder(cell), lambda word: None, CellOptions(plugins=given))
+        assert done.status == "done"
+    return load_results(folder, plugins=[TOY])
+
+
+@pytest.fixture
+def line(results: Results, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """What makes an env of the toy's in this test."""
+    toy = results.registry.get("environments", "toy").load()
+    return monkeypatch, toy, type(toy().make())
+
+
+def test_baseline_and_proposed_reward_stand_beside_one_another(results: Results):
+    """Both play the episodes of their evaluations, from the first on; the end of each is held."""
+    frames = list(environment_film(results, [], 2))
+    assert frames[0].image.width == 640
+    assert [frame.seconds for frame in frames].count(HELD) == 2
+    assert (np.asarray(frames[0].image) != np.asarray(frames[-1].image)).any()
+
+
+def test_the_command_films_an_environment_too(results: Results, tmp_path: Path):
+    """As it films arms."""
+    film = tmp_path / "a.gif"
+    with pytest.raises(SystemExit) as ended:
+        main(["video", str(results.folder), "--plugin", TOY, "--episodes", "1", "--out", str(film)])
+    assert not ended.value.code
+    assert film.read_bytes().startswith(b"GIF8")
+
+
+def test_a_named_cell_is_shown_alone(results: Results):
+    """By how its id begins."""
+    name = results.done[1].cell.id[:6]
+    (frame, *_) = environment_film(results, [name], 1)
+    assert frame.image.width == 320
+
+
+def test_an_episode_that_goes_another_way_is_refused(results: Results, line: Any):
+    """As it does where another version of the environment is installed; nothing false is shown."""
+    patch, _, env = line
+    step = env.step
+    patch.setattr(env, "step", lambda self, action: (*step(self, action)[:2], True, False, {}))
+    with pytest.raises(UsageError, match=r"takes 1 here\. Is another version"):
+        list(environment_film(results, [], 1))
+
+
+def test_an_env_that_draws_no_arrays_is_refused(results: Results, line: Any):
+    """In one line that names the mode."""
+    patch, _, env = line
+    patch.setattr(env, "metadata", {"render_modes": ["human"]})
+    with pytest.raises(UsageError, match="has no render mode 'rgb_array'"):
+        list(environment_film(results, [], 1))
+
+
+def test_a_missing_renderer_is_told_in_one_line(results: Results, line: Any):
+    """With what can be done."""
+    patch, _, env = line
+
+    def render(self: Any) -> None:
+        raise ImportError("no OpenGL\nhere")
+
+    patch.setattr(env, "render", render)
+    with pytest.raises(UsageError, match=r"toy cannot draw here: no OpenGL here\. Without a screen set MUJOCO_GL=egl"):
+        list(environment_film(results, [], 1))
+
+
+def test_an_env_that_draws_nothing_is_told(results: Results, line: Any):
+    """And no film is written."""
+    patch, _, env = line
+    patch.setattr(env, "render", lambda self: None)
+    with pytest.raises(UsageError, match="draws no picture"):
+        list(environment_film(results, [], 1))
