@@ -124,7 +124,7 @@ class Solids:
         if not joints.size:
             return np.zeros(upward.shape[-1], bool)
         up = upward[joints]
-        reach: Mask = (_dot(centers, up) + up[:, 3] < radii[:, None] + MARGIN).any(axis=0)
+        reach: Mask = np.asarray((_dot(centers, up) + up[:, 3] < radii[:, None] + MARGIN).any(axis=0))
         return reach
 
 

@@ -29,10 +29,12 @@ class Told:
         self._simulation, self.calls = simulation, []
 
     def reset(self, qpos, mask):
+        """As the simulation."""
         self.calls.append((qpos.copy(), mask.copy()))
         return self._simulation.reset(qpos, mask)
 
     def drive(self, qpos, duration):
+        """As the simulation."""
         self.calls.append((qpos.copy(), None))
         return self._simulation.drive(qpos, duration)
 
