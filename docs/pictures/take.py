@@ -4,7 +4,7 @@
     harness run --sim mujoco --algo sac-fast --reward arp,dense --steps 10000 --out first
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
-It takes Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, which keeps it
+It needs Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, to keep it
 small. `reach.gif` is another one: `harness video` made it.
 """
 
