@@ -21,6 +21,8 @@ SIDES = ("baseline", "proposed")
 WITHOUT_RECORD = {"0", "1", "2", "95"}
 """Numbers that need none: counts of two, and of which size intervals are."""
 NUMBER = re.compile(r"(?<![\w.,/-])[-+]?(\d[\d,]*(?:\.\d+)?(?:e[-+]\d+)?)( ?%| pp| points)?(?![\w])")
+SHARES = re.compile(r"\[([-+\d.]+), ([-+\d.]+)\] pp")
+"""An interval of percentage points."""
 OUTSIDE = re.compile(r"\]\(<?https?:")
 
 
@@ -60,8 +62,7 @@ def needles(record: dict[str, Any], summary: str, label: str) -> list[str]:
         found.append(f"| {label}{pair} | {told['headline']['answer'].upper()} |")
         for split in told["returns"].values():
             found += _parts(split)
-        row = f"| {told['deciding_measure'].replace('_', ' ')} |"
-        found.append(next(line for line in _part(summary, f"Behaviour {told['decided_in']},") if line.startswith(row)))
+        found.append(_deciding(told, summary))
     return found
 
 
@@ -75,9 +76,12 @@ def _parts(split: dict[str, Any]) -> list[str]:
     return [f"| {' | '.join(told)} |"]
 
 
-def _part(summary: str, begin: str) -> list[str]:
-    """The lines from one that begins so."""
-    return summary[summary.index(f"\n{begin}") :].splitlines()
+def _deciding(told: dict[str, Any], summary: str) -> str:
+    """Name, both values and the interval of the difference of the measure that decides, as the summary has them."""
+    table = summary[summary.index(f"\nBehaviour {told['decided_in']},") :]
+    name = f"| {told['deciding_measure'].replace('_', ' ')} |"
+    row = next(line for line in table.splitlines() if line.startswith(name))
+    return " | ".join(row.split(" | ")[:4])
 
 
 def strange_numbers(page: str, records: list[dict[str, Any]], more: list[float]) -> list[str]:
@@ -86,7 +90,7 @@ def strange_numbers(page: str, records: list[dict[str, Any]], more: list[float])
     prose = re.sub(r"```.*?```|`[^`\n]*`|(?<=\])\([^)]*\)", "", _without_sources(page), flags=re.DOTALL)
     return [
         found[0]
-        for found in NUMBER.finditer(prose)
+        for found in NUMBER.finditer(SHARES.sub(r"\1 pp, \2 pp", prose))
         if found[1].replace(",", "") not in WITHOUT_RECORD | (known["share"] if found[2] else set()) | known["number"]
     ]
 
@@ -134,10 +138,8 @@ def _contradictions(study: dict[str, Any], told: dict[str, Any]) -> Iterator[str
             (payer, taught): [trained[told[taught], seed][manner]["returns"][told[payer]] for seed in told["seeds"]]
             for payer, taught in ((side, other) for side in SIDES for other in SIDES)
         }
-        again = split_returns(values, told["seeds"], swaps).to_json()
-        for part in ("returns", "ratio", "difference"):
-            if not _alike(again[part], split[part]):
-                yield f"{manner}: {part}"
+        again, before = (_in_order(it) for it in (split_returns(values, told["seeds"], swaps).to_json(), split))
+        yield from (f"{manner}: {part}" for part in again if not _alike(again[part], before[part]))
     for change in told["behaviour"]:
         sides = [
             np.mean(
@@ -147,6 +149,11 @@ def _contradictions(study: dict[str, Any], told: dict[str, Any]) -> Iterator[str
         ]
         if not _alike([*sides, sides[1] - sides[0]], [change[key] for key in ("baseline", "proposed", "difference")]):
             yield f"{change['manner']}: {change['name']}"
+
+
+def _in_order(split: dict[str, Any]) -> dict[str, Any]:
+    """With its returns by who pays and who was taught."""
+    return {**split, "returns": sorted(split["returns"], key=lambda it: (it["paid_by"], it["trained_by"]))}
 
 
 def _alike(one: Any, other: Any) -> bool:
@@ -337,7 +344,8 @@ def test_a_whole_page_lacks_nothing(small: dict[str, Any]):
 
 
 @pytest.mark.parametrize(
-    ("there", "wrong"), [("HELPS", "HURTS"), ("3.30 [", "3.31 ["), ("x 1.10", "x 1.11"), ("| 15.9 |", "| 16.9 |")]
+    ("there", "wrong"),
+    [("HELPS", "HURTS"), ("3.30 [", "3.31 ["), ("x 1.10", "x 1.11"), ("| 15.9 |", "| 16.9 |"), ("1.63]", "1.64]")],
 )
 def test_a_page_that_says_something_else_is_found(small: dict[str, Any], there: str, wrong: str):
     """Whichever part it is."""
@@ -351,6 +359,8 @@ def test_a_page_that_says_something_else_is_found(small: dict[str, Any], there: 
         ("It earned 14.5.", []),
         ("It earned 14.7.", ["14.7"]),
         ("It earned 77 %.", ["77 %"]),
+        ("It earned [145, 145] pp more.", []),
+        ("It earned [146, 145] pp more.", ["146 pp"]),
         ("It earned 77, [they say](https://example.org).", []),
         ("Of v4 and `77`, [here](pictures/77.gif).", []),
         ("It earned 1,450 more.", ["1,450"]),

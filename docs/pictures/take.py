@@ -5,7 +5,7 @@
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
 It needs Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, to keep it
-small. `reach.gif` is another one: `harness video` made it.
+small. The films, `reach.gif` and those of the studies, are made by `harness video`.
 """
 
 import argparse

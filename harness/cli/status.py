@@ -41,8 +41,7 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
         return one.reason
     steps = f"{one.running.steps} of {one.cell.steps} steps"
     if one.status == "interrupted":
-        again = "starts it over" if one.cell.is_in_environment else "goes on"
-        return f"{steps}; the same command {again}"
+        return f"{steps}; the same command goes on"
     seconds = max(one.running.told - one.running.started, 1e-3)
     learned = learned_texts(one.running.success, one.running.mean_return)
     speed = f"{one.running.steps / seconds:.0f} steps/s"

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Float32
+from harness.arrays import Float32
 from harness.conditions.obstacles import NUMBERS, seen_from
 from harness.env.episodes import Episodes
 from harness.robot import Robot
@@ -36,27 +36,27 @@ class ArmObservation:
         self.obstacles = obstacles
         half_range = (robot.upper - robot.lower) / 2.0
         joints = np.concatenate([half_range, robot.max_speed, robot.max_acceleration * period])
-        self._scale = 1.0 / np.concatenate([joints, np.ones(10)])
-        self._middle = np.concatenate([(robot.lower + robot.upper) / 2.0, np.zeros(2 * robot.dof + 10)])
+        # Rows, (1, size): of one arm numpy is more than twice as quick with them as with (size,).
+        self._scale = 1.0 / np.concatenate([joints, np.ones(10)])[None]
+        self._middle = np.concatenate([(robot.lower + robot.upper) / 2.0, np.zeros(2 * robot.dof + 10)])[None]
         # The end effector cannot leave this, whatever the joints do; targets are checked against the arm's reach.
         extent = 2.0 * robot.extent
-        self._high = np.concatenate([np.ones(3 * robot.dof), np.full(10 + NUMBERS * obstacles, extent)])
+        self._high = np.concatenate([np.ones(3 * robot.dof), np.full(10 + NUMBERS * obstacles, extent)])[None]
         self._low = -self._high
-        self._low[3 * robot.dof + 9] = 0.0
+        self._low[0, 3 * robot.dof + 9] = 0.0
         self._columns: NDArray[np.intp] | None = None
-        self._rows: list[Float] = []
         dof = robot.dof
         self.arm_columns = np.concatenate([np.arange(3 * dof), np.arange(3 * dof + 3, 3 * dof + 6)])
 
     @property
     def low(self) -> Float32:
         """Lower bounds, (size,)."""
-        return self._low.astype(np.float32)
+        return self._low[0].astype(np.float32)
 
     @property
     def high(self) -> Float32:
         """Upper bounds, (size,)."""
-        return self._high.astype(np.float32)
+        return self._high[0].astype(np.float32)
 
     def observe(self, episodes: Episodes) -> Float32:
         """See `harness.task.Observation`."""
@@ -65,15 +65,12 @@ class ArmObservation:
                 "qpos", "qvel", "qvel_change", "target", "end_effector", "offset", "distance"
             )
         seen = episodes.matrix.take(self._columns, axis=1)
-        if not self._rows or len(self._rows[0]) != len(seen):  # a row for each env: numpy repeats short rows slowly
-            self._rows = [np.tile(row, (len(seen), 1)) for row in (self._middle, self._scale, self._low, self._high)]
-        middle, scale, low, high = self._rows
-        seen -= middle
-        seen *= scale
+        seen -= self._middle
+        seen *= self._scale
         if self.obstacles:
             there = episodes.extra("obstacles").reshape(len(seen), -1, NUMBERS)
             near = seen_from(episodes.end_effector, there, self.obstacles)
             seen = np.concatenate([seen, near.reshape(len(seen), -1)], axis=1)
-        np.maximum(seen, low, out=seen)
-        np.minimum(seen, high, out=seen)
+        np.maximum(seen, self._low, out=seen)
+        np.minimum(seen, self._high, out=seen)
         return seen.astype(np.float32)

@@ -52,8 +52,9 @@ LISTS = ("sim", "algo", "reward")
 
 
 NO_GOALS = (
-    "pays steps again for other goals. In a task of an arm the rewards have memories, events are paid too, and what is "
-    "observed holds the way to the target. Give an environment with goals, as --task fetch-reach"
+    "learns by paying steps again for other goals, which a task of an arm does not allow: its rewards remember earlier "
+    "steps, it pays for the ground and the target too, and what is observed holds the way to the target. Give an "
+    "environment with goals, as --task fetch-reach"
 )
 DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""

@@ -75,7 +75,7 @@ def _parts(link: Element, solids: tuple[Shape, ...], colours: dict[str, str]) ->
 
 
 def _visual(visual: Element, colours: dict[str, str], owner: str) -> Part:
-    shape = next(iter(visual.find("geometry") or ()), None)
+    shape = visual.find("geometry/*")
     if shape is None or shape.tag not in SIZES:
         raise UsageError(f"{owner} has a visual that is not drawn")
     kind = cast(ShapeKind, shape.tag)

@@ -31,7 +31,7 @@ def register_environments(register: harness.Register) -> None:
     register(
         "meta-world",
         f"{here}.meta_world:MetaWorld",
-        summary="a task of Meta-World, paid by the first or the second version of its reward",
+        summary="a task of Meta-World, paid by the first or second version of its reward, or by the first scaled down",
         requires=["metaworld", "mujoco"],
         extra="metaworld",
     )

@@ -12,18 +12,25 @@ from harness.errors import UsageError
 from harness.registry.names import unknown_name
 
 OBSERVABLE = "-goal-observable"
+SCALE = 1 / 200
+"""In most tasks brings v1, which pays up to some 2,000 a step, to the range of v2, which pays up to 10."""
 
 
 @dataclass(frozen=True)
 class MetaWorld:
-    """A Sawyer arm on a table, in one task of Meta-World's; an episode has 500 steps.
+    """A Sawyer arm on a table, in one task of Meta-World's.
 
-    Start and goal are drawn anew in every episode, and the goal is observed. Both rewards are Meta-World's own,
-    computed by the same env: `v1`, and `v2`, with which its newer results were obtained. Success and distance are those
-    that Meta-World tells while it pays v2, whatever the learner is paid.
+    Start and goal are drawn anew in every episode, and the goal is observed. Two rewards are Meta-World's own, computed
+    by the same env: `v1`, and `v2`, with which its newer results were obtained. `v1-scaled` is v1 divided by 200: it
+    shows what the size of v1's numbers alone does to a learner. Success and distance are those that Meta-World tells
+    while it pays v2, whatever the learner is paid. `success` is that of any step of the episode, as Meta-World's own
+    results count it; `success_at_end` is that of the last step alone.
     """
 
     task: Annotated[str, Field(description="a task of Meta-World, as reach-v3 or push-v3")] = "reach-v3"
+    episode_steps: Annotated[
+        int, Field(ge=1, description="of an episode: 500 in Meta-World now, 150 in its first version")
+    ] = 500
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
     baseline: ClassVar[str] = "v1"
@@ -38,6 +45,7 @@ class MetaWorld:
             )
         env = TASKS[f"{self.task}{OBSERVABLE}"](seed=0)
         env._freeze_rand_vec, env.seeded_rand_vec = False, True  # starts and goals are drawn, by the env's generator
+        env.max_path_length = self.episode_steps
         return Seeded(env)
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
@@ -49,11 +57,30 @@ class MetaWorld:
         def v2(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
             return _paid(env, "v2", action, next_observation)
 
-        return {"v1": v1, "v2": v2}
+        def v1_scaled(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+            return SCALE * _paid(env, "v1", action, next_observation)
+
+        return {"v1": v1, "v2": v2, "v1-scaled": v1_scaled}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
         """See `harness.environment.Environment`."""
-        return {"success": "success", "distance": "obj_to_target"}
+        return {"success": AnySuccess(), "success_at_end": "success", "distance": "obj_to_target"}
+
+
+class AnySuccess:
+    """Whether a step of the episode was a success so far."""
+
+    def __init__(self) -> None:
+        self.found = False
+
+    def reset(self) -> None:
+        """An episode starts."""
+        self.found = False
+
+    def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> bool:
+        """Look at one more step."""
+        self.found = self.found or bool(info["success"])
+        return self.found
 
 
 class Seeded(gymnasium.Wrapper[Any, Any, Any, Any]):

@@ -4,6 +4,7 @@ import functools
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -50,7 +51,7 @@ DIP_AND_CLIMB: Run = (9, 30)
 """The mean accumulated baseline reward over seeds 0 to 2 is negative from step 1 to step 17, then positive."""
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
     """Writes a new experiment's folder and opens it; see `build_results`."""
     return lambda **given: build_results(tmp_path_factory.mktemp("experiment"), **given)
@@ -207,8 +208,16 @@ def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None
         known = paid if paid.params or paid.name == BASELINE else _reward(BASELINE)
         reward = known.build(_plugins(), "rewards")
         rows[:, COLUMN["reward"]] = score_trace(reward, _trace(rows))
-    with TraceWriter(path, dof=1, action_size=1) as writer:
-        writer.append(rows)
+    path.write_bytes(_parquet(rows.tobytes(), rows.shape))
+
+
+@functools.lru_cache(maxsize=512)
+def _parquet(rows: bytes, shape: tuple[int, int]) -> bytes:
+    """The content of a trace's file, written once: most experiments here have the same runs."""
+    with BytesIO() as file:
+        with TraceWriter(file, dof=1, action_size=1) as writer:  # Arrow writes into a file as it does to a path
+            writer.append(np.frombuffer(rows).reshape(shape))
+        return file.getvalue()
 
 
 def _trace(rows: np.ndarray) -> Trace:

@@ -67,12 +67,17 @@ def test_nothing_in_common_is_refused(build):
         between(build(), build(proposed={"relative": (9, 20)}))
 
 
-@pytest.mark.parametrize("width", [60, 80, 120])
-def test_nothing_is_cut(build, width):
-    """At any width that the terminal has."""
+@pytest.fixture(scope="module")
+def several(build):
+    """A comparison of two experiments with two rewards each."""
     rewards = {"arp": (9, 30), "scaled:factor=1.5": (9, 30)}
-    sides = [build(seeds=6, proposed=rewards, reached=reached) for reached in (ALL, NONE)]
-    text = printed(between(*sides), width)
+    return between(*(build(seeds=6, proposed=rewards, reached=reached) for reached in (ALL, NONE)))
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_nothing_is_cut(several, width):
+    """At any width that the terminal has."""
+    text = printed(several, width)
     assert "…" not in text
     assert max(map(len, text.splitlines())) <= width
 

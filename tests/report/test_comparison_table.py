@@ -1,5 +1,6 @@
 import re
 from dataclasses import replace
+from functools import cache
 from io import StringIO
 
 import pytest
@@ -44,11 +45,17 @@ def squeezed(text):
     return " ".join(text.split())
 
 
-@pytest.mark.parametrize("width", [60, 80, 100])
+@pytest.fixture(scope="module")
+def built(build):
+    """The results of a case, written and compared once for all widths."""
+    return cache(lambda case: build(**CASES[case]))
+
+
 @pytest.mark.parametrize("case", CASES)
-def test_nothing_is_cut(build, case, width):
+@pytest.mark.parametrize("width", [60, 80, 100])
+def test_nothing_is_cut(built, case, width):
     """Every value stands whole in the table, indices of ten and more digits included, and so does every note."""
-    results = build(**CASES[case])
+    results = built(case)
     (combination,) = results.combinations
     text = printed(results, width)
     for grid in grids_of(combination):

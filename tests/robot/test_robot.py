@@ -294,7 +294,7 @@ def test_file_in_another_encoding_is_refused(tmp_path: Path):
         ("[0, 90]", "[0, 1" + "0" * 400 + "]", "Give a list of 2 finite numbers"),
         ("[0, 90]", "[0, 1e300]", "Give a list of 2 finite numbers"),
         ("[90, 180.0]", "[90, 1e308]", "Give a list of 2 finite numbers"),
-        ('"arm.urdf"', '"a\\u0000b"', "is no readable robot: ValueError: embedded null byte"),
+        ('"arm.urdf"', '"a\\u0000b"', "is no readable robot: ValueError: .*embedded null"),
         ('"arm.urdf"', '"' + "x" * 5_000 + '"', "cannot be read"),
         ('"arm.urdf"', '"/dev/zero"', "it is no regular file"),
     ],

@@ -15,19 +15,27 @@ from tests.robot.test_meshes import binary_stl
 
 LINK = """<link name="{name}">
   <visual><origin xyz="0 0 0.1" rpy="0 0.3 0"/><geometry><mesh filename="{file}" scale="1 1 -2"/></geometry>
-    <material name="red"/></visual>
-  <collision><geometry><sphere radius="0.05"/></geometry></collision>
+    {material}</visual>
+  <collision><geometry>{solid}</geometry></collision>
 </link>"""
 JOINT = """<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
   <origin xyz="0.1 0 0.3" rpy="0.2 0 0.1"/><axis xyz="0 1 0"/>
   <limit lower="-1" upper="1" velocity="1" effort="10"/></joint>"""
 
 
-def meshed(folder: Path, files: tuple[str, ...] = ("part.stl",) * 4) -> Robot:
+def meshed(
+    folder: Path,
+    files: tuple[str, ...] = ("part.stl",) * 4,
+    solid: str = '<sphere radius="0.05"/>',
+    material: str = '<material name="red"/>',
+) -> Robot:
     """An arm of three joints, one of which slides; each link has a mesh that is mirrored, and a ball that collides."""
     (folder / "part.stl").write_bytes(binary_stl(_box_corners()))
+    (folder / "flat.stl").write_bytes(binary_stl(_box_corners() * np.float32([1.0, 1.0, 0.0])))
+    (folder / "empty.stl").write_bytes(binary_stl(_box_corners()[:0]))
     (folder / "part.dae").write_text("<COLLADA/>")
-    links = "".join(LINK.format(name=f"link{number}", file=file) for number, file in enumerate(files))
+    said = {"solid": solid, "material": material}
+    links = "".join(LINK.format(name=f"link{number}", file=file, **said) for number, file in enumerate(files))
     kinds = ("revolute", "prismatic", "revolute")
     joints = "".join(
         JOINT.format(name=f"joint{number}", kind=kind, parent=f"link{number}", child=f"link{number + 1}")

@@ -10,7 +10,7 @@ from harness.robot import Robot
 from harness.robot.kinematics import child_frames, end_effector_position
 from harness.robot.load import load_robot
 from harness.scene.picture import chain_of, corners_of
-from harness.scene.scene import FEWEST, TRIANGLES, scene_of
+from harness.scene.scene import FEWEST, GREY, TRIANGLES, scene_of
 from tests.scene.conftest import meshed
 
 RNG = np.random.default_rng(5)
@@ -64,6 +64,47 @@ def test_what_collides_stands_in_for_a_mesh_that_is_not_read(tmp_path: Path):
     assert counts[0] == counts[-1] == 12
     assert counts[1] > 100
     assert np.abs(next(body.points for body in scene.bodies if body.joint == 1)).max() == pytest.approx(0.05)
+
+
+HULL = '<mesh filename="part.stl"/>'
+
+
+def test_of_a_mesh_that_collides_the_hull_stands_in(tmp_path: Path):
+    """Its corners are the mesh's own, and its triangles face outwards."""
+    scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "part.dae", "part.stl"), HULL))
+    body = next(body for body in scene.bodies if body.joint == 1)
+    assert len(body.faces) == 12
+    np.testing.assert_allclose(np.ptp(body.points, axis=0), (0.1, 0.05, 0.2), atol=1e-6)
+    first, second, third = np.moveaxis(body.points[body.faces.astype(int)], 1, 0)
+    assert (first * np.cross(second, third)).sum() / 6 == pytest.approx(0.1 * 0.05 * 0.2, rel=1e-4)
+
+
+def test_of_a_flat_mesh_that_collides_nothing_is_drawn(tmp_path: Path):
+    """It has no inside; the other links are drawn."""
+    scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "part.dae", "part.stl"), '<mesh filename="flat.stl"/>'))
+    assert {body.joint: len(body.faces) for body in scene.bodies} == {-1: 12, 0: 12, 1: 0, 2: 12}
+
+
+def test_what_collides_stands_in_for_an_empty_mesh(tmp_path: Path):
+    """A file without triangles is drawn as little as one that is not read."""
+    scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "empty.stl", "part.stl"), HULL))
+    assert [len(body.faces) for body in scene.bodies if body.joint == 1] == [12]
+
+
+@pytest.mark.parametrize(
+    ("material", "colour"),
+    [
+        ("", GREY),
+        ('<material name="blue"/>', GREY),
+        ('<material name="own"><color rgba="0 0.5 1 1"/></material>', "#0080ff"),
+        ('<material name="own"><color rgba="sky blue"/></material>', GREY),
+        ('<material name="own"><color rgba="2 0 0 1"/></material>', GREY),
+        ('<material name="own"><color rgba="nan 0 0 1"/></material>', GREY),
+    ],
+)
+def test_what_has_no_colour_is_grey(tmp_path: Path, material: str, colour: str):
+    """No material, one that the URDF does not have, or one whose colour is none."""
+    assert {body.colour for body in scene_of(meshed(tmp_path, material=material)).bodies} == {colour}
 
 
 def test_an_arm_has_so_many_triangles_at_most(robot: Robot, scene: Scene):

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.cli import main
 from harness.errors import UsageError
 from harness.executor import CellOptions
 from harness.experiment.plan import check_experiment, expand
@@ -46,6 +47,15 @@ def test_baseline_and_proposed_reward_stand_beside_one_another(results: Results)
     assert frames[0].image.width == 640
     assert [frame.seconds for frame in frames].count(HELD) == 2
     assert (np.asarray(frames[0].image) != np.asarray(frames[-1].image)).any()
+
+
+def test_the_command_films_an_environment_too(results: Results, tmp_path: Path):
+    """As it films arms."""
+    film = tmp_path / "a.gif"
+    with pytest.raises(SystemExit) as ended:
+        main(["video", str(results.folder), "--plugin", TOY, "--episodes", "1", "--out", str(film)])
+    assert not ended.value.code
+    assert film.read_bytes().startswith(b"GIF8")
 
 
 def test_a_named_cell_is_shown_alone(results: Results):

@@ -8,7 +8,7 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from harness.bench.meter import Clock, Meter
 
@@ -32,17 +32,17 @@ class Contender:
         run: Once the work; this is timed.
         steps: Environment steps of it, over all envs, >= 1.
         prepare: Called before; not timed.
-        inside: Parts of the work that are told too, by name; each is a meter of what `run` calls, by the same clock.
+        part: Of the work, what counts: a meter of what `run` calls, by the same clock. None: all of it.
     """
 
     run: Callable[[], object]
     steps: int
     prepare: Callable[[], object] = nothing
-    inside: Mapping[str, Meter] = field(default_factory=dict)
+    part: Meter | None = None
 
 
 def take_turns(contenders: Mapping[str, Contender], budget: float, clock: Clock = CLOCK) -> dict[str, list[float]]:
-    """What an environment step took in each turn, [s], by contender and part of a contender.
+    """What an environment step took in each turn, [s], by contender.
 
     The contenders take turns, so that a slow moment of the machine meets all of them. The first time of each warms up
     and does not count; how long it takes decides how often the work is done in a turn, and how many turns there are:
@@ -53,28 +53,26 @@ def take_turns(contenders: Mapping[str, Contender], budget: float, clock: Clock 
         budget: About how long all turns may take together, [s].
         clock: Tells the time, [s].
     """
-    first = {name: _seconds(name, it, 1, clock)[name] * it.steps for name, it in contenders.items()}
+    first = {name: _seconds(it, 1, clock) * it.steps for name, it in contenders.items()}
     repeats = {name: max(1, math.ceil(LEAST / max(seconds, 1e-6))) for name, seconds in first.items()}
     turn = sum(max(seconds, 1e-6) * repeats[name] for name, seconds in first.items())
-    found: dict[str, list[float]] = {}
+    found: dict[str, list[float]] = {name: [] for name in contenders}
     for _ in range(min(max(int(budget / turn), FEWEST), MOST)):
         for name, contender in contenders.items():
-            for part, seconds in _seconds(name, contender, repeats[name], clock).items():
-                found.setdefault(part, []).append(seconds)
+            found[name].append(_seconds(contender, repeats[name], clock))
     return found
 
 
-def _seconds(name: str, contender: Contender, repeats: int, clock: Clock) -> dict[str, float]:
-    """Per environment step, of one turn: the contender's parts, and the whole under its name."""
-    before = {part: meter.seconds for part, meter in contender.inside.items()}
-    whole = 0.0
+def _seconds(contender: Contender, repeats: int, clock: Clock) -> float:
+    """Per environment step, of one turn."""
+    whole, part = 0.0, contender.part
+    before = part.seconds if part else 0.0
     for _ in range(repeats):
         contender.prepare()
         begin = clock()
         contender.run()
         whole += clock() - begin
-    parts = {part: meter.seconds - before[part] for part, meter in contender.inside.items()}
-    return {part: seconds / (repeats * contender.steps) for part, seconds in {**parts, name: whole}.items()}
+    return (part.seconds - before if part else whole) / (repeats * contender.steps)
 
 
 @dataclass(frozen=True)
@@ -82,7 +80,7 @@ class Round:
     """What one process measured.
 
     Attributes:
-        seconds: Of an environment step, by contender and part of one the median over the turns, [s].
+        seconds: Of an environment step, by contender the median over the turns, [s].
         speeds: The same without the reference: how many times as fast as the reference, the median over the turns of
             what they had beside one another. Empty where there is no reference.
     """

@@ -53,8 +53,8 @@ class Looked:
         """Why steps that are paid by a reward cannot be paid again for other goals; empty if they can."""
         if self.goalless or reward in self.goal_rewards:
             return self.goalless
-        there = f": {', '.join(sorted(self.goal_rewards))}" if self.goal_rewards else ""
-        return f"the reward '{reward}' is none of those that are functions of goals alone{there or ', there is none'}"
+        others = f"; these are: {', '.join(sorted(self.goal_rewards))}" if self.goal_rewards else ""
+        return f"the reward '{reward}' is not known to depend on the goals alone{others}"
 
     def rewards_asked(self, baseline: Given | None, proposed: Sequence[Given] | None) -> tuple[str, tuple[str, ...]]:
         """The baseline, and all rewards that train, the baseline first; by default each of the environment's.
@@ -158,7 +158,7 @@ def why_not_in(looked: Looked, algorithm: Choice, reward: str, registry: Registr
         if steps % built.num_envs:
             return f"steps={steps} is not a multiple of the {built.num_envs} envs that {algorithm.label} trains on"
         if needs_goals(built) and (reason := looked.why_not_in_hindsight(reward)):
-            return f"{algorithm.label} pays steps again for other goals, which {looked.label} does not allow: {reason}"
+            return f"{algorithm.label} learns by paying steps again for other goals; in {looked.label} {reason}"
     return ""
 
 

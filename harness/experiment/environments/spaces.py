@@ -47,7 +47,7 @@ def goal_columns(space: gymnasium.Space[Any]) -> tuple[slice, slice]:
     shapes = [goal.shape for name in (ACHIEVED, DESIRED) if isinstance(goal := parts.get(name), Box)]
     if len(shapes) < 2 or shapes[0] != shapes[1] or len(shapes[0]) != 1:
         raise UsageError(
-            f"its observations have no goals: they would be a dict, with {ACHIEVED} and {DESIRED} as rows of as many "
+            f"observations have no goals: they would be a dict with {ACHIEVED} and {DESIRED}, two rows of as many "
             "numbers"
         )
     ends = np.cumsum([flatdim(part) for part in parts.values()]).tolist()

@@ -6,7 +6,7 @@
     results.json         what ``harness report --json`` prints
     cells.csv            one row per cell: what every reward paid its episodes, and what it did in them
     figures/*.svg        of every comparison: how both learned, ruler x behaviour, the summed reward
-    summary.md           every comparison as a table, with its figures
+    summary.md           every comparison as a table, with its figures; time, machine and versions
 """
 
 import csv
@@ -25,7 +25,7 @@ from harness.report.environments.studies import PlaceStudy
 from harness.report.rows import Grid, answer_text, count_cells, ratio_grid, split_grid, unfinished_cells
 from harness.report.summary.cells import plain_text
 from harness.report.summary.files import put_files
-from harness.report.summary.markdown import escape, markdown_table
+from harness.report.summary.markdown import escape, markdown_table, what_it_took
 from harness.report.summary.summary import CELLS, FIGURES, RECORD, SUMMARY
 from harness.report.trainings.rows import (
     RETURNS,
@@ -115,6 +115,7 @@ def _markdown(results: Results, studies: Sequence[PlaceStudy], figures: Mapping[
         for manner in study.tables:
             parts += _shown(paid_grid(study, manner))
         parts.append(escape(TESTS))
+    parts += what_it_took(results)
     return "\n\n".join(part for part in parts if part) + "\n"
 
 

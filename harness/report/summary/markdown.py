@@ -67,12 +67,14 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
         parts += _section(number, combination, paths)
     unfinished = [f"* {escape(line)}" for line in unfinished_cells(results)]
     parts += ["## Cells that are not done", "\n".join(unfinished)] if unfinished else []
-    parts += ["## What it took", _effort(results)]
+    return "\n\n".join([*parts, *what_it_took(results)]) + "\n"
+
+
+def what_it_took(results: Results) -> list[str]:
+    """Time, machine and versions of all cells, the last part of a summary."""
     facts = [fact for fact in shared_facts(results.manifests) if _is_told(fact)]
-    parts += [
-        markdown_table(("", "", "cells"), [(fact.name, fact.value, fact.cells or "all") for fact in facts])
-    ] * bool(facts)
-    return "\n\n".join(parts) + "\n"
+    rows = [(fact.name, fact.value, fact.cells or "all") for fact in facts]
+    return ["## What it took", _effort(results), *([markdown_table(("", "", "cells"), rows)] if rows else [])]
 
 
 def _overview(results: Results, path: str) -> list[str]:

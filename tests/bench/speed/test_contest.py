@@ -68,8 +68,8 @@ def test_preparation_does_not_count():
     assert work.order == ["prepare", "a"] * (1 + FEWEST)
 
 
-def test_parts_of_a_contender_are_told_too():
-    """What its meter saw in that turn, per step; the whole has its own name."""
+def test_a_part_of_the_work_can_be_what_counts():
+    """What its meter saw in that turn, per step, and nothing of the rest."""
     work, meter = Work(), Meter()
     meter.clock = work.clock
     inner, outer = meter.timed(work.of("inner", 1.0)), work.of("outer", 3.0)
@@ -78,8 +78,8 @@ def test_parts_of_a_contender_are_told_too():
         inner()
         outer()
 
-    found = take_turns({"env": Contender(run, 2, inside={"simulator": meter})}, budget=0.0, clock=work.clock)
-    assert found == {"simulator": [pytest.approx(0.5)] * FEWEST, "env": [pytest.approx(2.0)] * FEWEST}
+    found = take_turns({"simulator": Contender(run, 2, part=meter)}, budget=0.0, clock=work.clock)
+    assert found == {"simulator": [pytest.approx(0.5)] * FEWEST}
 
 
 def test_a_speed_is_the_median_of_what_stood_beside_one_another():

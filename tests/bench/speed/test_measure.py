@@ -68,6 +68,13 @@ def test_algorithms_that_do_not_learn_are_no_entry(toys):
     assert [entry.name for entry in entries] == ["sweep"]
 
 
+def test_an_algorithm_that_needs_goals_is_left_out_and_told(toys):
+    """The task that is timed has none that steps could be paid again for."""
+    entries, left_out = plan_entries(toys, ["algorithms"], [], ["her", "sweep"], (1,))
+    assert [entry.name for entry in entries] == ["sweep"]
+    assert [(name, "other goals" in reason) for name, reason in left_out] == [("her", True)]
+
+
 def test_peers_are_those_that_plugins_name(toys):
     """Of simulators and of algorithms."""
     entries, _ = plan_entries(toys, ["peers"], ["mujoco", "ideal"], ["sac-fast", "random"], (1,))

@@ -300,6 +300,7 @@ def test_records_show_what_they_say(folder: Path, tmp_path: Path, report: Callab
     stem = "toy-random-right-against-near"
     assert sorted(figures) == [f"{stem}.{what}.svg" for what in ("learning", "runs", "split")]
     shown = (tmp_path / "records" / "summary.md").read_text()
+    assert "| gymnasium |" in shown.partition("## What it took")[2]
     assert all(f"(figures/{name})" in shown for name in figures)
     assert all(word in figures[f"{stem}.learning.svg"] for word in (">right<", ">near<", ">Return, as paid<"))
     assert all(word in figures[f"{stem}.split.svg"] for word in (">ruler<", ">behaviour<"))

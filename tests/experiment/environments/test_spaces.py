@@ -34,5 +34,5 @@ def test_columns_are_those_of_the_goals():
 )
 def test_other_observations_have_no_goals(space: Any):
     """The message says what they would be."""
-    with pytest.raises(UsageError, match="they would be a dict, with achieved_goal and desired_goal"):
+    with pytest.raises(UsageError, match="they would be a dict with achieved_goal and desired_goal"):
         goal_columns(space)

@@ -20,7 +20,7 @@ NEEDS = {
     "gymnasium:id=CartPole-v1": (),
     "inverted-double-pendulum": ("mujoco", "imageio"),
     "fetch-reach": ("gymnasium_robotics",),
-    "meta-world": ("metaworld",),
+    "meta-world:episode_steps=150": ("metaworld",),
 }
 
 
@@ -86,6 +86,27 @@ def test_the_double_pendulum_pays_as_both_versions_do():
     assert v4 - v5 == pytest.approx(10.0)
     env.close()
     older.close()
+
+
+def test_meta_world_pays_each_version_and_ends_when_told():
+    """v1-scaled is v1 divided by 200; an episode has the steps that are asked for; a success stays one."""
+    built = _built("meta-world:task=reach-v3,episode_steps=3")
+    env = built.make()
+    rewards: Any = built.rewards(env)
+    found: Any = built.behaviour(env)["success"]
+    told, _ = env.reset(seed=3)
+    ended, steps = False, 0
+    while not ended:
+        after, own, _, ended, info = env.step(env.action_space.sample())
+        paid = {name: reward(told, None, after, info) for name, reward in rewards.items()}
+        assert paid["v2"] == pytest.approx(own)
+        assert paid["v1-scaled"] == pytest.approx(paid["v1"] / 200)
+        told, steps = after, steps + 1
+    assert steps == 3
+    assert [found(told, None, told, {"success": value}) for value in (0.0, 1.0, 0.0)] == [False, True, True]
+    found.reset()
+    assert not found(told, None, told, {"success": 0.0})
+    env.close()
 
 
 class _Bits(gymnasium.Env[Any, Any]):

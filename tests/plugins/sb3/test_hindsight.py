@@ -1,15 +1,59 @@
 """Goals, as the library's replay buffer and networks see them."""
 
+from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
-from stable_baselines3 import HerReplayBuffer
+import torch
+from gymnasium.spaces import Box, Dict
+from stable_baselines3 import SAC, HerReplayBuffer
 
 from harness.algorithm import Goals
+from harness.experiment.environments.batch import EnvironmentBatch
+from harness.progress import Progress
+from harness.recorder.record_rewards import RecordRewards
 from harness.testing.trainings import WatchedEnv
+from harness_plugins.algorithms.her import Her
 from harness_plugins.sb3.hindsight import GoalEnvAdapter, HindsightSAC
 from harness_plugins.sb3.policies import squashed_gaussian
+
+
+class _Line(gymnasium.Env[Any, Any]):
+    """A point has to come to another one within nine steps; every reset but the first is one without a seed."""
+
+    def __init__(self) -> None:
+        box = Box(-9.0, 9.0, (1,), np.float32)
+        self.observation_space = Dict({"achieved_goal": box, "desired_goal": box, "observation": box})
+        self.action_space = Box(-1.0, 1.0, (1,), np.float32)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        super().reset(seed=seed)
+        self.at, self.moved, self.steps = np.zeros(1, np.float32), np.zeros(1, np.float32), 0
+        self.goal = self.np_random.uniform(-1.0, 1.0, 1).astype(np.float32)
+        return self._observed(), {}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        self.moved = 0.3 * action
+        self.at, self.steps = self.at + self.moved, self.steps + 1
+        paid = self.compute_reward(self.at[np.newaxis], self.goal[np.newaxis], [{}])
+        return self._observed(), float(paid[0]), False, self.steps == 9, {}
+
+    def compute_reward(self, achieved: Any, desired: Any, infos: Any) -> Any:
+        return -(np.abs(achieved - desired)[:, 0] > 0.2).astype(np.float32)
+
+    def _observed(self) -> dict[str, Any]:
+        return {"achieved_goal": self.at, "desired_goal": self.goal, "observation": self.moved}
+
+
+class _SeededOnce(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Begins as the harness begins: an episode with a seed, which nobody plays, and one without."""
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        if seed is not None:
+            self.env.reset(seed=7)
+        return self.env.reset()
 
 
 @pytest.fixture(scope="module")
@@ -59,3 +103,23 @@ def test_nothing_is_learned_before_an_episode_ends():
     settings: Any = {"replay_buffer_class": HerReplayBuffer, "buffer_size": 99, "policy_kwargs": {"net_arch": [8]}}
     model = HindsightSAC("MultiInputPolicy", GoalEnvAdapter(env), learning_starts=2, seed=0, device="cpu", **settings)
     assert model.learn(15)._n_updates == 0
+
+
+def test_it_learns_what_the_library_learns_by_itself(tmp_path: Path):
+    """In the same env, with the same settings and seed: the same network in the end."""
+    settings: Any = {"learning_starts": 30, "batch_size": 16, "gamma": 0.9, "learning_rate": 1e-3}
+    env = _Line()
+    rewards: Any = {"own": "own"}
+    recorded = RecordRewards(env, tmp_path, trained_with="own", rewards=rewards, pay=True)
+    batch: Any = EnvironmentBatch([recorded], lambda achieved, desired: env.compute_reward(achieved, desired, []))
+    batch.reset(seed=7)
+    policy = Her(net_arch=(8,), ent_coef="0.1", **settings).train(batch, 200, 3, Progress())
+    batch.close()
+    library = SAC(
+        "MultiInputPolicy", _SeededOnce(_Line()), seed=3, device="cpu", ent_coef=0.1, buffer_size=200,
+        replay_buffer_class=HerReplayBuffer, policy_kwargs={"net_arch": [8], "activation_fn": torch.nn.ReLU},
+        **settings,
+    ).learn(200)  # fmt: skip
+    expected = squashed_gaussian(library, "relu", "library").weights
+    assert policy.weights.keys() == expected.keys()
+    assert all(np.array_equal(policy.weights[name], expected[name]) for name in expected)

@@ -1,0 +1,70 @@
+"""Executors do cells whose task is an environment as they do others: wherever it was done, a cell leaves the same."""
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.authoring.folder_parts import Part, add_parts
+from harness.executor import CellOptions, Event, Job, Word
+from harness.experiment.plan import check_experiment, expand
+from harness.experiment.run_cell import run_cell
+from harness.record.folder import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, TRAINING_RECORDING
+from harness.record.manifest import digests_in
+from harness.registry.choice import choose
+from harness.registry.given import read_given
+from harness.registry.registry import load_registry
+from harness_plugins.ray_cluster.node import Ended, Slot
+
+TOY = Path(__file__).parents[2] / "experiment" / "environments" / "toy.py"
+
+
+@pytest.fixture(scope="module")
+def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
+    """A cell that trains in a toy, which is a file of the user's."""
+    given = read_given([TOY])
+    asked = {"task": "toy", "algo": "random", "seeds": 1, "steps": 40, "evaluation_episodes": 2, "reward": []}
+    (cell,) = expand(check_experiment(asked), load_registry(given=given)).cells
+    return Job(cell, tmp_path_factory.mktemp("cells") / cell.id, CellOptions(plugins=given))
+
+
+@pytest.fixture(scope="module")
+def expected(job: Job, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What it leaves when this process does it."""
+    folder = tmp_path_factory.mktemp("here") / "cell"
+    assert run_cell(job.cell, folder, lambda word: None, job.options).status == "done"
+    return _files(folder)
+
+
+def _files(folder: Path) -> dict[str, str]:
+    return {name: it for name, it in digests_in(folder).items() if name not in (LOG, MANIFEST)}
+
+
+def test_a_node_of_ray_sends_its_recordings(job: Job, expected: dict[str, str], tmp_path: Path):
+    """From a folder of its own: recordings and policy, byte for byte."""
+    told = list(Slot().do_and_send(job.to_json(), ["harness"], []))
+    assert told[-1] == Ended("")
+    assert any(isinstance(word, Word) for word in told)
+    add_parts(tmp_path / "sent", [part for part in told if isinstance(part, Part)])
+    assert _files(tmp_path / "sent") == expected
+    assert {name.split("/")[0] for name in expected} == {TRAINING_RECORDING, EVALUATION_RECORDING, POLICY}
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of submitit, see test_slurm
+@pytest.mark.parametrize(
+    ("executor", "library"), [("ray", "ray"), ("ray:fetch=true", "ray"), ("slurm:cluster=local", "submitit")]
+)
+def test_other_machines_leave_the_same(job: Job, expected: dict[str, str], tmp_path: Path, executor: str, library: str):
+    """By a cluster of this machine alone, and by jobs of it."""
+    if importlib.util.find_spec(library) is None:
+        pytest.skip(f"needs {library}")
+    registry, told = load_registry(), list[Event]()
+    built: Any = choose(registry, "executors", executor).build(registry, "executors")
+    built.run([job._replace(folder=tmp_path / "cells" / job.cell.id)], 1, told.append)
+    assert [(event.kind, event.reason) for event in told if event.kind != "progress"] == [
+        ("started", ""),
+        ("ended", ""),
+    ]
+    assert _files(tmp_path / "cells" / job.cell.id) == expected
