@@ -141,8 +141,7 @@ def return_sentence(names: Names, split: ReturnSplit) -> str:
     if split.total.ruler.mean is None:
         return f"{told}; not split: {split.total.ruler.note}."
     return (
-        f"{told}: {ruler} from counting the same runs differently (ruler), "
-        f"{behaviour} from different runs (behaviour)."
+        f"{told}: {ruler} from counting the same runs differently (ruler), {behaviour} from different runs (behaviour)."
     )
 
 
