@@ -4,8 +4,8 @@
     harness run --sim mujoco --algo sac-fast --reward arp,dense --steps 10000 --out first
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
-It takes Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, which keeps it
-small. The films, `reach.gif` and those of the studies, are not its work: `harness video` made them.
+It needs Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, to keep it
+small. The films, `reach.gif` and those of the studies, are made by `harness video`.
 """
 
 import argparse

@@ -51,12 +51,14 @@ class ArmObservation:
     @property
     def low(self) -> Float32:
         """Lower bounds, (size,)."""
-        return self._low[0].astype(np.float32)
+        low: Float32 = self._low[0].astype(np.float32)
+        return low
 
     @property
     def high(self) -> Float32:
         """Upper bounds, (size,)."""
-        return self._high[0].astype(np.float32)
+        high: Float32 = self._high[0].astype(np.float32)
+        return high
 
     def observe(self, episodes: Episodes) -> Float32:
         """See `harness.task.Observation`."""

@@ -110,7 +110,7 @@ class Solids:
         return contact
 
     def _lowest_of_sums(self, upward: Float) -> Float:
-        """As `lowest`, without meshes; of each frame the last row alone, (dof, 4, n): the world's z axis, the height."""
+        """As `lowest`, without meshes; of each frame the last row alone, (dof, 4, n): its z axis and its height."""
         up = upward[self.frames]
         along = np.abs([_dot(self.axes[:, axis], up) for axis in range(3)])  # (3, count, n)
         depth = _dot(self.half_edges, np.moveaxis(along, 0, 1))
@@ -124,7 +124,7 @@ class Solids:
         if not joints.size:
             return np.zeros(upward.shape[-1], bool)
         up = upward[joints]
-        reach: Mask = (_dot(centers, up) + up[:, 3] < radii[:, None] + MARGIN).any(axis=0)
+        reach: Mask = np.asarray((_dot(centers, up) + up[:, 3] < radii[:, None] + MARGIN).any(axis=0))
         return reach
 
 

@@ -37,7 +37,7 @@ def bare_loop(arm: Any, told: Told) -> Callable[[], None]:
                 plant.SetVelocities(context, np.zeros_like(values))
                 simulator.Initialize()
                 continue
-            servos.FixValue(context, model.damping * values)
+            servos.FixValue(context, arm._damping * values)
             steps += SUBSTEPS
             simulator.AdvanceTo((steps - 0.5) * PERIOD / SUBSTEPS)
             plant.GetPositions(context)
