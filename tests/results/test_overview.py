@@ -5,7 +5,15 @@ from types import SimpleNamespace
 import pytest
 
 from harness.eta.index import Ratio
-from harness.results.overview import NEAR_ZERO, NOTHING, overview_html, overview_row, short_value, success_text
+from harness.results.overview import (
+    NEAR_ZERO,
+    NOTHING,
+    overview_html,
+    overview_row,
+    shared_text,
+    short_value,
+    success_text,
+)
 
 
 @pytest.mark.parametrize(
@@ -48,3 +56,16 @@ def test_success_that_nobody_knows_is_none():
 def test_a_notebook_sees_no_table_of_nothing():
     """An experiment of one reward compares nothing."""
     assert overview_html(()) == ""
+
+
+def _comparison(simulator: str, steps: int) -> SimpleNamespace:
+    """Of two seeds, as far as what is shared looks at it."""
+    group = SimpleNamespace(labels={"simulator": simulator, "task": "reach"}, steps=steps)
+    return SimpleNamespace(group=group, proposed="arp", baseline="baseline", seeds=(0, 1))
+
+
+def test_what_is_shared_is_said_once():
+    """The reward too where only the places differ; the steps where they are equal."""
+    mujoco, longer = _comparison("mujoco", 1_000), _comparison("pybullet", 2_000)
+    assert shared_text([mujoco, longer]) == "reach · arp · against baseline · 2 seeds"
+    assert shared_text([mujoco], with_seeds=False) == "mujoco · reach · against baseline · 1,000 steps"

@@ -9,6 +9,7 @@ import pytest
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
+from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
@@ -98,3 +99,10 @@ def test_what_needs_an_arm_says_so(in_environment: Results):
     """And what to do instead."""
     with pytest.raises(UsageError, match=r"harness score needs traces of an arm.*: harness report '.*' compares them"):
         in_environment.require_arm("harness score")
+
+
+def test_the_experiment_of_version_0_1_is_its_file(make_cell: MakeCell, registry: Registry, tmp_path: Path):
+    """Plans of then do not hold it."""
+    Store.create(tmp_path, Plan("baseline", (make_cell(),), (), {}, {}))
+    (tmp_path / EXPERIMENT).write_text('sim = "mujoco"\n')
+    assert Results(tmp_path, registry).experiment_text == 'sim = "mujoco"\n'
