@@ -78,7 +78,8 @@ def _parts(split: dict[str, Any]) -> list[str]:
 
 def _deciding(told: dict[str, Any], summary: str) -> str:
     """Name, both values and the interval of the difference of the measure that decides, as the summary has them."""
-    table = summary[summary.index(f"\nBehaviour {told['decided_in']},") :]
+    pair = summary.index(f"\n### {told['proposed']} against {told['baseline']}\n")
+    table = summary[summary.index(f"\nBehaviour {told['decided_in']},", pair) :]
     name = f"| {told['deciding_measure'].replace('_', ' ')} |"
     row = next(line for line in table.splitlines() if line.startswith(name))
     return " | ".join(row.split(" | ")[:4])
@@ -328,7 +329,19 @@ def small() -> dict[str, Any]:
     return json.loads(json.dumps({"studies": [{"study": {"comparisons": [told], "trainings": trainings}}]}))
 
 
-SUMMARY = "\nBehaviour in evaluations, 9 episodes\n\n| way | 14.5 | 15.9 | [1.27, 1.63] | higher | 0.004 | better |\n"
+SUMMARY = """
+### other against plain
+
+Behaviour in evaluations, 9 episodes
+
+| way | 14.5 | 0.1 | [-15.0, -13.8] | higher | 0.004 | worse |
+
+### thrice against plain
+
+Behaviour in evaluations, 9 episodes
+
+| way | 14.5 | 15.9 | [1.27, 1.63] | higher | 0.004 | better |
+"""
 PAGE = """
 | thrice against plain | HELPS |
 | 3.30 [3.30, 3.30] | 3.00 [3.00, 3.00] x 1.10 [1.10, 1.10] |

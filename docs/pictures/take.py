@@ -4,8 +4,8 @@
     harness run --sim mujoco --algo sac-fast --reward arp,dense --steps 10000 --out first
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
-It takes Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 64 colours, which keeps it
-small. The films, `reach.gif` and those of the studies, are others: `harness video` made them.
+It needs Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, to keep it
+small. The films, `reach.gif` and those of the studies, are made by `harness video`.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 HERE = Path(__file__).parent
-WIDTH, HEIGHT, COLOURS, AIR = 1080, 900, 64, 16
+WIDTH, HEIGHT, COLOURS, AIR = 1080, 900, 128, 16
 
 
 def main() -> None:

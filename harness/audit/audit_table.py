@@ -66,7 +66,7 @@ def _answer_grid(audit: Audit, against: str) -> Table:
     for answer in audit.properties:
         grid.add_row(Text(answer.name), "yes" if answer.holds else "no", Text(answer.evidence))
     ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in audit.workspace.items()]
-    evidence = f"shaped return times {', '.join(ratios)}; the event terms stay"
+    evidence = f"the shaped return grows by a factor: {', '.join(ratios)}; the event terms stay the same"
     grid.add_row(Text(f"all distances times {FACTOR:g}"), "", Text(evidence))
     for name, distance, terms in (("EPIC", audit.distance, EPIC), ("DARD", audit.reachable_distance, DARD)):
         grid.add_row(Text(f"{name} distance to {against}"), _distance_value(distance), Text(_note(distance, terms)))
@@ -79,5 +79,5 @@ def _distance_value(distance: Distance) -> str:
 
 def _note(distance: Distance, terms: str) -> str:
     if distance.value is None:
-        return "one of the two is nothing but an offset and shaping by a potential"
+        return "not defined: one of the two rewards is only an offset and shaping by a potential"
     return f"{terms}; {distance.transitions:,} recorded steps"

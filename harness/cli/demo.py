@@ -48,9 +48,9 @@ Where to go on:
       what does this reward pay for?
   harness doctor
       what is installed, what you can run
-  harness run --sim mujoco --algo sac
+  harness run --sim mujoco --algo sac-fast
       the same question with physics and learning, after
-      pip install 'fd100-harness[mujoco,sb3,report]'"""
+      pip install 'fd100-harness[mujoco,report]'"""
 
 
 def demo(

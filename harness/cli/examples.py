@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-FIRST_STEPS = ("harness demo", "harness doctor", "harness run --sim mujoco --algo sac", "harness run --help")
+FIRST_STEPS = ("harness demo", "harness doctor", "harness run --sim mujoco --algo sac-fast", "harness run --help")
 
 EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "demo": ("harness demo", "harness demo --out my-first"),
         "run": (
-            "harness run --sim mujoco --algo sac",
+            "harness run --sim mujoco --algo sac-fast",
             "harness run --sim kinematic --algo ik --reward arp,scaled:factor=3 --seeds 3",
             "harness run --sim mujoco,pybullet --algo sac:learning_rate=3e-4,td3 --reward arp:k1=1,k2=2",
             "harness run experiment.toml --seeds 20 --out my-results",

@@ -26,7 +26,7 @@ def foreseen_lines(found: "Foreseen") -> Iterator[str]:
     yield from (f"to do: {line}" for line in _by_combination(found.to_do))
     if found.to_do:
         yield f"Time: {_time(found)}"
-        yield f"Disk: {_size(found.cost.bytes) if found.cost else f'n/a: {found.unknown}'}"
+        yield f"Disk: {_size(found.cost.bytes) if found.cost else f'not known: {found.unknown}'}"
     yield "Nothing is written."
 
 
@@ -43,7 +43,7 @@ def _by_combination(cells: Sequence["Cell"]) -> Iterator[str]:
 
 def _time(found: "Foreseen") -> str:
     if found.seconds is None:
-        return f"n/a: {found.unknown}"
+        return f"not known: {found.unknown}"
     return f"{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, as the done cells took"
 
 

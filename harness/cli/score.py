@@ -136,4 +136,4 @@ def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:
     from harness.report.score_table import score_table
 
     show(score_table(matrices))
-    say(f"Columns: scores.parquet in each folder of {results.store.folder / 'cells'}")
+    say(f"What each step pays: scores.parquet in each folder of {results.store.folder / 'cells'}")

@@ -141,8 +141,7 @@ def return_sentence(names: Names, split: ReturnSplit) -> str:
     if split.total.ruler.mean is None:
         return f"{told}; not split: {split.total.ruler.note}."
     return (
-        f"{told}: {ruler} because {names.proposed} counts the same runs differently (ruler), "
-        f"{behaviour} because the runs differ (behaviour)."
+        f"{told}: {ruler} from counting the same runs differently (ruler), {behaviour} from different runs (behaviour)."
     )
 
 
@@ -236,8 +235,8 @@ def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
     if split.ruler.value is None or split.ruler.near_zero is not None:
         return f"{told}; not split: {split.ruler.near_zero or split.ruler.note}."
     return (
-        f"{told}: x {_text(split.ruler)} because {names.proposed} counts the same runs differently (ruler), "
-        f"x {_text(split.behaviour)} because the runs differ (behaviour)."
+        f"{told}: x {_text(split.ruler)} from counting the same runs differently (ruler), "
+        f"x {_text(split.behaviour)} from different runs (behaviour)."
     )
 
 

@@ -16,8 +16,6 @@ from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluati
 from harness.record.returns import mean_return
 from harness.record.trace import Trace, read_trace
 from harness.registry.registry import Registry
-from harness.results.measured import measure
-from harness.results.metrics import load_metrics
 
 SECTION = "Evaluation"
 BEAT_EVERY = 1.0
@@ -104,6 +102,10 @@ class CellEvaluations:
 
 def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
     """The return and every registered metric, ``Evaluation/Success Rate``; what is not defined or fails is left out."""
+    # Most runs have no tracker: their processes start without what reads results.
+    from harness.results.measured import measure
+    from harness.results.metrics import load_metrics
+
     values = {"Cumulative Reward": mean_return(trace)}
     measured = measure(load_metrics(registry), trace)
     values |= {name.replace("_", " ").title(): value for name, value in measured.items()}

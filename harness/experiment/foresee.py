@@ -109,7 +109,7 @@ def foresee(ready: ExperimentRun) -> Foreseen:
 
 def _why_unknown(cell: Cell) -> str:
     names = f"{cell.place.name},{cell.algorithm.name}"
-    return f"no cell of {' · '.join(_kind(cell))} is done in the folder; --only {names} --limit 1 does one"
+    return f"no cell of {' · '.join(_kind(cell))} is done in the folder yet. --only {names} --limit 1 runs one"
 
 
 def _costs_per_step(store: Store) -> Mapping[Kind, Cost]:

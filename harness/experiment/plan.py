@@ -52,9 +52,9 @@ LISTS = ("sim", "algo", "reward")
 
 
 NO_GOALS = (
-    "learns by paying steps again for other goals, which a task of an arm does not allow: its rewards remember earlier "
-    "steps, it pays for the ground and the target too, and what is observed holds the way to the target. Give an "
-    "environment with goals, as --task fetch-reach"
+    "learns by paying steps again for other goals. A task of an arm does not allow that: its rewards depend on earlier "
+    "steps, touching the ground is paid too, and its observations contain the offset to the target. "
+    "Give an environment with goals, such as --task fetch-reach"
 )
 DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""

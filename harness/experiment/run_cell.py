@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from harness.experiment.attempt import Attempt, begin_attempt
 from harness.experiment.cell_evaluations import CellEvaluations
 from harness.experiment.cell_progress import CellProgress
 from harness.experiment.draft import Draft, draft_of
-from harness.experiment.environments.training import EnvironmentTraining
 from harness.experiment.evaluate import facts_of
 from harness.experiment.learning_so_far import LearningSoFar
 from harness.experiment.order import Report
@@ -33,6 +32,9 @@ from harness.record.scene import write_scene
 from harness.registry.registry import Registry, load_registry
 from harness.robot.load import load_robot
 from harness.scene.scene import scene_of
+
+if TYPE_CHECKING:
+    from harness.experiment.environments.training import EnvironmentTraining
 
 DEFAULTS = CellOptions()
 
@@ -56,7 +58,7 @@ def run_cell(
     with draft_of(folder, Manifest(cell, status="done")) as draft:
         forget_peak()
         try:
-            kind = EnvironmentTraining if cell.is_in_environment else _Run
+            kind = _environment_training() if cell.is_in_environment else _Run
             kind(cell, load_registry(given=options.plugins), report, options, watch).leave(draft)
         finally:
             draft.note(peak_memory=peak_memory())
@@ -64,6 +66,13 @@ def run_cell(
             discard_rings(draft.partial)
             discard_parts(draft.partial / TRACE)
     return draft.record
+
+
+def _environment_training() -> "type[EnvironmentTraining]":
+    """Imported where a cell's task is an environment: the process of any other starts without the recorder."""
+    from harness.experiment.environments.training import EnvironmentTraining
+
+    return EnvironmentTraining
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def test_what_has_no_distance_says_so(rollouts, toolbox):
     lines = printed(audit_reward(toolbox.potential(0.95), Baseline(), rollouts, 0.95), 120).splitlines()
     for name in ("EPIC", "DARD"):
         (line,) = (line.rstrip() for line in lines if line.startswith(name))
-        assert line.endswith("n/a  one of the two is nothing but an offset and shaping by a potential")
+        assert line.endswith("n/a  not defined: one of the two rewards is only an offset and shaping by a potential")
 
 
 def test_labels_are_no_markup(found):

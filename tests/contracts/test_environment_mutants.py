@@ -126,6 +126,28 @@ class Unseeded(Sound):
         return env
 
 
+class LongWalk(Walk):
+    """Where no seed is given, it begins by chance."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lasts, self.is_seeded = 500, False
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        self.is_seeded = seed is not None
+        return super().reset(seed=seed, options=options)
+
+    def start(self) -> float:
+        return super().start() if self.is_seeded else np.random.default_rng().uniform(-1.0, 1.0)
+
+
+class SeededForOneEpisode(Sound):
+    """Its first episode depends on the seed, and no other one does; they are long."""
+
+    def make(self) -> AnyEnv:
+        return LongWalk()
+
+
 class Meddles(Sound):
     """Its reward moves what it looks at."""
 
@@ -219,6 +241,7 @@ MUTANTS: dict[type[Any], set[str]] = {
     NamesNoReward: {"environment-names"},
     PaysNothingKnown: {"environment-finite"},
     TellsNothing: {"environment-finite"},
+    SeededForOneEpisode: {"environment-seeded", "environment-looks-on"},
     Unseeded: {"environment-seeded", "environment-looks-on"},
     Meddles: {"environment-looks-on"},
     PaysGoalsOtherwise: {"environment-goals"},

@@ -81,6 +81,8 @@ def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
             (tmp_path / "arm" / Path(path).name).write_text(text, encoding="utf-8")
     (own,) = (it for it in BLOCKS if it.page == "docs/plugin-names.md" and "class MyReward" in it.text)
     (tmp_path / "my_reward.py").write_text(own.text, encoding="utf-8")
+    (metric,) = (it for it in BLOCKS if it.page == "docs/how-to/own-metric.md" and it.language == "python")
+    (tmp_path / "my_metric.py").write_text(metric.text, encoding="utf-8")
     (tmp_path / "my_package").mkdir()
     shutil.copy(ROOT / "examples/reward-plugin/cautious_reward/reward.py", tmp_path / "my_package" / "cautious.py")
     monkeypatch.chdir(tmp_path)

@@ -228,23 +228,23 @@ TRIAL = {"bb": (-1000.0, 1000.0), "bk": (-1430.0, 500.0), "kb": (-60.0, 46_500.0
 def test_triumph_that_is_all_ruler():
     """eta_P of 25.6: 48.8 is the ruler's, and the runs are worth half. No word of better stands there."""
     assert number(compared(**TRIAL)) == (
-        "I_P with mine is 25.6 times that with base: x 48.8 because mine counts the same runs differently (ruler), "
-        "x 0.525 because the runs differ (behaviour)."
+        "I_P with mine is 25.6 times that with base: x 48.8 from counting the same runs differently (ruler), "
+        "x 0.525 from different runs (behaviour)."
     )
 
 
 def test_both_indices_are_told():
     """I_N first."""
     said = headline_of(NAMES, compared(**TRIAL)).number
-    assert said.startswith("I_N with mine is 0.09 times that with base: x 0.0615 because ")
+    assert said.startswith("I_N with mine is 0.09 times that with base: x 0.0615 from ")
     assert said.index("I_N with mine") < said.index("I_P with mine")
 
 
 def test_intervals_stand_behind_their_values():
     """Where there are enough seeds."""
     assert number(compared(kb=(-50.0, 200.0), kk=(-50.0, 200.0), seeds=3)) == (
-        "I_P with mine is 2 [2, 2] times that with base: x 2 [2, 2] because mine counts the same runs differently "
-        "(ruler), x 1 [1, 1] because the runs differ (behaviour)."
+        "I_P with mine is 2 [2, 2] times that with base: x 2 [2, 2] from counting the same runs differently "
+        "(ruler), x 1 [1, 1] from different runs (behaviour)."
     )
 
 

@@ -92,7 +92,7 @@ def test_noise_of_a_mean_lies_around_1(returns):
 @pytest.mark.parametrize(
     ("proposed", "told"),
     [
-        (4.0, "The mean return with K is 4 times that with B: x 2 because K counts the same runs differently (ruler)"),
+        (4.0, "The mean return with K is 4 times that with B: x 2 from counting the same runs differently (ruler)"),
         (-4.0, "The mean return with K minus that with B is -5"),
     ],
 )

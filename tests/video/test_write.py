@@ -1,16 +1,19 @@
 """Films as files."""
 
+import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageColor
 
 from harness.errors import UsageError
 from harness.video.film import Frame
-from harness.video.write import write_film
+from harness.video.write import RATE, write_film
 
-PICTURES = [Frame(Image.new("RGB", (32, 20), colour), 0.5) for colour in ("#0072b2", "#d55e00", "#f3f5f7")]
+COLOURS = ("#0072b2", "#d55e00", "#f3f5f7")
+PICTURES = [Frame(Image.new("RGB", (32, 20), colour), 0.5) for colour in COLOURS]
 
 
 def test_a_gif_has_every_picture(tmp_path: Path):
@@ -39,3 +42,15 @@ def test_a_folder_that_is_not_there_is_said_in_one_line(tmp_path: Path):
     """No film, and no traceback."""
     with pytest.raises(UsageError, match="cannot be written"):
         write_film(PICTURES, tmp_path / "nowhere" / "a.gif")
+
+
+def test_an_mp4_shows_each_picture_as_long_as_it_is_to_be_seen(tmp_path: Path):
+    """In order, at the rate of the film."""
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    write_film(PICTURES, tmp_path / "a.mp4")
+    read = [ffmpeg.get_ffmpeg_exe(), "-i", tmp_path / "a.mp4", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    raw = subprocess.run(read, capture_output=True, check=True).stdout
+    pictures = np.frombuffer(raw, np.uint8).reshape(-1, 20 * 32, 3).mean(axis=1)
+    assert len(pictures) == 3 * RATE // 2
+    shown = [np.abs(pictures - ImageColor.getrgb(colour)).max(axis=1) < 8 for colour in COLOURS]
+    assert np.argmax(shown, axis=0).tolist() == sorted([0, 1, 2] * (RATE // 2))

@@ -56,10 +56,10 @@ class EnvironmentTraining:
         cell, registry = self.cell, self.registry
         draft.note(environment=describe_environment(cell, None, registry))
         self.report(Word(0))
-        for library in self._learners:
-            importlib.import_module(library)
         environment: Environment = cell.task.build(registry, "environments")
         algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
+        for library in self._learners:
+            importlib.import_module(library)
         attempt, batch = self._begin(environment, algorithm, draft)
         draft.note(resumed_from=attempt.begun_from, note=attempt.note)
         with closing(batch):
@@ -78,7 +78,8 @@ class EnvironmentTraining:
 
         def restore(state: TrainingState) -> None:
             for name in (TRAINING_RECORDING, EVALUATION_RECORDING, POLICY):
-                shutil.rmtree(folder / name, ignore_errors=True)
+                if (folder / name).exists():
+                    shutil.rmtree(folder / name)
             batch = self._open(environment, algorithm, folder / TRAINING_RECORDING)
             try:
                 batch.do_again(state, self._seeds[0], _Told(self.report))

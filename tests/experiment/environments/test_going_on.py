@@ -8,10 +8,18 @@ from typing import Any
 import pytest
 
 from harness.executor import CellOptions, Word
+from harness.experiment.environments import training
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record.cell import Cell
-from harness.record.folder import CHECKPOINT, LOG, MANIFEST, TRAINING_RECORDING, partial_folder
+from harness.record.folder import (
+    CHECKPOINT,
+    EVALUATION_RECORDING,
+    LOG,
+    MANIFEST,
+    TRAINING_RECORDING,
+    partial_folder,
+)
 from harness.record.manifest import Manifest, digests_in, read_manifest
 from harness.registry.given import Given, read_given
 from harness.registry.registry import Registry, load_registry
@@ -100,6 +108,23 @@ def test_it_goes_on_twice(registry: Registry, given: tuple[Given, ...], tmp_path
     assert 650 <= _go_on(cell, tmp_path / "twice" / "killed", given).resumed_from <= 800
     assert read_manifest(tmp_path / "twice" / "whole").resumed_from >= 250
     assert _files(tmp_path / "twice" / "killed") == _files(tmp_path / "plain")
+
+
+def test_a_cell_that_is_killed_in_its_evaluation_goes_on(
+    registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """What it had evaluated is thrown away, with the policy: they come to be again."""
+    monkeypatch.setattr(training, "TELL_EVERY", 0.0)
+    cell, whole, killed = _cell(registry, LEARNERS["random, 2 envs"]), tmp_path / "whole", tmp_path / "killed"
+
+    def report(word: Word) -> None:
+        if (partial_folder(whole) / EVALUATION_RECORDING).exists() and not partial_folder(killed).exists():
+            shutil.copytree(partial_folder(whole), partial_folder(killed))
+
+    run_cell(cell, whole, report, CellOptions(EVERY, plugins=given))
+    assert (partial_folder(killed) / EVALUATION_RECORDING).exists()
+    assert _go_on(cell, killed, given).resumed_from == 150
+    assert _files(killed) == _files(whole)
 
 
 def test_an_env_that_does_not_keep_to_its_seed_starts_over(
