@@ -55,12 +55,13 @@ def test_no_clock_is_asked_within_a_step_of_the_env():
             assert (contenders[SIMULATOR].part.calls > before) == (name == SIMULATOR)
 
 
-def test_the_simulator_takes_less_than_its_env():
-    """It is a part of it."""
+def test_engine_simulator_and_env_are_all_timed():
+    """The clock told something of each, in every turn."""
     with ExitStack() as stack:
         contest = open_contest(Entry("simulators", "simulators", "kinematic"), Setting(), load_registry(), stack)
         found = take_turns(contest.contenders, budget=0.0)
-    assert 0.0 < np.median(found[SIMULATOR]) < np.median(found[ENV])
+    assert list(found) == [ENGINE, SIMULATOR, ENV]
+    assert min(map(min, found.values())) > 0.0
 
 
 @pytest.mark.parametrize("name", ["mujoco", "mujoco:substeps=7"])
