@@ -44,7 +44,7 @@ def mean_over_seeds(values: Sequence[float], missing: str | None = None, episode
     Args:
         values: Finite.
         missing: Why there is not a value of every seed; becomes the last note. None if there is.
-        episodes: Of so many episodes each value is a share; None where it is not one.
+        episodes: Of so many episodes each value is a share, in [0, 1], and so is its interval; None where it is not one.
     """
     reasons = () if missing is None else (missing,)
     if not values:
@@ -54,4 +54,7 @@ def mean_over_seeds(values: Sequence[float], missing: str | None = None, episode
     if why_no_interval(seeds):
         return SeedMean(mean, seeds=seeds, notes=notes)
     variance = variance_of(values) if episodes is None else share_variance(values, [mean], episodes)
-    return SeedMean(mean, *mean_interval(values, variance), seeds, notes)
+    low, high = mean_interval(values, variance)
+    if episodes is not None:  # no share is below 0 or above 1, and an interval that says so holds the truth no less
+        low, high = max(low, 0.0), min(high, 1.0)
+    return SeedMean(mean, low, high, seeds, notes)

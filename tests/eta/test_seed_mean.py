@@ -33,14 +33,13 @@ def test_values_that_are_all_the_same_have_no_spread():
 def test_shares_that_are_all_the_same_have_one():
     """Five seeds without a failure do not show that there is none; the width is that of the seed that was not seen."""
     found = mean_over_seeds([1.0] * 5, episodes=10**9)
-    assert found.high - found.mean == pytest.approx(2.776 * UNSEEN / 5, rel=1e-3)
-    assert found.mean - found.low == pytest.approx(found.high - found.mean)
+    assert found.mean - found.low == pytest.approx(2.776 * UNSEEN / 5, rel=1e-3)
 
 
 def test_fewer_episodes_widen_the_interval():
     """A share of ten is known less well than one of a thousand."""
     few, many = (mean_over_seeds([1.0] * 8, episodes=episodes) for episodes in (10, 1000))
-    assert few.high > many.high > 1.0
+    assert few.low < many.low < 1.0
 
 
 def test_more_seeds_give_a_narrower_interval():
@@ -65,6 +64,14 @@ def test_seeds_that_are_missing_are_told_last():
     assert mean_over_seeds([0.1, 0.2], "1 of 3 failed").note == "2 seeds: no interval below 3 seeds; 1 of 3 failed"
     assert mean_over_seeds([0.1] * 5, "1 of 6 failed").note == "1 of 6 failed"
     assert mean_over_seeds([0.1] * 5).note == ""
+
+
+@pytest.mark.parametrize("values", [[1.0, 1.0, 1.0, 0.6], [0.0, 0.0, 0.4]])
+def test_interval_of_a_share_is_one_of_shares(values: list[float]):
+    """None of a success ends above 100 % or below 0; that of any other number may."""
+    share, number = mean_over_seeds(values, episodes=5), mean_over_seeds(values)
+    assert 0.0 <= share.low < share.mean < share.high <= 1.0
+    assert number.low < 0.0 or number.high > 1.0
 
 
 def test_json_is_plain():

@@ -9,8 +9,8 @@ import pytest
 
 import harness
 from harness.env.make import build_world
-from harness.experiment.cell_progress import SECONDS
 from harness.experiment.checkpoint import Checkpoint, read_checkpoint, store
+from harness.experiment.left_checkpoints import SECONDS
 from harness.experiment.plan import Experiment, expand
 from harness.progress import Progress, Ring, TrainingState
 from harness.registry.registry import load_registry
@@ -71,8 +71,8 @@ def test_checkpoint_with_a_million_transitions_takes_two_seconds_at_most(
     rows, rings = len(full.columns[min(full.columns)]), {}
     for which, written in (("first", rows), ("next", rows + rows // 10)):
         begin = time.perf_counter()
-        stored = store(tmp_path, {**state, name: Ring(full.columns, written)}, rings)
-        Checkpoint(7, ORIGIN, env=env, **stored).write(tmp_path)
+        stored = store(tmp_path, {**state, name: Ring(full.columns, written)}, env, rings)
+        Checkpoint(7, ORIGIN, **stored).write(tmp_path)
         seconds, rings = time.perf_counter() - begin, stored["rings"]
         print(f"\n  {algorithm}: the {which} checkpoint of {rows:,} transitions takes {seconds:.2f} s")  # noqa: T201
         assert not is_timed or seconds <= MOST_SECONDS
@@ -85,7 +85,7 @@ def test_checkpoints_take_two_hundredths_of_a_training_at_most(tmp_path: Path, i
     """One every ten minutes. Up to 0.006 % were measured, once, on a busy machine."""
     state, env = _standing(algorithm, amount(1_600, 160))
     begin = time.perf_counter()
-    Checkpoint(7, ORIGIN, env=env, **store(tmp_path, state, {})).write(tmp_path)
+    Checkpoint(7, ORIGIN, **store(tmp_path, state, env, {})).write(tmp_path)
     share = (time.perf_counter() - begin) / SECONDS
     print(f"\n  {algorithm}: {100 * share:.4f} % of ten minutes")  # noqa: T201
     assert not is_timed or share <= MOST_SHARE
