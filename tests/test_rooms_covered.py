@@ -16,7 +16,11 @@ def told(branches, run):
 @pytest.fixture
 def report(tmp_path):
     """A file as coverage.py writes it: one room is well tested, one is not."""
-    files = {"harness/eta/curve.py": told(10, 9), "harness/eta/word.py": told(10, 10), "plugins/tasks/low.py": told(4, 3)}
+    files = {
+        "harness/eta/curve.py": told(10, 9),
+        "harness/eta/word.py": told(10, 10),
+        "plugins/tasks/low.py": told(4, 3),
+    }
     path = tmp_path / "coverage.json"
     path.write_text(json.dumps({"files": files}))
     return str(path)

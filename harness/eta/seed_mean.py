@@ -44,7 +44,7 @@ def mean_over_seeds(values: Sequence[float], missing: str | None = None, episode
     Args:
         values: Finite.
         missing: Why there is not a value of every seed; becomes the last note. None if there is.
-        episodes: Of so many episodes each value is a share, in [0, 1], and so is its interval; None where it is not one.
+        episodes: Of so many episodes each value is a share, and its interval stays in [0, 1]; None if it is not one.
     """
     reasons = () if missing is None else (missing,)
     if not values:
