@@ -19,7 +19,7 @@ import harness
 from harness.executor import OnEvent
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
-from harness.experiment.workers import News, OnNews, Order
+from harness.experiment.workers.workers import News, OnNews, Order
 from harness.policy import Network
 from harness.policy.chooser import ChoosingNetwork
 from harness.record.cell import Cell

@@ -17,8 +17,8 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.experiment.ended_cells import EndedCells
 from harness.experiment.plan import Plan
+from harness.experiment.progress.ended_cells import EndedCells
 from harness.files.keyed_file import read_keyed, with_key
 from harness.files.sealed import seal
 from harness.record.cell import Cell

@@ -10,7 +10,7 @@ from harness.arrays import Float, Mask
 from harness.audit.scripted import SCRIPTS, plan_actions
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
-from harness.experiment.evaluate import EVALUATION_SEED
+from harness.experiment.evaluation.evaluate import EVALUATION_SEED
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.simulator import Simulator

@@ -11,9 +11,9 @@ from harness.bench.cell_times import CellTimes
 from harness.bench.meter import CLOCK
 from harness.bench.stopwatch import Stopwatch
 from harness.executor import CellOptions, Event, OnEvent
-from harness.experiment.order import Order, Report
 from harness.experiment.run_cell import run_cell
-from harness.experiment.workers import News, run_orders
+from harness.experiment.workers.order import Order, Report
+from harness.experiment.workers.workers import News, run_orders
 from harness.record.cell import Cell
 from harness.record.manifest import read_manifest
 from harness.registry.given import Given, given_from_json, given_to_json
@@ -56,16 +56,16 @@ class TimeCell:
     noun: ClassVar[str] = "cell"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return {"cell": self.cell.to_json(), "begun": self.begun, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return cls(Cell.from_json(data["cell"]), data["begun"], given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         run_timed(self.cell, folder, report, self.begun, self.plugins)
         return False  # the end of the process is timed too
 

@@ -6,7 +6,7 @@ if TYPE_CHECKING:
     from harness.audit.rollout import Rollout
     from harness.record.cell import Cell
     from harness.registry.registry import Registry
-    from harness.report.payoff_rows import Audits, Payoffs
+    from harness.report.rows.payoff import Audits, Payoffs
     from harness.results import Results
 
 EPISODES = 20
@@ -52,7 +52,7 @@ def _ask(cell: "Cell", registry: "Registry", rollouts: "tuple[Rollout, ...] | st
     from harness.audit.score import score_rollout
     from harness.audit.verdict import on_finishing
     from harness.errors import reason_of
-    from harness.report.payoff_rows import Payoffs
+    from harness.report.rows.payoff import Payoffs
 
     if isinstance(rollouts, str):
         return Payoffs((f"Not known: {rollouts}",), {}, {})

@@ -21,8 +21,8 @@ def compare(
     Ends with status 1 if a test finds that policies of a proposed reward succeed less often than before.
     """
     from harness.cli.terminal import show
-    from harness.report.between_table import between_table
     from harness.report.committed import refuse_committed
+    from harness.report.tables.between import between_table
     from harness.results import load_results
     from harness.results.between import between
 

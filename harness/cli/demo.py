@@ -99,8 +99,8 @@ def _show(results: "Results") -> None:
 
     from harness.cli.made import make_table_and_page
     from harness.cli.terminal import show
-    from harness.report.overview_table import comparison_lines
-    from harness.report.rows import format_number
+    from harness.report.rows.comparison import format_number
+    from harness.report.tables.overview import comparison_lines
 
     show(comparison_lines(results.combinations))
     (combination,) = results.combinations

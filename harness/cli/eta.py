@@ -91,7 +91,7 @@ def eta(
         proposed_reward=proposed_reward,
     )
     if plot is not None:
-        from harness.report.eta_page import write_eta_page
+        from harness.report.page.eta import write_eta_page
 
         write_eta_page(comparison, plot)
         say(f"Figure: {plot}", err=True)
@@ -101,7 +101,7 @@ def eta(
         typer.echo(json.dumps(comparison.to_json(), indent=1, allow_nan=False))
     else:
         from harness.cli.terminal import show
-        from harness.report.eta_table import eta_table
+        from harness.report.tables.eta import eta_table
 
         show(eta_table(comparison))
     return 0

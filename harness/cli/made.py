@@ -25,7 +25,7 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     from harness.record.out_folder import storage_errors
     from harness.record.store import REPORT
     from harness.report.environments.studies import studies_of
-    from harness.report.html import write_html
+    from harness.report.page.html import write_html
 
     with storage_errors(results.folder):
         results.write_table()

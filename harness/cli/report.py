@@ -115,7 +115,7 @@ def _leave(
     if html is not None:
         from harness.cli.audits import audits_of
         from harness.files.sums import note_made
-        from harness.report.html import write_html
+        from harness.report.page.html import write_html
 
         write_html(results, html, audits_of(results))
         if html.absolute().parent == results.folder.absolute():
@@ -137,10 +137,10 @@ def _leave(
 def _show(results: "Results", details: bool, command: str) -> None:
     """The overview, or all there is; in both what policies are worth in other simulators."""
     from harness.cli.terminal import show
-    from harness.report.comparison_table import comparison_table
-    from harness.report.overview_table import overview_table
-    from harness.report.ranking_table import ranking_table
-    from harness.report.transfer_table import transfer_table
+    from harness.report.tables.comparison import comparison_table
+    from harness.report.tables.overview import overview_table
+    from harness.report.tables.ranking import ranking_table
+    from harness.report.tables.transfer import transfer_table
     from harness.transfer.matrix import load_transfers
 
     transfers = load_transfers(results)

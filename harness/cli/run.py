@@ -224,7 +224,7 @@ def _show(results: "Results", as_json: bool) -> None:
     from harness.cli.not_measured import complain_of_metrics
     from harness.cli.terminal import show
     from harness.report.document import report_text
-    from harness.report.overview_table import overview_table
+    from harness.report.tables.overview import overview_table
 
     command = f"harness report {results.folder} --details"
     if results.is_in_environment:

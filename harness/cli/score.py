@@ -133,7 +133,7 @@ def _print_json(data: object) -> None:
 
 def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:
     from harness.cli.terminal import show
-    from harness.report.score_table import score_table
+    from harness.report.tables.score import score_table
 
     show(score_table(matrices))
     say(f"What each step pays: scores.parquet in each folder of {results.store.folder / 'cells'}")

@@ -31,7 +31,7 @@ def transfer(
     Trains nothing. What is evaluated already is not evaluated again.
     """
     from harness.cli.transfer_progress import TransferProgress
-    from harness.experiment.workers import worker_count
+    from harness.experiment.workers.workers import worker_count
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.results import Results
@@ -50,7 +50,7 @@ def transfer(
         typer.echo(json.dumps(transfers.to_json(), indent=1, allow_nan=False))
     elif transfers.matrices:
         from harness.cli.terminal import show
-        from harness.report.transfer_table import transfer_table
+        from harness.report.tables.transfer import transfer_table
 
         show(transfer_table(transfers))
     else:

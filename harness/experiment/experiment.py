@@ -12,16 +12,16 @@ from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Event, Executor, Job, Limits, OnEvent
 from harness.experiment.changed import CHANGED, Changed, Sources, changed_cells, refuse_changed
-from harness.experiment.ended_cells import EndedCells
-from harness.experiment.floor import floor_carriers
-from harness.experiment.followed import Followed
+from harness.experiment.evaluation.floor import floor_carriers
 from harness.experiment.objects import name_objects
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
+from harness.experiment.progress.ended_cells import EndedCells
+from harness.experiment.progress.followed import Followed
+from harness.experiment.progress.trackers import Given, OnTrouble, Trackers, build_trackers
+from harness.experiment.progress.tracking import Tracking
 from harness.experiment.run_arguments import RunArguments
 from harness.experiment.selection import select
-from harness.experiment.trackers import Given, OnTrouble, Trackers, build_trackers
-from harness.experiment.tracking import Tracking
-from harness.experiment.workers import worker_count
+from harness.experiment.workers.workers import worker_count
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors

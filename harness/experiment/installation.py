@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, ClassVar, Final, Self
 
 from harness.errors import HarnessError, UsageError, one_line
-from harness.experiment.order import Order, Report
 from harness.experiment.provenance import specs_of, versions_behind
-from harness.experiment.workers import News, run_orders
+from harness.experiment.workers.order import Order, Report
+from harness.experiment.workers.workers import News, run_orders
 from harness.hookspecs import NOUNS
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder, publish
@@ -88,16 +88,16 @@ class Describe:
     noun: ClassVar[str] = "description"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return {"cells": [cell.to_json() for cell in self.cells], "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return cls(tuple(Cell.from_json(cell) for cell in data["cells"]), given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         try:
             told = describe_installation(self.cells, load_registry(given=self.plugins))
         except HarnessError as error:

@@ -2,16 +2,16 @@
 
 An executor for another machine sends `Job.to_json` there, calls `run_jobs` on it with that one job (`events_of`, where
 one process is to do several jobs), and hands the events on. An executor that starts processes itself writes
-`order_of(job).line()` to the standard input of ``python -m harness.experiment.worker``, whose answers that module
-describes.
+`order_of(job).line()` to the standard input of ``python -m harness.experiment.workers.worker``. That module describes
+the answers.
 """
 
 from collections.abc import Iterator, Sequence
 
 from harness.executor import Event, Job, OnEvent
-from harness.experiment.order import Order, Report
 from harness.experiment.run_cell import TrainCell, run_cell
-from harness.experiment.workers import Pool
+from harness.experiment.workers.order import Order, Report
+from harness.experiment.workers.workers import Pool
 from harness.record.manifest import Manifest
 
 

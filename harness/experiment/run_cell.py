@@ -12,18 +12,18 @@ from harness.algorithm import Algorithm
 from harness.env import ReachVectorEnv
 from harness.env.make import build_world
 from harness.executor import CellOptions, Word
-from harness.experiment.attempt import Attempt, begin_attempt
-from harness.experiment.cell_evaluations import CellEvaluations
-from harness.experiment.cell_progress import CellProgress
+from harness.experiment.checkpoints.attempt import Attempt, begin_attempt
+from harness.experiment.checkpoints.stored_rings import discard_rings
+from harness.experiment.checkpoints.trace_parts import TraceParts, discard_parts
 from harness.experiment.draft import Draft, draft_of
-from harness.experiment.evaluate import facts_of
-from harness.experiment.learning_so_far import LearningSoFar
-from harness.experiment.order import Report
+from harness.experiment.evaluation.cell import CellEvaluations
+from harness.experiment.evaluation.evaluate import facts_of
 from harness.experiment.peak_memory import forget_peak, peak_memory
+from harness.experiment.progress.cell import CellProgress
+from harness.experiment.progress.learning_so_far import LearningSoFar
 from harness.experiment.provenance import describe_environment
-from harness.experiment.stored_rings import discard_rings
-from harness.experiment.trace_parts import TraceParts, discard_parts
 from harness.experiment.watch import UNWATCHED, Watch
+from harness.experiment.workers.order import Report
 from harness.policy import Policy
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, POLICY, TRACE
@@ -85,16 +85,16 @@ class TrainCell:
     noun: ClassVar[str] = "cell"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return {"cell": self.cell.to_json(), "options": self.options.to_json()}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return cls(Cell.from_json(data["cell"]), CellOptions.from_json(data["options"]))
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return run_cell(self.cell, folder, report, self.options).status == "done"
 
 

@@ -8,7 +8,7 @@ from harness.parity.classes import CONTACT, CREEP, FAST, NEAR, SINGULAR, SLOW, S
 from harness.parity.difference import SHORT, Difference, Response
 from harness.parity.motions import ACCELERATION, SPEED
 from harness.parity.parity import Measured, Pair, Parity
-from harness.report.rows import Grid
+from harness.report.rows.comparison import Grid
 from harness.results.overview import NOTHING
 
 HEADINGS = ("tip max\n[mm]", "tip mean\n[mm]", "joint max\n[deg]", "turning\n[times]")

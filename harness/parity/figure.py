@@ -7,8 +7,8 @@ from typing import NamedTuple
 from harness.arrays import Float
 from harness.parity.grids import pair_name, reference_pairs
 from harness.parity.parity import Pair, Parity
-from harness.report.chart import Axis, Chart, Line, linear_axis
-from harness.report.points import select_points
+from harness.report.figures.chart import Axis, Chart, Line, linear_axis
+from harness.report.figures.points import select_points
 
 COLOURS = 7
 """Of the page's style sheet, ``pair-0`` and so on: apart for every kind of colour vision."""

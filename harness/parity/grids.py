@@ -8,7 +8,7 @@ from harness.parity.contact import GRACE
 from harness.parity.motions import ACCELERATION, SPEED
 from harness.parity.parity import Measured, Pair, Parity
 from harness.parity.placement import POSES
-from harness.report.rows import Grid
+from harness.report.rows.comparison import Grid
 from harness.results.overview import NOTHING
 
 MEASURES = ("tip max\n[mm]", "tip mean\n[mm]", "joint max\n[deg]", "contact\ndiffers", "contact\nlater [s]")

@@ -16,8 +16,8 @@ from harness.parity.grids import (
     verdict,
 )
 from harness.parity.parity import Parity
-from harness.report.draw import draw_chart
-from harness.report.page import render_page, write_page
+from harness.report.figures.draw import draw_chart
+from harness.report.page.page import render_page, write_page
 
 TEMPLATE = Path(__file__).parent / "parity.html.j2"
 TOLD = "how far two simulators are apart over time. The tables have the largest values."

@@ -16,7 +16,7 @@ from harness.parity.grids import (
     verdict,
 )
 from harness.parity.parity import Parity
-from harness.report.grid_table import show_grid
+from harness.report.tables.grid import show_grid
 
 
 def parity_table(parity: Parity) -> RenderableType:

@@ -14,9 +14,9 @@ from harness.eta.headline import SUCCESS
 from harness.files.bounded import parse_json, read_bytes, reading
 from harness.record.forms import OPEN, Count, Line, Name, Status, require_form
 from harness.record.plan_file import EXPERIMENT, PLAN
-from harness.report.overview_table import WideOrNarrow
-from harness.report.rows import Grid, format_number
+from harness.report.rows.comparison import Grid, format_number
 from harness.report.summary.summary import RECORD, SUMMARY
+from harness.report.tables.overview import WideOrNarrow
 from harness.results.combination import deciding_manner
 from harness.results.overview import NOTHING
 

@@ -12,16 +12,16 @@ is also a function of its own, so that a test can be parametrised over ``REWARD_
 first one that fails. `IdealSimulator` is a simulator for tests that need none of an engine.
 """
 
-from harness.testing.algorithms import ALGORITHM_CHECKS, check_algorithm
+from harness.testing.algorithms.checks import ALGORITHM_CHECKS, check_algorithm
 from harness.testing.environments import ENVIRONMENT_CHECKS, check_environment
-from harness.testing.executors import EXECUTOR_CHECKS, check_executor
+from harness.testing.executors.checks import EXECUTOR_CHECKS, check_executor
 from harness.testing.exports import EXPORT_CHECKS, check_export
 from harness.testing.ideal import IdealSimulator
-from harness.testing.metrics import METRIC_CHECKS, check_metric
-from harness.testing.rewards import REWARD_CHECKS, check_reward
+from harness.testing.metrics.checks import METRIC_CHECKS, check_metric
+from harness.testing.rewards.checks import REWARD_CHECKS, check_reward
 from harness.testing.robots import ROBOT_CHECKS, check_robot
-from harness.testing.simulators import SIMULATOR_CHECKS, check_simulator
-from harness.testing.tasks import TASK_CHECKS, check_task
+from harness.testing.simulators.checks import SIMULATOR_CHECKS, check_simulator
+from harness.testing.tasks.checks import TASK_CHECKS, check_task
 from harness.testing.trackers import TRACKER_CHECKS, check_tracker
 from harness.testing.violations import Check, check, violations
 

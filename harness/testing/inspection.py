@@ -155,7 +155,7 @@ def _finding(check: Check, subject: tuple[Any, ...]) -> Finding:
 def _place_of(error: BaseException) -> str:
     """File and line where the plugin raised it: of the last call that is none of the kit's."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if Path(frame.filename).parent != Path(__file__).parent] or frames
+    own = [frame for frame in frames if Path(__file__).parent not in Path(frame.filename).parents] or frames
     return f"{Path(own[-1].filename).name}, line {own[-1].lineno}"
 
 

@@ -4,15 +4,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from harness.testing.algorithms import ALGORITHM_CHECKS, ALGORITHM_WARNINGS
+from harness.testing.algorithms.checks import ALGORITHM_CHECKS, ALGORITHM_WARNINGS
 from harness.testing.environments import ENVIRONMENT_CHECKS
-from harness.testing.executors import EXECUTOR_CHECKS
+from harness.testing.executors.checks import EXECUTOR_CHECKS
 from harness.testing.exports import EXPORT_CHECKS
-from harness.testing.long_runs import a_long_episode_is_paid_without_growing, a_long_simulation_neither_drifts_nor_leaks
-from harness.testing.metrics import METRIC_CHECKS
-from harness.testing.rewards import REWARD_CHECKS
+from harness.testing.metrics.checks import METRIC_CHECKS
+from harness.testing.rewards.checks import REWARD_CHECKS
 from harness.testing.robots import ROBOT_CHECKS, ROBOT_WARNINGS
-from harness.testing.simulators import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
+from harness.testing.simulators.checks import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
+from harness.testing.simulators.long_runs import (
+    a_long_episode_is_paid_without_growing,
+    a_long_simulation_neither_drifts_nor_leaks,
+)
 from harness.testing.speed import (
     a_metric_is_quick,
     a_reward_is_quick,
@@ -20,7 +23,7 @@ from harness.testing.speed import (
     a_training_is_quick,
     an_episode_is_drawn_quickly,
 )
-from harness.testing.tasks import TASK_CHECKS, TASK_WARNINGS
+from harness.testing.tasks.checks import TASK_CHECKS, TASK_WARNINGS
 from harness.testing.trackers import TRACKER_CHECKS
 from harness.testing.violations import Check
 

@@ -12,10 +12,10 @@ from harness.reward import Reward
 from harness.robot import Robot
 from harness.simulator import Simulator
 from harness.task import Task
-from harness.testing.metrics import ALL_ENDS
-from harness.testing.samples import pay, random_samples
-from harness.testing.simulations import PERIOD, opened, ramps, start_at_home
-from harness.testing.traces import recorded_trace
+from harness.testing.metrics.checks import ALL_ENDS
+from harness.testing.metrics.traces import recorded_trace
+from harness.testing.rewards.samples import pay, random_samples
+from harness.testing.simulators.simulations import PERIOD, opened, ramps, start_at_home
 from harness.testing.trainings import steps_for, train_anew
 from harness.testing.violations import check, require
 

@@ -7,9 +7,9 @@ from typing import Any, ClassVar, Self
 
 from harness.env.make import build_world
 from harness.experiment.draft import draft_of
-from harness.experiment.evaluator import Evaluator
-from harness.experiment.order import Report
+from harness.experiment.evaluation.evaluator import Evaluator
 from harness.experiment.provenance import describe_environment
+from harness.experiment.workers.order import Report
 from harness.policy import load_policy
 from harness.record.folder import EVALUATION, POLICY
 from harness.record.manifest import read_manifest
@@ -65,16 +65,16 @@ class EvaluateElsewhere:
     noun: ClassVar[str] = "evaluation"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         told = {"cell_folder": str(self.cell_folder), "simulator": self.simulator.to_json()}
         return {**told, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         plugins = given_from_json(data["plugins"])
         return cls(Path(data["cell_folder"]), Choice.from_json(data["simulator"]), plugins)
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return evaluate_elsewhere(self.cell_folder, self.simulator, folder, self.plugins).status == "done"

@@ -9,8 +9,8 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 from harness.errors import HarnessError, UsageError
 from harness.experiment.draft import leave_record
-from harness.experiment.order import Order
-from harness.experiment.workers import News, run_orders, worker_count
+from harness.experiment.workers.order import Order
+from harness.experiment.workers.workers import News, run_orders, worker_count
 from harness.record.cell import Cell
 from harness.record.folder import TRANSFER
 from harness.record.manifest import now

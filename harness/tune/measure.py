@@ -10,8 +10,8 @@ from typing import TypeAlias
 from harness.executor import Executor, OnEvent
 from harness.experiment.changed import changed_cells, refuse_changed
 from harness.experiment.experiment import ExperimentRun, RunOptions
-from harness.experiment.order import Order
 from harness.experiment.plan import Plan
+from harness.experiment.workers.order import Order
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION
 from harness.record.manifest import read_manifest

@@ -1,7 +1,7 @@
 """Validation: episodes that policies of a search are judged by.
 
 Their starts and targets are drawn from another seed than those of the evaluation after a training
-(`harness.experiment.evaluate`), so that no comparison that follows is made on what the settings were chosen by.
+(`harness.experiment.evaluation.evaluate`). So no comparison that follows uses the episodes that chose the settings.
 """
 
 import traceback
@@ -12,9 +12,9 @@ from typing import Any, ClassVar, Self
 
 from harness.env.make import build_world
 from harness.errors import one_line
-from harness.experiment.evaluate import evaluate
-from harness.experiment.order import Order, Report
-from harness.experiment.workers import News, run_orders
+from harness.experiment.evaluation.evaluate import evaluate
+from harness.experiment.workers.order import Order, Report
+from harness.experiment.workers.workers import News, run_orders
 from harness.policy import Policy, load_policy
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, POLICY, partial_folder, publish
@@ -48,17 +48,17 @@ class ValidatePolicy:
     noun: ClassVar[str] = "validation"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         told = {"cell_folder": str(self.cell_folder), "episodes": self.episodes}
         return {**told, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         return cls(Path(data["cell_folder"]), data["episodes"], given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.order.Work`; a plugin may raise anything."""
+        """See `harness.experiment.workers.order.Work`; a plugin may raise anything."""
         partial = partial_folder(folder)
         partial.mkdir(parents=True, exist_ok=True)
         try:

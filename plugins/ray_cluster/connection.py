@@ -10,7 +10,7 @@ from typing import Any
 import ray
 
 from harness.errors import UsageError, one_line
-from harness.experiment.workers import core_count
+from harness.experiment.workers.workers import core_count
 
 QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
 """Environment variables of Ray: nothing is reported to its makers, and no warning about a later change of defaults."""

@@ -12,7 +12,7 @@ from harness.authoring.folder_parts import Part, add_parts, parts_of
 from harness.executor import Job, Word
 from harness.experiment.installation import describe_workers
 from harness.experiment.jobs import events_of
-from harness.experiment.workers import Pool
+from harness.experiment.workers.workers import Pool
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder
 from harness.registry.given import given_from_json

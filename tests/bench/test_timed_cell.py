@@ -50,7 +50,7 @@ def test_a_cell_that_fails_has_a_reason_for_times(make_cell: MakeCell, tmp_path:
 
 def test_a_process_that_ends_before_it_tells_its_times(make_cell: MakeCell, tmp_path: Path, monkeypatch):
     """The cell is done, and yet there is nothing to show."""
-    from harness.experiment.workers import News
+    from harness.experiment.workers.workers import News
     from harness.record.folder import partial_folder
     from harness.record.manifest import Manifest
 

@@ -19,7 +19,8 @@ from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.env import ReachVectorEnv
 from harness.policy import Policy, SquashedGaussian
 from harness.progress import Progress, TrainingState, as_state
-from harness.testing import ALGORITHM_CHECKS, algorithms, violations
+from harness.testing import ALGORITHM_CHECKS, violations
+from harness.testing.algorithms import checks as algorithms
 from harness_plugins.algorithms.sac_fast import SacFast
 
 EPISODE = 20

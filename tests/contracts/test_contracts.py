@@ -36,14 +36,14 @@ from harness.testing import (
     check_task,
     violations,
 )
-from harness.testing.algorithms import (
+from harness.testing.algorithms.checks import (
     a_training_goes_on_where_it_stood,
     checkpoints_change_nothing,
     the_policy_acts_as_it_trained,
     the_return_rises,
 )
-from harness.testing.simulators import frames_show_the_target, render_gives_a_frame_or_says_why_not
-from harness.testing.tasks import (
+from harness.testing.simulators.checks import frames_show_the_target, render_gives_a_frame_or_says_why_not
+from harness.testing.tasks.checks import (
     draws_depend_on_the_stream_alone,
     episodes_are_alike_where_it_says_so,
     starts_are_in_the_joint_ranges,
@@ -149,8 +149,10 @@ def test_task(check: Callable[..., None], name: str):
 @pytest.mark.parametrize("name", REGISTRY.names("tasks"))
 def test_task_with_every_action_mode(name: str, action: str, monkeypatch: pytest.MonkeyPatch):
     """Every registered task keeps the contract whatever the learner does in it; what is drawn is as in `test_task`."""
-    for module in ("tasks", "goals"):
-        monkeypatch.setattr(f"harness.testing.{module}.DECISIONS", 25)  # `test_task` takes as many as the kit does
+    for module in ("checks", "goals"):
+        monkeypatch.setattr(
+            f"harness.testing.tasks.{module}.DECISIONS", 25
+        )  # `test_task` takes as many as the kit does
     task, robot = REGISTRY.get("tasks", name).load()(action=action), robot_of(name)
     checks = [check for check in TASK_CHECKS if check not in DRAW_CHECKS]
     assert list(violations(checks, task, robot)) == []

@@ -13,7 +13,8 @@ import pytest
 
 from harness.executor import CellOptions, Event, Job, OnEvent
 from harness.experiment.jobs import run_jobs
-from harness.testing import EXECUTOR_CHECKS, check_executor, executors, violations
+from harness.testing import EXECUTOR_CHECKS, check_executor, violations
+from harness.testing.executors import checks as executors
 
 
 @dataclass(frozen=True)

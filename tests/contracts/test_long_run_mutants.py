@@ -13,8 +13,9 @@ from harness.registry.registry import load_registry
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.simulator import State
-from harness.testing import IdealSimulator, long_runs, violations
+from harness.testing import IdealSimulator, violations
 from harness.testing.ideal import IdealSimulation
+from harness.testing.simulators import long_runs
 from harness.testing.trainings import NegativeDistance
 
 REGISTRY = load_registry()

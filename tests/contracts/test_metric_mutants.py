@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from harness.record.trace import Trace
-from harness.testing import METRIC_CHECKS, metrics, violations
+from harness.testing import METRIC_CHECKS, violations
+from harness.testing.metrics import checks as metrics
 
 
 @dataclass

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from harness.reward import Array, Carry, Sample
-from harness.testing import REWARD_CHECKS, rewards, violations
+from harness.testing import REWARD_CHECKS, violations
+from harness.testing.rewards import checks as rewards
 from harness.testing.trainings import NegativeDistance
 
 

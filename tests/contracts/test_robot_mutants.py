@@ -11,7 +11,7 @@ import harness
 from harness.arrays import Float
 from harness.robot import Robot
 from harness.testing import ROBOT_CHECKS, Check, check_robot, robots, violations
-from harness.testing.simulations import way_into_the_ground
+from harness.testing.simulators.simulations import way_into_the_ground
 
 ROBOT = harness.load_robot("fd100")
 CHAIN = ROBOT.chain

@@ -11,9 +11,11 @@ import pytest
 import harness
 from harness.robot import Robot
 from harness.simulator import State
-from harness.testing import SIMULATOR_CHECKS, IdealSimulator, simulations, simulators, violations
+from harness.testing import SIMULATOR_CHECKS, IdealSimulator, violations
 from harness.testing.ideal import IdealSimulation
-from harness.testing.servos import SERVO_CHECKS
+from harness.testing.simulators import checks as simulators
+from harness.testing.simulators import simulations
+from harness.testing.simulators.servos import SERVO_CHECKS
 
 ROBOT = harness.load_robot("fd100")
 

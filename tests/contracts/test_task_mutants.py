@@ -17,7 +17,9 @@ from harness.motion import Move, MoveJ
 from harness.reach import ReachTask
 from harness.robot import Robot
 from harness.task import Goal, Situation, Targets
-from harness.testing import TASK_CHECKS, goals, tasks, violations
+from harness.testing import TASK_CHECKS, violations
+from harness.testing.tasks import checks as tasks
+from harness.testing.tasks import goals
 from harness_plugins.tasks.moving import Moving, MovingGoal
 
 ROBOT = harness.load_robot("fd100")

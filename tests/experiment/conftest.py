@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from harness.executor import CellOptions, Word
-from harness.experiment.order import Order
 from harness.experiment.run_cell import TrainCell
-from harness.experiment.worker import DONE
+from harness.experiment.workers.order import Order
+from harness.experiment.workers.worker import DONE
 from harness.record.cell import Cell
 from harness.registry.given import Given
 
-WORKER = [sys.executable, "-m", "harness.experiment.worker"]
+WORKER = [sys.executable, "-m", "harness.experiment.workers.worker"]
 
 
 @pytest.fixture

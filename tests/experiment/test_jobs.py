@@ -7,8 +7,8 @@ import pytest
 
 from harness.executor import CellOptions, Event, Job, Limits
 from harness.experiment.jobs import order_of, run_job, run_jobs
-from harness.experiment.order import read_order
 from harness.experiment.plan import check_experiment, expand
+from harness.experiment.workers.order import read_order
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, POLICY, TRACE, WEIGHTS
 from harness.registry.registry import load_registry

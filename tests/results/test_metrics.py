@@ -13,8 +13,8 @@ from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.registry import Registry, load_registry
-from harness.report.behaviour_rows import behaviour_grids
 from harness.report.document import report_text
+from harness.report.rows.behaviour import behaviour_grids
 from harness.report.summary.cells import write_cells
 from harness.results import Results
 from harness.results.measured import measure, value_of

@@ -19,7 +19,7 @@ def makers_loaded_by(module: str) -> set[str]:
 
 @pytest.mark.parametrize(
     "module",
-    ["harness.results", "harness.report.html", "harness.report.eta_page", "harness.score.compare"],
+    ["harness.results", "harness.report.page.html", "harness.report.page.eta", "harness.score.compare"],
 )
 def test_reading_loads_nothing_that_acts(module: str):
     """No robot, no policy, no environment, no motion, no experiment and no Gymnasium."""

@@ -22,8 +22,8 @@ from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
-from harness.report.eta_table import eta_table
-from harness.report.rows import format_p
+from harness.report.rows.comparison import format_p
+from harness.report.tables.eta import eta_table
 from harness.score.compare import Comparison, compare_recordings
 from harness.score.open_recording import match_recordings, open_recording
 

@@ -15,7 +15,7 @@ import pytest
 
 from harness.errors import NewerFormat, UsageError
 from harness.experiment.plan import check_experiment, expand
-from harness.experiment.workers import Order
+from harness.experiment.workers.workers import Order
 from harness.policy import WEIGHTS
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, MANIFEST, POLICY, TRANSFER, partial_folder

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness.experiment.order import Order
+from harness.experiment.workers.order import Order
 from harness.registry.registry import Registry
 from harness.tune.trial import Tuned
 from harness.tune.tune import tune

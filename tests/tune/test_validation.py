@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from harness.executor import CellOptions
-from harness.experiment.evaluate import EVALUATION_SEED
-from harness.experiment.order import Order
+from harness.experiment.evaluation.evaluate import EVALUATION_SEED
 from harness.experiment.run_cell import run_cell
+from harness.experiment.workers.order import Order
 from harness.record.folder import EVALUATION, LOG
 from harness.record.manifest import read_manifest
 from harness.record.trace import read_trace

@@ -5,10 +5,10 @@ from pathlib import Path
 from harness.bench.speed.comparison import Comparison, summary
 from harness.bench.speed.speed_grids import comparison_grid, comparison_lines, left_out_lines, name_of, speed_grids
 from harness.bench.speed.speeds import Speeds, spread_of
-from harness.report.chart import Axis, Chart, Dots, Line, Mark
-from harness.report.draw import draw_chart
-from harness.report.page import render_page, write_page
-from harness.report.ratio_axis import ticks
+from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark
+from harness.report.figures.draw import draw_chart
+from harness.report.figures.ratio_axis import ticks
+from harness.report.page.page import render_page, write_page
 
 TEMPLATE = Path(__file__).parent / "speed.html.j2"
 LABEL = "How many times as fast as its reference each line is. The tables have the numbers."

@@ -6,7 +6,7 @@ from rich.text import Text
 from harness.bench.speed.comparison import Comparison, summary
 from harness.bench.speed.speed_grids import comparison_grid, comparison_lines, left_out_lines, speed_grids
 from harness.bench.speed.speeds import Speeds
-from harness.report.grid_table import show_grid
+from harness.report.tables.grid import show_grid
 
 STYLES = {"SLOWER": "bold red", "faster": "green"}
 

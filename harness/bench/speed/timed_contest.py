@@ -14,8 +14,8 @@ from harness.bench.speed.contests import open_contest
 from harness.bench.speed.entry import Entry, Setting
 from harness.bench.timed_cell import Failed
 from harness.errors import UsageError, one_line
-from harness.experiment.order import Order, Report
-from harness.experiment.workers import News, run_orders
+from harness.experiment.workers.order import Order, Report
+from harness.experiment.workers.workers import News, run_orders
 from harness.record.folder import partial_folder, publish
 from harness.registry.given import Given, given_from_json, given_to_json
 from harness.registry.registry import load_registry
@@ -44,18 +44,18 @@ class TimeContest:
     noun: ClassVar[str] = "timing"
 
     def to_json(self) -> dict[str, Any]:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         told = {"entry": self.entry.to_json(), "setting": self.setting.to_json()}
         return {**told, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         plugins = given_from_json(data["plugins"])
         return cls(Entry.from_json(data["entry"]), Setting.from_json(data["setting"]), plugins)
 
     def do(self, folder: Path, report: Report) -> bool:
-        """See `harness.experiment.order.Work`."""
+        """See `harness.experiment.workers.order.Work`."""
         partial = partial_folder(folder)
         (partial / FILE).write_text(json.dumps(self.turns()))
         publish(partial, folder)

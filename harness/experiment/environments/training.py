@@ -15,14 +15,14 @@ import numpy as np
 from harness.algorithm import Algorithm, needs_goals
 from harness.environment import AnyEnv, Environment, goal_rewards, lower_is_better, measured_behaviour, rewards_of
 from harness.executor import NO_SCALARS, CellOptions, Word
-from harness.experiment.attempt import Attempt, begin_attempt
+from harness.experiment.checkpoints.attempt import Attempt, begin_attempt
+from harness.experiment.checkpoints.left_checkpoints import LeftCheckpoints
 from harness.experiment.draft import Draft
 from harness.experiment.environments.acting import Acting
 from harness.experiment.environments.batch import EnvironmentBatch
-from harness.experiment.left_checkpoints import LeftCheckpoints
-from harness.experiment.order import Report
 from harness.experiment.provenance import describe_environment
 from harness.experiment.watch import Watch
+from harness.experiment.workers.order import Report
 from harness.policy import Policy
 from harness.progress import RETURN, SPEED, SUCCESS, Progress, TrainingState
 from harness.record.cell import Cell

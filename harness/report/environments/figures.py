@@ -5,14 +5,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from harness.eta.headline import count_seeds
-from harness.report.behaviour_rows import Text
 from harness.report.environments.studies import PlaceStudy
-from harness.report.figure import draw_panels
-from harness.report.learning_figure import describe_learning, draw_learning
-from harness.report.points import FEWEST, POINTS
-from harness.report.rows import format_number
-from harness.report.split_figure import draw_split
-from harness.report.split_rows import describe_split
+from harness.report.figures.accumulated import draw_panels
+from harness.report.figures.learning import describe_learning, draw_learning
+from harness.report.figures.points import FEWEST, POINTS
+from harness.report.figures.split import draw_split
+from harness.report.figures.split_rows import describe_split
+from harness.report.rows.behaviour import Text
+from harness.report.rows.comparison import format_number
 from harness.report.summary.figures import OF_ALL_RUNS, RUNS
 from harness.report.summary.svg import INTERVALS, Panel, draw_svg
 from harness.report.trainings.rows import RETURNS, pair_text, text_of

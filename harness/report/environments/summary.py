@@ -22,7 +22,7 @@ from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.environments.document import environments_text
 from harness.report.environments.figures import Figure, figures_of
 from harness.report.environments.studies import PlaceStudy
-from harness.report.rows import Grid, answer_text, count_cells, ratio_grid, split_grid, unfinished_cells
+from harness.report.rows.comparison import Grid, answer_text, count_cells, ratio_grid, split_grid, unfinished_cells
 from harness.report.summary.cells import plain_text
 from harness.report.summary.files import put_files
 from harness.report.summary.markdown import escape, markdown_table, what_it_took

@@ -6,7 +6,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.report.environments.studies import PlaceStudy
-from harness.report.rows import count_cells, unfinished_cells
+from harness.report.rows.comparison import count_cells, unfinished_cells
 from harness.report.trainings.table import study_overview, study_table
 from harness.results import Results
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
-from harness.report.behaviour_rows import value_text
+from harness.report.rows.behaviour import value_text
 from harness.results.combination import Combination
 from harness.results.replay import Episode, Outcome, Show
 

@@ -44,7 +44,7 @@ def replay_of(shows: Sequence[Show]) -> Replay | None:
     """
     if not shows:
         return None
-    from harness.report.page import render_page
+    from harness.report.page.page import render_page
 
     sides = max(len(show.sides) for show in shows)
     html = render_page(TEMPLATE, "The replay", data=replay_data(shows), sides=sides)

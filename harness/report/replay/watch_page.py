@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from harness.report.page import render_page
-from harness.report.question import question
+from harness.report.page.page import render_page
+from harness.report.page.question import question
 from harness.report.replay.section import replay_of
 from harness.results import Results
 from harness.results.replay import shows_of

@@ -4,12 +4,12 @@ Each is an SVG file with all that tells what it shows. `missing` tells of cells 
 """
 
 from harness.eta.headline import SUCCESS
-from harness.report.figure import draw_panels
-from harness.report.learning_figure import describe_learning, draw_learning
-from harness.report.points import FEWEST, POINTS
-from harness.report.rows import rewards_text, seeds_text
-from harness.report.split_figure import draw_split
-from harness.report.split_rows import describe_split
+from harness.report.figures.accumulated import draw_panels
+from harness.report.figures.learning import describe_learning, draw_learning
+from harness.report.figures.points import FEWEST, POINTS
+from harness.report.figures.split import draw_split
+from harness.report.figures.split_rows import describe_split
+from harness.report.rows.comparison import rewards_text, seeds_text
 from harness.report.summary.svg import INTERVALS, Panel, draw_svg
 from harness.results.combination import Combination
 from harness.results.learning import Learning

@@ -6,10 +6,10 @@ from typing import TypeAlias
 
 from harness.eta.behaviour_change import Change
 from harness.record.plan_file import EXPERIMENT
-from harness.report.behaviour_rows import along_grid, behaviour_grids
 from harness.report.facts import Fact, shared_facts
-from harness.report.question import question
-from harness.report.rows import (
+from harness.report.page.question import question
+from harness.report.rows.behaviour import along_grid, behaviour_grids
+from harness.report.rows.comparison import (
     SCALES,
     SPLIT,
     TESTS,

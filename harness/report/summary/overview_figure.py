@@ -5,11 +5,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from harness.report.apart import tell_apart
-from harness.report.chart import Axis, Chart, Dots, Line, Mark, Note
-from harness.report.draw import CHARACTER
-from harness.report.rows import BETTER, SCALES, ratio_text
-from harness.report.split_figure import draw_ratio, ratio_axis
-from harness.report.split_rows import SplitRow
+from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note
+from harness.report.figures.draw import CHARACTER
+from harness.report.figures.split import draw_ratio, ratio_axis
+from harness.report.figures.split_rows import SplitRow
+from harness.report.rows.comparison import BETTER, SCALES, ratio_text
 from harness.report.summary.svg import INTERVALS, Panel, draw_svg
 from harness.results.combination import Combination
 

@@ -8,14 +8,22 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from harness.report.chart import Chart, Dots, Line
-from harness.report.draw import CHARACTER, SAMPLE, draw_figure, draw_sample, figure_height, legend_of, panel_left
+from harness.report.figures.chart import Chart, Dots, Line
+from harness.report.figures.draw import (
+    CHARACTER,
+    SAMPLE,
+    draw_figure,
+    draw_sample,
+    figure_height,
+    legend_of,
+    panel_left,
+)
 from harness.text import visible
 
 CREATOR = "harness report --summary"
 """Written into every figure: which figures in a folder are ours."""
 INTERVALS = "Bars: 95% intervals over seeds; one that ends at the edge of its panel goes on."
-STYLES = Path(__file__).parent.parent
+STYLES = Path(__file__).parent.parent / "page"
 FONT = "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 EDGE, BETWEEN = 16.0, 24.0
 """Around the figure and between its panels, [px]."""

@@ -7,19 +7,21 @@ from harness.eta.behaviour_change import Change
 from harness.eta.headline import Answer
 from harness.eta.index import Ratio
 from harness.eta.scored_sums import BB, KK
-from harness.report.chart import Chart
-from harness.report.comparison import Panel
-from harness.report.download import pack
-from harness.report.draw import draw_chart
-from harness.report.figure import draw_panels
-from harness.report.forest import EXPLANATION as FOREST
-from harness.report.forest import draw_strip
-from harness.report.html import OPEN, TEMPLATE
-from harness.report.learning_figure import describe_learning, draw_learning
-from harness.report.matrix import SYMBOLS, Entry, Matrix, Sortable, anchor_of, badge_of
-from harness.report.page import render_page, write_page
-from harness.report.points import POINTS
-from harness.report.rows import (
+from harness.report.figures.accumulated import draw_panels
+from harness.report.figures.chart import Chart
+from harness.report.figures.draw import draw_chart
+from harness.report.figures.forest import EXPLANATION as FOREST
+from harness.report.figures.forest import draw_strip
+from harness.report.figures.learning import describe_learning, draw_learning
+from harness.report.figures.points import POINTS
+from harness.report.figures.split import draw_split
+from harness.report.figures.split_rows import describe_split
+from harness.report.page.comparison import Panel
+from harness.report.page.download import pack
+from harness.report.page.html import OPEN, TEMPLATE
+from harness.report.page.matrix import SYMBOLS, Entry, Matrix, Sortable, anchor_of, badge_of
+from harness.report.page.page import render_page, write_page
+from harness.report.rows.comparison import (
     PATHS,
     SPLIT,
     TOTAL,
@@ -35,8 +37,6 @@ from harness.report.rows import (
     split_grid,
     sum_grid,
 )
-from harness.report.split_figure import draw_split
-from harness.report.split_rows import describe_split
 from harness.report.trainings.document import study_json
 from harness.report.trainings.rows import (
     READING,

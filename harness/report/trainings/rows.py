@@ -6,8 +6,8 @@ from harness.eta.headline import count_seeds
 from harness.eta.scored_sums import BB, KK
 from harness.eta.seed_mean import SeedMean
 from harness.eta.swaps import smallest_p
-from harness.report.behaviour_rows import Text, behaviour_row, percentage
-from harness.report.rows import Grid, format_number, mean_interval_text
+from harness.report.rows.behaviour import Text, behaviour_row, percentage
+from harness.report.rows.comparison import Grid, format_number, mean_interval_text
 from harness.results.overview import NOTHING
 from harness.trainings.comparison import Comparison
 from harness.trainings.runs import TRAINING

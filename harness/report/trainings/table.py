@@ -4,9 +4,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.eta.scored_sums import BB, KK
-from harness.report.grid_table import show_grid
-from harness.report.overview_table import STYLES
-from harness.report.rows import (
+from harness.report.rows.comparison import (
     SPLIT,
     Grid,
     answer_text,
@@ -18,6 +16,8 @@ from harness.report.rows import (
     split_grid,
     sum_grid,
 )
+from harness.report.tables.grid import show_grid
+from harness.report.tables.overview import STYLES
 from harness.report.trainings.rows import (
     READING,
     RETURNS,

@@ -7,7 +7,7 @@ from harness.bench.speed.comparison import compare_speeds
 from harness.bench.speed.speed_grids import comparison_grid, speed_grids
 from harness.bench.speed.speed_page import draw_speeds, write_speed_page
 from harness.bench.speed.speed_table import speed_table
-from harness.report.chart import Dots
+from harness.report.figures.chart import Dots
 
 
 @pytest.fixture

@@ -57,7 +57,7 @@ def test_what_cannot_be_done_here_is_left_out(monkeypatch):
 
 def test_a_process_that_dies_is_a_failure(tmp_path, monkeypatch):
     """The reason is that of the process."""
-    from harness.experiment.workers import News
+    from harness.experiment.workers.workers import News
 
     monkeypatch.setattr(
         "harness.bench.speed.timed_contest.run_orders",

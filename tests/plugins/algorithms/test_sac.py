@@ -9,7 +9,7 @@ import pytest
 from harness.errors import UsageError
 from harness.policy import load_policy
 from harness.registry.parameters import build
-from harness.testing.algorithms import the_budget_is_spent_exactly, the_return_rises
+from harness.testing.algorithms.checks import the_budget_is_spent_exactly, the_return_rises
 from harness.testing.trainings import observations, train_anew
 from harness_plugins.algorithms.sac import Sac
 

@@ -10,7 +10,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from harness.progress import Progress
-from harness.testing.algorithms import the_budget_is_spent_exactly, the_return_rises
+from harness.testing.algorithms.checks import the_budget_is_spent_exactly, the_return_rises
 from harness.testing.trainings import WatchedEnv, train
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast

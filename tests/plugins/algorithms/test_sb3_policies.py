@@ -9,7 +9,7 @@ import pytest
 from harness.algorithm import ActionSpace, Algorithm
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, load_policy
 from harness.progress import Progress
-from harness.testing.algorithms import the_budget_is_spent_exactly
+from harness.testing.algorithms.checks import the_budget_is_spent_exactly
 from harness.testing.trainings import Training, WatchedEnv, observations, train_anew
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from harness.executor import CellOptions, Event, Job, Limits
-from harness.experiment.order import Order
 from harness.experiment.run_cell import TrainCell
+from harness.experiment.workers.order import Order
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder
 from harness.record.manifest import read_manifest
@@ -143,7 +143,7 @@ def test_worker_ends_with_its_parent(make_cell: Callable[..., Cell], tmp_path: P
     os.mkfifo(note)
     order = Order(tmp_path / "cell", TrainCell(_that(make_cell, "wait", str(note))))
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
-    with subprocess.Popen([sys.executable, "-m", "harness.experiment.worker"], text=True, **pipes) as worker:
+    with subprocess.Popen([sys.executable, "-m", "harness.experiment.workers.worker"], text=True, **pipes) as worker:
         worker.stdin.write(order.line() + "\n")
         worker.stdin.flush()
         assert int(note.read_text()) == worker.pid

@@ -16,7 +16,7 @@ from harness.executor import CellOptions, Event, Job
 from harness.record.cell_folder import examine
 from harness.record.folder import LOG, partial_folder
 from harness.testing import EXECUTOR_CHECKS
-from harness.testing.odd_cells import installed, odd_cell
+from harness.testing.executors.odd_cells import installed, odd_cell
 from harness_plugins.executors.slurm import Slurm
 
 pytestmark = [

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.testing.traces import recorded_trace
+from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.obstacle_hits import ObstacleHits
 
 

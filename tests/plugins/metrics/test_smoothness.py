@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.record.trace import Trace
-from harness.testing.traces import recorded_trace
+from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.smoothness import Smoothness
 
 

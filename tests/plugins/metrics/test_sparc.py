@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import Trace
-from harness.testing.traces import recorded_trace
+from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.sparc import Sparc, spectral_arc
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from harness.errors import Unmeasured
 from harness.record.episode_facts import EpisodeFacts
-from harness.testing.traces import recorded_trace
+from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.path_ratio import PathRatio
 from harness_plugins.metrics.spl import Spl
 

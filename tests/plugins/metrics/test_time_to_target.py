@@ -6,7 +6,7 @@ import pytest
 
 from harness.record.episode_facts import EpisodeFacts
 from harness.record.trace import Trace
-from harness.testing.traces import recorded_trace
+from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.time_to_target import TimeToTarget
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from harness.record.episode_facts import EpisodeFacts
-from harness.testing.traces import recorded_trace
+from harness.testing.metrics.traces import recorded_trace
 from harness_plugins.metrics.work import Work
 
 

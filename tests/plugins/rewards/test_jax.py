@@ -5,7 +5,7 @@ import pytest
 
 from harness.registry.registry import load_registry
 from harness.reward import Carry, Reward, Sample
-from harness.testing.samples import edge_samples, play, random_samples
+from harness.testing.rewards.samples import edge_samples, play, random_samples
 
 jax = pytest.importorskip("jax")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.experiment.trackers import tracked_cell
+from harness.experiment.progress.trackers import tracked_cell
 from harness.record.cell import Cell
 from harness.tracker import TrackedCell
 

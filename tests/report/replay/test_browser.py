@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from harness.cli.watch import HOST, Pages, open_server
-from harness.report.html import write_html
+from harness.report.page.html import write_html
 from harness.results import Results
 from harness.results.replay import shows_of
 from harness.robot.kinematics import end_effector_position

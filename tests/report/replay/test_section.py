@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.record.scene import scene_from_json
-from harness.report.html import write_html
+from harness.report.page.html import write_html
 from harness.report.replay.section import replay_data, replay_of
 from harness.results import Results
 from harness.results.replay import shows_of

@@ -4,8 +4,8 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from harness.report.regions import OMEGA_1, OMEGA_2
-from harness.report.split_rows import split_rows
+from harness.report.figures.regions import OMEGA_1, OMEGA_2
+from harness.report.figures.split_rows import split_rows
 from harness.report.summary.figures import learning_file, runs_file, split_file
 from harness.results.learning import learning_of
 

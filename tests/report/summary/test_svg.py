@@ -5,8 +5,8 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from harness.report.chart import Chart, Dots, Flag, Line, Note, linear_axis
-from harness.report.draw import CHARACTER
+from harness.report.figures.chart import Chart, Dots, Flag, Line, Note, linear_axis
+from harness.report.figures.draw import CHARACTER
 from harness.report.summary.svg import CREATOR, Panel, chart_style, draw_svg
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -1,0 +1,1 @@
+"""Evaluations of policies: what they share, when they happen, what they are held against."""

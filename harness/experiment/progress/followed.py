@@ -1,0 +1,96 @@
+"""What happens to an experiment's cells while an executor does them, written down as it happens."""
+
+import math
+import time
+from collections.abc import Callable, Mapping
+
+from harness.executor import Event, OnEvent
+from harness.experiment.progress.ended_cells import EndedCells
+from harness.experiment.progress.tracking import Tracking
+from harness.progress import RETURN, SUCCESS
+from harness.record.cell import Cell
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.running import Running, discard_running, write_running
+from harness.record.store import Store
+
+NOTHING: Mapping[Cell, Manifest] = {}
+WRITE_EVERY = 2.0
+"""Seconds from one account of the running cells to the next."""
+
+
+class Followed:
+    """Call it with every event: it completes the records in the folder and passes the event on.
+
+    Attributes:
+        failed: Cells that failed, in the order in which they ended.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        ended: EndedCells,
+        tracking: Tracking,
+        on_event: OnEvent,
+        again: Mapping[Cell, Manifest] = NOTHING,
+        now: Callable[[], float] = time.time,
+    ) -> None:
+        """Nothing has happened yet.
+
+        Args:
+            store: Where the cells are.
+            ended: Told of each cell that has ended.
+            tracking: Told of every cell.
+            on_event: Told every event, with what the cell's manifest says.
+            again: Done cells that are done again, with what they say of themselves.
+            now: The time, seconds since 1970.
+        """
+        self._store, self._ended, self._on_event, self._again, self._now = store, ended, on_event, again, now
+        self._tracking = tracking
+        self._running: dict[str, Running] = {}
+        self._written = 0.0
+        self.failed: list[Cell] = []
+
+    def __call__(self, event: Event) -> None:
+        """Something happened to a cell."""
+        if event.kind == "ended":
+            event = self._end(event)
+        else:
+            self._ended.refresh()
+            running = self._running.setdefault(event.cell.id, Running(self._now()))
+            if event.kind == "progress":
+                running = self._tracking.hear(event, running)
+            self._running[event.cell.id] = running.after(event.steps, self._now(), **_shown(event.scalars))
+        self._write(at_once=event.kind != "progress")
+        self._on_event(event)
+
+    def stop(self) -> None:
+        """No cell is running any more."""
+        self._tracking.pass_on()
+        self._tracking.close()
+        discard_running(self._store.folder)
+
+    def _end(self, event: Event) -> Event:
+        """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""
+        self._tracking.pass_on()
+        self._running.pop(event.cell.id, None)
+        if event.reason:
+            self._store.record(event.cell, "failed", event.reason, instead_of=self._again.get(event.cell))
+        manifest = read_manifest(self._store.cell_folder(event.cell))
+        self._ended.add(manifest)
+        if manifest.status != "done":
+            self.failed.append(event.cell)
+        self._tracking.end(event.cell, "done" if manifest.status == "done" else "failed", manifest.reason)
+        return event._replace(reason=manifest.reason, note=manifest.note)
+
+    def _write(self, at_once: bool) -> None:
+        """Tell other processes what is running, now and then; trackers after them."""
+        if at_once or self._now() >= self._written + WRITE_EVERY:
+            self._written = self._now()
+            write_running(self._store.folder, self._running)
+            self._tracking.pass_on()
+
+
+def _shown(scalars: Mapping[str, float]) -> dict[str, float]:
+    """Of the numbers those that ``harness status`` shows."""
+    names = {"success": SUCCESS, "mean_return": RETURN}
+    return {key: scalars[name] for key, name in names.items() if math.isfinite(scalars.get(name, math.nan))}

@@ -1,0 +1,120 @@
+"""One Python process that works for this one, and how it is ended."""
+
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Collection
+from contextlib import suppress
+from typing import IO, TypeAlias
+
+from harness.experiment.workers.order import Order
+
+# Two one-thread processes train twice as fast as one with two threads.
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+GRACE_SECONDS = 5.0
+"""For a process that is told to end, before it is killed."""
+
+Told: TypeAlias = tuple["WorkerProcess", str | None]
+"""Who tells, and the line; None at the end of its output."""
+
+
+class WorkerProcess:
+    """``python -m harness.experiment.workers.worker``; each line of its output goes into a queue.
+
+    Attributes:
+        process: The process.
+        given: Orders that it got.
+    """
+
+    def __init__(self, told: "queue.SimpleQueue[Told]") -> None:
+        self.process = _start()
+        self.given = 0
+        assert self.process.stdout is not None
+        threading.Thread(target=self._listen, args=(self.process.stdout, told), daemon=True).start()
+
+    def give(self, order: Order) -> None:
+        """Have it do an order; if it cannot read it, its end tells."""
+        self.given += 1
+        assert self.process.stdin is not None
+        try:
+            self.process.stdin.write(order.line() + "\n")
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            self.process.wait()
+
+    def memory(self) -> int:
+        """Bytes that it and the processes that it started have in memory; 0 when it has ended."""
+        import psutil  # where a limit was asked for
+
+        try:
+            process = psutil.Process(self.process.pid)
+            return sum(one.memory_info().rss for one in (process, *process.children(recursive=True)))
+        except psutil.NoSuchProcess:
+            return 0
+
+    def abort(self) -> None:
+        """End it so that it writes its stack into its log (`faulthandler`); kill it if that takes too long."""
+        self.process.send_signal(signal.SIGABRT if os.name == "posix" else signal.SIGTERM)
+        killer = threading.Timer(GRACE_SECONDS, self.process.kill)
+        killer.daemon = True
+        killer.start()
+
+    def close(self) -> None:
+        """Say that there is nothing more to do; it ends by itself."""
+        _close(self.process)
+
+    def end(self) -> int:
+        """Wait for it to end, as it does after the last word of its output; returns its exit status."""
+        self.close()
+        return self.process.wait()
+
+    def _listen(self, lines: IO[str], told: "queue.SimpleQueue[Told]") -> None:
+        """In a thread."""
+        with lines:
+            for line in lines:
+                told.put((self, line.rstrip("\n")))
+        told.put((self, None))
+
+
+def _start() -> "subprocess.Popen[str]":
+    """Start a worker, with one thread.
+
+    It ends when its standard input is closed, as it is when this process ends (`harness.experiment.workers.lifeline`).
+    """
+    return subprocess.Popen(
+        [sys.executable, *_path_flags(), "-m", "harness.experiment.workers.worker"],
+        stdin=subprocess.PIPE,
+        text=True,
+        env={**os.environ, **ONE_THREAD},
+        start_new_session=True,  # Ctrl-C reaches this process alone, which stops the others
+        stdout=subprocess.PIPE,
+    )
+
+
+def _path_flags() -> list[str]:
+    """Where this process does not import from the working directory, what lies there is not a worker's either."""
+    return [] if sys.path[:1] in ([""], [os.getcwd()]) else ["-P"]
+
+
+def stop_processes(processes: Collection["subprocess.Popen[str]"]) -> None:
+    """Ask the processes that still run to end, and end those that do not."""
+    running = [process for process in processes if process.poll() is None]
+    for process in running:
+        process.terminate()
+    for process in running:
+        try:
+            process.wait(GRACE_SECONDS)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    for process in processes:
+        _close(process)
+
+
+def _close(process: "subprocess.Popen[str]") -> None:
+    if process.stdin and not process.stdin.closed:
+        with suppress(BrokenPipeError):  # it has ended, and what was not written to it is of no use
+            process.stdin.close()

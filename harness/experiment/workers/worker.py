@@ -1,0 +1,87 @@
+"""``python -m harness.experiment.workers.worker``: the process in which an executor has things done, one after another.
+
+Each line of standard input is an order (`harness.experiment.workers.order`). The answers are lines on standard output:
+a `harness.executor.Word`, as often as there is news; then `DONE`, and the next order may come, or the output ends.
+An order that would run on sources which have changed since this process began is answered with `STALE`, and not done.
+What the work itself prints goes into its log, and so does the stack if the process crashes; what it reads is empty. The
+process ends when its parent does.
+"""
+
+import faulthandler
+import os
+import platform
+import sys
+import time
+from pathlib import Path
+from typing import IO
+
+from harness.experiment.workers.lifeline import lines_of_parent
+from harness.experiment.workers.order import Order, read_order
+from harness.record.folder import LOG, partial_folder
+from harness.record.log import write_log
+
+DONE, STALE = "done", "stale"
+
+
+def main() -> None:
+    """Do what standard input orders."""
+    begun = time.time()
+    faulthandler.enable()  # on standard error, which is the log of the order
+    with _keep_stdout() as parent:
+        for number, line in enumerate(lines_of_parent(lambda: _tell(parent, DONE))):
+            if number and _is_stale(begun):
+                _tell(parent, STALE)
+                return
+            order, sys.argv = read_order(line)  # the manifest records what the user typed
+            if not _do(order, parent):
+                return
+
+
+def _do(order: Order, parent: IO[str]) -> bool:
+    """Do an order; returns whether this process is fit for another."""
+    partial = partial_folder(order.folder)
+    partial.mkdir(parents=True, exist_ok=True)
+    _print_into(partial / LOG)
+    write_log(partial / LOG, f"process {os.getpid()} on {platform.node()} begins")
+    try:
+        return order.work.do(order.folder, lambda word: _tell(parent, word.line()))
+    finally:
+        _print_into(Path(os.devnull))  # the log is finished: a thread that still prints must not change it
+
+
+def _print_into(path: Path) -> None:
+    """From now on, standard output and standard error end there."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with path.open("a") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]  # a killed process flushes nothing
+
+
+def _tell(parent: IO[str], line: str) -> None:
+    parent.write(f"{line}\n")
+    parent.flush()
+
+
+def _keep_stdout() -> IO[str]:
+    """Standard output under another number, so that nothing else writes to it."""
+    return os.fdopen(os.dup(1), "w")
+
+
+def _is_stale(begun: float) -> bool:
+    """Whether a file that was imported has changed since: the manifest would name sources that did not run."""
+    files = [getattr(module, "__file__", None) for module in list(sys.modules.values())]
+    return any(_changed(file) > begun for file in files if file)
+
+
+def _changed(file: str) -> float:
+    try:
+        status = os.stat(file)
+        return max(status.st_mtime, status.st_ctime)  # a copy may bring an old time of change
+    except OSError:
+        return 0.0  # in an archive
+
+
+if __name__ == "__main__":
+    main()

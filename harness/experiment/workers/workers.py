@@ -1,0 +1,205 @@
+"""Orders done in Python processes of this machine, several at once, one thread each.
+
+A process does one order after the other, so that it imports the heavy libraries once. It is replaced after
+`ORDERS_PER_PROCESS`, after an order that failed, and where an order asks for a fresh one.
+"""
+
+import os
+import queue
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, NamedTuple, Self, TypeAlias
+
+from harness.errors import UsageError
+from harness.executor import NO_SCALARS, Word
+from harness.experiment.workers.limits import LOOK_EVERY, Clock, Watchdog
+from harness.experiment.workers.order import Order
+from harness.experiment.workers.process import Told, WorkerProcess, stop_processes
+from harness.experiment.workers.worker import DONE, STALE
+from harness.record.folder import LOG, partial_folder
+from harness.record.log import write_log
+
+ORDERS_PER_PROCESS = 50
+"""What a library leaves behind in each order, as memory that leaks, has to stay small."""
+
+
+class News(NamedTuple):
+    """Something that happened to an order."""
+
+    kind: Literal["started", "progress", "ended"]
+    folder: Path
+    """Of the order."""
+    steps: int = 0
+    reason: str = ""
+    """Of an ended order: why its process left no folder; empty if it did."""
+    scalars: Mapping[str, float] = NO_SCALARS
+    """Of progress: see `harness.executor.Word`."""
+
+
+OnNews: TypeAlias = Callable[[News], None]
+
+
+def core_count() -> int:
+    """Cores that this process may use; where the system does not say, as on macOS and Windows, those of the machine."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def worker_count(jobs: int | None) -> int:
+    """How many workers there are at once: as many as asked for, by default as many as there are cores.
+
+    Raises:
+        UsageError: Fewer than one is asked for.
+    """
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"jobs={jobs}: must be at least 1")
+    return jobs or core_count()
+
+
+def run_orders(orders: Sequence[Order], at_once: int, on_news: OnNews) -> None:
+    """Have every order done by a process, at most `at_once` at a time.
+
+    Whatever a process does, crash and kill included, the others go on. A process that takes more than its order's
+    limits is ended. When an exception passes, KeyboardInterrupt above all, none is left running.
+
+    Args:
+        orders: What to do, in this order.
+        at_once: How many processes.
+        on_news: Called in this thread: ``started``, any number of ``progress``, then ``ended``, once for every order.
+    """
+    with Pool() as pool:
+        for news in pool.run(orders, at_once):
+            on_news(news)
+
+
+@dataclass
+class _Task:
+    """An order that a process is doing."""
+
+    order: Order
+    watchdog: Watchdog
+    ended_for: str = ""
+    """Why its process was told to end; empty if it was not."""
+
+
+@dataclass
+class Pool:
+    """The processes, and one queue of what they tell: some do an order, some wait for one, some leave.
+
+    They are ended when the ``with`` block of the pool ends.
+    """
+
+    busy: dict[WorkerProcess, _Task] = field(default_factory=dict)
+    idle: list[WorkerProcess] = field(default_factory=list)
+    leaving: list[WorkerProcess] = field(default_factory=list)
+    told: "queue.SimpleQueue[Told]" = field(default_factory=queue.SimpleQueue)
+    clock: Clock = field(default_factory=Clock)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def run(self, orders: Sequence[Order], at_once: int) -> Iterator[News]:
+        """Have every order done, and tell what happens; see `run_orders`. The pool may do more orders after these."""
+        waiting = deque(orders)
+        while waiting or self.busy:
+            while waiting and len(self.busy) < at_once:
+                order = waiting.popleft()
+                yield News("started", order.folder)
+                self.give(order)
+            yield from self.look()
+
+    def give(self, order: Order) -> None:
+        """Have an order done by a process that waits, or by a new one."""
+        partial_folder(order.folder).mkdir(parents=True, exist_ok=True)  # gone again when the order is done
+        process = self._process_for(order)
+        self.busy[process] = _Task(order, Watchdog(order.limits, self.clock))
+        process.give(order)
+
+    def _process_for(self, order: Order) -> WorkerProcess:
+        while self.idle and not order.fresh:
+            process = self.idle.pop()
+            if process.process.poll() is None:
+                return process
+            self.leaving.append(process)  # something ended it while it waited
+        return WorkerProcess(self.told)
+
+    def look(self) -> list[News]:
+        """Wait a little for what the processes tell, and end those that take too much."""
+        try:
+            told = self.told.get(timeout=LOOK_EVERY)
+        except queue.Empty:
+            told = None
+        self.clock.look()
+        news = [] if told is None else self._hear(told)
+        for process, task in self.busy.items():
+            if not task.ended_for:
+                self._watch(process, task)
+        return news
+
+    def stop(self) -> None:
+        """End all of them; those that wait for an order end by themselves."""
+        for process in self.idle:
+            process.close()
+        stop_processes([process.process for process in self.busy])
+        for process in (*self.idle, *self.leaving):
+            process.end()
+        self.busy.clear()
+        self.idle.clear()
+        self.leaving.clear()
+
+    def _hear(self, told: Told) -> list[News]:
+        process, line = told
+        if process not in self.busy:  # it has no order, and has ended
+            process.end()
+            self.idle = [one for one in self.idle if one is not process]
+            self.leaving = [one for one in self.leaving if one is not process]
+            return []
+        task = self.busy[process]
+        if line is None or line == STALE:
+            return self._lost(process, task, is_stale=line == STALE)
+        if line != DONE:
+            task.watchdog.hear()
+            word = Word.from_line(line)
+            return [News("progress", task.order.folder, word.steps, scalars=word.scalars)]
+        del self.busy[process]
+        self._keep(process, task.order)
+        return [News("ended", task.order.folder)]
+
+    def _keep(self, process: WorkerProcess, order: Order) -> None:
+        """A process that has done an order waits for the next one, if it may do another."""
+        if order.fresh or process.given >= ORDERS_PER_PROCESS:
+            process.close()
+            self.leaving.append(process)
+        else:
+            self.idle.append(process)
+
+    def _lost(self, process: WorkerProcess, task: _Task, is_stale: bool) -> list[News]:
+        """The process of an order ends: after the order, in the middle of it, or without having begun."""
+        del self.busy[process]
+        status = process.end()
+        if is_stale:
+            self.give(task.order)
+            return []
+        folder = task.order.folder
+        is_complete = not partial_folder(folder).exists()
+        return [News("ended", folder, reason="" if is_complete else task.ended_for or _reason(status, task.order))]
+
+    def _watch(self, process: WorkerProcess, task: _Task) -> None:
+        complaint = task.watchdog.complaint(process.memory)
+        if complaint:
+            task.ended_for = complaint
+            write_log(partial_folder(task.order.folder) / LOG, f"{complaint}: its process is ended, its stack follows")
+            process.abort()
+
+
+def _reason(status: int, order: Order) -> str:
+    if status < 0:
+        return f"its process was ended by {signal.Signals(-status).name}"
+    return f"its process ended with exit status {status} before the {order.work.noun} did"

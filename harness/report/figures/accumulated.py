@@ -1,0 +1,59 @@
+"""The figure of the published experiment: the accumulated reward of every run, and their mean, per reward."""
+
+from harness.arrays import Float
+from harness.report.figures.chart import Area, Axis, Chart, Dots, Flag, Line, Word, linear_axis
+from harness.report.figures.panel import Curved, Panel, panels_of, reward_range, step_range
+from harness.report.figures.points import POINTS, select_points
+from harness.report.figures.regions import Region, regions_of
+
+
+def draw_panels(
+    combination: Curved, points: int = POINTS, amount: str = "accumulated shaped reward"
+) -> tuple[Chart, Chart] | None:
+    """A panel for the baseline and one for the proposed reward, on equal axes; None without a finished pair.
+
+    Two charts, not one: a narrow screen stacks them.
+
+    Args:
+        combination: What to draw.
+        points: Of a single run, at most.
+        amount: What the curves are.
+    """
+    panels = panels_of(combination)
+    if panels is None:
+        return None
+    steps = linear_axis(*step_range(panels), "environment step", 5)
+    rewards = linear_axis(*reward_range(panels), amount)
+    return _draw_panel(panels[0], steps, rewards, points), _draw_panel(panels[1], steps, rewards, points)
+
+
+def _draw_panel(panel: Panel, steps: Axis, rewards: Axis, points: int) -> Chart:
+    stride, colour = panel.stride, panel.role.lower()
+    thin = [
+        draw_curve(run, stride, f"seed {seed}", colour, points)._replace(width=1.0, opacity=0.5)
+        for run, seed in zip(panel.runs, panel.seeds, strict=True)
+    ]
+    regions = regions_of(panel, POINTS)
+    shades = [_shade(region, colour) for region in regions]
+    thick = draw_curve(panel.mean, stride, "mean", colour)._replace(width=3.0)
+    flags = [Flag(step, f"{name}: step {step:,}", int(name == "first negative")) for name, step in panel.marks.items()]
+    names = [Word(*region.centre, region.name) for region in regions if region.has_room(steps.high)]
+    return Chart(steps, rewards, (*shades, *flags, *thin, thick, *names, _markers(panel, colour)))
+
+
+def draw_curve(values: Float, stride: int, name: str, colour: str, most: int = POINTS) -> Line:
+    """A line through every `stride`-th step's value, of which `most` are drawn."""
+    points = select_points(values, most)
+    return Line((points * stride).tolist(), values[points].tolist(), colour, name)
+
+
+def _shade(region: Region, colour: str) -> Area:
+    """The area of a region, under the curves, down or up to 0."""
+    steps, values = region.x.tolist(), region.y.tolist()
+    return Area([*steps, steps[-1], steps[0]], [*values, 0.0, 0.0], colour)
+
+
+def _markers(panel: Panel, colour: str) -> Dots:
+    """A dot on the drawn mean curve at each marked step."""
+    names = tuple(f"{name}: step {step:,}" for name, step in panel.marks.items())
+    return Dots(list(panel.marks.values()), panel.heights, colour, names, is_open=True)

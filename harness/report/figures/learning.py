@@ -1,0 +1,73 @@
+"""The figure of learning: a measure of behaviour over environment steps, under both rewards and by random actions."""
+
+from harness.report.figures.chart import Area, Axis, Chart, Dots, Line, Shape, linear_axis, share_axis
+from harness.report.rows.behaviour import Text, percentage
+from harness.results.learning import Learning, LearningCurve, Point
+
+
+def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> Chart:
+    """Means as lines, intervals as bands, random actions as a dotted line.
+
+    Args:
+        learning: Of both rewards.
+        metric: Which measure; a share, such as the success rate, unless `text` says otherwise.
+        text: How its values are written: `percentage`, or as any other number.
+    """
+    curves: tuple[tuple[LearningCurve, str, Shape], ...] = (
+        (learning.baseline, "baseline", "circle"),
+        (learning.proposed, "proposed", "diamond"),
+    )
+    last, floor = learning.last_step(metric), learning.random[metric]
+    bands = [_band(curve.band(metric), colour) for curve, colour, _ in curves]
+    lines = [_line(curve.reward, curve.known(metric), colour) for curve, colour, _ in curves]
+    dots = [_dots(curve.known(metric), colour, shape, text) for curve, colour, shape in curves]
+    if floor is not None:
+        lines.append(Line([0, last], [floor, floor], "random", "random actions", dash="2 4", in_legend=True))
+    steps = linear_axis(0.0, last, "environment step", 5)
+    title = metric.replace("_", " ")
+    values = share_axis(title) if text is percentage else _number_axis([*bands, *lines], title)
+    return Chart(steps, values, (*bands, *lines, *dots))
+
+
+def describe_learning(learning: Learning, metric: str, text: Text = percentage) -> str:
+    """The same in words: where each curve begins and ends."""
+    told = [_told(curve, metric, text) for curve in (learning.baseline, learning.proposed)]
+    floor = learning.random[metric]
+    return "; ".join([*told, *([f"random actions {text(floor)}"] if floor is not None else [])]) + "."
+
+
+def _number_axis(marks: list[Area | Line], title: str) -> Axis:
+    """From the lowest to the highest value, with some air."""
+    values = [value for mark in marks for value in mark.y] or [0.0]
+    air = 0.04 * (max(values) - min(values)) or 0.5
+    return linear_axis(min(values) - air, max(values) + air, title)
+
+
+def _told(curve: LearningCurve, metric: str, text: Text) -> str:
+    points = curve.known(metric)
+    if not points:
+        return f"{curve.reward}: no value"
+    ends = [f"{text(point.value.mean)} after {point.steps:,} steps" for point in (points[0], points[-1])]
+    return f"{curve.reward} {', '.join(ends)}"
+
+
+def _band(there: list[tuple[int, float, float]], colour: str) -> Area:
+    """Around the means, there and back; empty of a single seed."""
+    back = there[::-1]
+    ends = [*(high for _, _, high in there), *(low for _, low, _ in back)]
+    return Area([steps for steps, _, _ in [*there, *back]], ends, colour)
+
+
+def _line(reward: str, points: list[Point], colour: str) -> Line:
+    return Line(*_means(points), colour, reward, width=2.5, in_legend=True)
+
+
+def _dots(points: list[Point], colour: str, shape: Shape, text: Text) -> Dots:
+    steps, means = _means(points)
+    told = tuple(f"{text(mean)} after {step:,.0f} steps" for step, mean in zip(steps, means, strict=True))
+    return Dots(steps, means, colour, told, shape, size=3.5)
+
+
+def _means(points: list[Point]) -> tuple[list[float], list[float]]:
+    known = [(float(point.steps), point.value.mean) for point in points if point.value.mean is not None]
+    return [steps for steps, _ in known], [mean for _, mean in known]

@@ -1,0 +1,38 @@
+"""The performance profile: which share of the seeds reaches at least so much, under both rewards."""
+
+import numpy as np
+
+from harness.eta.aggregate import performance_profile
+from harness.eta.behaviour_change import Change
+from harness.eta.headline import count_seeds
+from harness.report.figures.chart import Chart, Line, share_axis
+
+POINTS = 101
+
+
+def draw_profile(change: Change) -> Chart | None:
+    """Both profiles of a share such as the success rate, as steps; None without a seed."""
+    if not change.values:
+        return None
+    lines = (("baseline", 0, ""), ("proposed", 1, "7 4"))
+    name = change.name.replace("_", " ")
+    return Chart(
+        share_axis(f"{name} of a seed, at least"),
+        share_axis("share of the seeds"),
+        tuple(_steps([pair[side] for pair in change.values], who, dash) for who, side, dash in lines),
+    )
+
+
+def _steps(values: list[float], who: str, dash: str) -> Line:
+    """Level from one place to the next, where it falls."""
+    at = np.linspace(0.0, 1.0, POINTS)
+    shares = performance_profile(values, at - 1e-9).round(4)
+    x, y = np.repeat(at.round(3), 2)[1:].tolist(), np.repeat(shares, 2)[:-1].tolist()
+    return Line(x, y, who, who, 2.5, dash=dash, in_legend=True)
+
+
+def describe_profile(change: Change) -> str:
+    """The same in words, for those who cannot see it."""
+    worst = [min(pair[side] for pair in change.values) for side in (0, 1)]
+    told = f"{worst[0]:.0%} under the baseline, {worst[1]:.0%} under the proposed reward"
+    return f"{count_seeds(change.seeds)}. The worst seed: {told}."

@@ -1,0 +1,68 @@
+"""The note's regions of a mean curve, NOTE Fig. 8: Omega_1, which I_N sums, and Omega_2, which I_P sums."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.report.figures.panel import Panel
+from harness.report.figures.points import POINTS, select_points
+
+OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
+ROOM = 0.02
+"""Of an axis, the least that a region spans whose name is written into it."""
+
+
+class Region(NamedTuple):
+    """The area between the drawn mean curve and 0."""
+
+    name: str
+    x: Float
+    """Steps, (points,)."""
+    y: Float
+    """Where the curve is at these; 0 between its parts, (points,)."""
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Half of the area lies before it, and it lies halfway between curve and 0."""
+        strips = np.diff(self.x) * (self.y[1:] + self.y[:-1]) / 2.0
+        done = np.cumsum(np.abs(strips))
+        at = int(np.searchsorted(done, done[-1] / 2.0))
+        return float(self.x[at : at + 2].mean()), float(self.y[at : at + 2].mean() / 2.0)
+
+    def has_room(self, last: float) -> bool:
+        """Whether its name can be written into it, on an axis of steps that ends with `last`."""
+        return float(self.x[-1] - self.x[0]) >= ROOM * last
+
+
+def regions_of(panel: Panel, points: int = POINTS) -> list[Region]:
+    """Both regions of a panel's mean curve, of which `points` are drawn; one without any area is left out."""
+    drawn = select_points(panel.mean, points)
+    steps, values = (drawn * panel.stride).astype(np.float64), panel.mean[drawn]
+    is_sum = panel.curve.kind == "accumulated"
+    parts = _around_zero(steps, values) if is_sum else _around_crossover(panel, steps, values)
+    found = [Region(name, *_trim(*part)) for name, part in zip((OMEGA_1, OMEGA_2), parts, strict=True)]
+    return [region for region in found if len(region.x) > 1]
+
+
+def _around_zero(steps: Float, values: Float) -> list[tuple[Float, Float]]:
+    """Below 0 and above 0, with the points at which the drawn curve goes through 0."""
+    before = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+    share = values[before] / (values[before] - values[before + 1])
+    steps = np.insert(steps, before + 1, steps[before] + share * (steps[before + 1] - steps[before]))
+    values = np.insert(values, before + 1, 0.0)
+    return [(steps, np.minimum(values, 0.0)), (steps, np.maximum(values, 0.0))]
+
+
+def _around_crossover(panel: Panel, steps: Float, values: Float) -> list[tuple[Float, Float]]:
+    """Up to the cross-over and behind it, as per-step indices are summed."""
+    index = panel.curve.index
+    end = -1 if index.first_negative is None else index.steps if index.crossover is None else index.crossover
+    return [(steps[side], values[side]) for side in (steps <= end, steps > end)]
+
+
+def _trim(x: Float, y: Float) -> tuple[Float, Float]:
+    """Without the points on 0 whose neighbours are on 0 too."""
+    away = np.pad(y != 0.0, 1)
+    kept = away[:-2] | away[1:-1] | away[2:]
+    return x[kept], y[kept]

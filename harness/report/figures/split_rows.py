@@ -1,0 +1,49 @@
+"""The rows of a figure of ruler x behaviour."""
+
+from typing import NamedTuple
+
+from harness.eta.decompose import Split
+from harness.eta.index import Ratio
+from harness.report.figures.chart import Shape
+from harness.report.figures.ratio_axis import is_drawable
+from harness.report.rows.comparison import ratio_text
+
+
+class SplitRow(NamedTuple):
+    """One ratio of a split."""
+
+    label: str
+    ratio: Ratio
+    place: float
+    """Down from the top."""
+    colour: str
+    """As in `harness.report.figures.chart`."""
+    shape: Shape
+    is_open: bool = False
+    """On a single path."""
+
+
+def split_rows(name: str, split: Split) -> list[SplitRow]:
+    """An eta, its split, and both paths that this is the mean of, from top to bottom."""
+    rows = [
+        SplitRow(name, split.eta, 0.0, "ink", "circle"),
+        SplitRow("ruler", split.ruler, 1.3, "ruler", "square"),
+        SplitRow("behaviour", split.behaviour, 2.2, "behaviour", "diamond"),
+    ]
+    for place, (where, path) in enumerate(zip(("proposed runs", "baseline's runs"), split.paths, strict=False)):
+        rows += [
+            SplitRow(f"ruler, {where}", path.ruler, 3.5 + 2.2 * place, "ruler", "square", True),
+            SplitRow(f"behaviour, {where}", path.behaviour, 4.4 + 2.2 * place, "behaviour", "diamond", True),
+        ]
+    return rows
+
+
+def has_parts(rows: list[SplitRow]) -> bool:
+    """Whether there is more to draw than the eta itself."""
+    return any(is_drawable(row.ratio) for row in rows[1:])
+
+
+def describe_split(name: str, split: Split) -> str:
+    """The same in words."""
+    parts = f"ruler {ratio_text(split.ruler)} x behaviour {ratio_text(split.behaviour)}"
+    return f"{name} {ratio_text(split.eta)} = {parts}; interaction {ratio_text(split.interaction)}."

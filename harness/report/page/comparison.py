@@ -1,0 +1,209 @@
+"""One comparison as the page tells it: the answer, the behaviour, the number, what the rewards pay for."""
+
+from typing import Any, NamedTuple
+
+from harness.eta.headline import SUCCESS
+from harness.report.apart import BETWEEN
+from harness.report.figures.accumulated import draw_panels
+from harness.report.figures.chart import Chart
+from harness.report.figures.draw import draw_chart
+from harness.report.figures.forest import draw_strip
+from harness.report.figures.learning import describe_learning, draw_learning
+from harness.report.figures.profile import describe_profile, draw_profile
+from harness.report.figures.split import draw_split
+from harness.report.figures.split_rows import describe_split
+from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
+from harness.report.page.matrix import SYMBOLS, badge_of
+from harness.report.page.outcomes import Bar, outcome_bars
+from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
+from harness.report.rows.behaviour import along_grid, behaviour_grids, defined_changes, failed_changes, seeds_grid
+from harness.report.rows.comparison import (
+    SCALES,
+    Grid,
+    advice,
+    answer_text,
+    claims_text,
+    index_grid,
+    path_grid,
+    ratio_grid,
+    rewards_text,
+    seeds_text,
+    split_grid,
+    sum_grid,
+)
+from harness.report.rows.payoff import Audits, payoff_story
+from harness.results import Results
+from harness.results.combination import Combination
+from harness.results.learning import learning_of
+from harness.results.trajectories import trajectories_of
+
+SIDES = {"Baseline": BASELINE, "Proposed": PROPOSED}
+"""Of the replay, by the names of the bars; random actions are not shown."""
+
+
+class Panel(NamedTuple):
+    """A figure with its heading and, for those who cannot see it, what it shows."""
+
+    heading: str
+    figure: str
+    """HTML."""
+    caption: str
+
+
+def comparison_section(
+    results: Results, combination: Combination, title: str, points: int, audits: Audits, links: EpisodeLinks | None
+) -> dict[str, Any]:
+    """What the template shows of a combination, `points` of each run."""
+    headline = combination.headline
+    grids = behaviour_grids(combination)
+    changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
+    bars = outcome_bars(combination)
+    return {
+        "title": title,
+        "rewards": rewards_text(combination),
+        "answer": answer_text(headline),
+        "badge": badge_of(headline.answer),
+        "symbol": SYMBOLS[headline.answer],
+        "robot": headline.robot,
+        "number": headline.number,
+        "returns": None,
+        "mixtures": [mixture.text for mixture in combination.mixtures],
+        "advice": advice(results, combination),
+        "tests": claims_text(combination),
+        "summary": describe_comparison(combination),
+        "behaviour": grids[0] if grids else None,
+        "strips": [draw_strip(change) for change in changes],
+        "outcomes": bars,
+        "episodes": links.all if links else [],
+        "endings": _endings(links, bars),
+        "showing": [
+            {"baseline": links.showing(BASELINE, it), "proposed": links.showing(PROPOSED, it)} if links else {}
+            for it in changes
+        ],
+        "learning": _learning_panels(results, combination),
+        "splits": _split_panels(combination),
+        "curves": _curve_panels(combination, points),
+        "payoffs": payoff_story(combination, audits),
+        "profiles": _profile_panels(combination),
+        "other_behaviour": _full([along_grid(combination), *grids[1:], seeds_grid(combination)]),
+        "numbers": _full(
+            [
+                ratio_grid(combination.splits),
+                split_grid(combination.splits),
+                path_grid(combination.splits),
+                _sum_grid(combination),
+                index_grid(combination.decomposition, results.kind),
+            ]
+        ),
+        "trajectories": _trajectory_panels(results, combination),
+    }
+
+
+def title_of(combination: Combination, place: str) -> str:
+    """Where it was made, as far as that is not said of all, and which reward was proposed."""
+    told = rewards_text(combination) if combination.is_control else combination.proposed
+    return BETWEEN.join(part for part in (place, told) if part)
+
+
+def describe_comparison(combination: Combination) -> str:
+    """In plain words: what was compared."""
+    group, seeds = combination.group, combination.seeds
+    if not seeds:
+        return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
+    paid = (
+        f"twice paid by {combination.baseline}, the second time with other seeds"
+        if combination.is_control
+        else f"once paid by {combination.baseline}, once by {combination.proposed}"
+    )
+    return (
+        f"The robot {group.robot} did {group.task.label} in {group.labels['simulator']} with "
+        f"{group.algorithm.label}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: {paid}. {SCALES}"
+    )
+
+
+def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:
+    """Of each bar, for each of its parts, an episode that ended so."""
+    return [
+        [links.ending(SIDES[bar.who], part.kind) if links and bar.who in SIDES else None for part in bar.parts]
+        for bar in bars
+    ]
+
+
+def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:
+    return Panel(heading, draw_chart(chart, f"{what} {heading}. {caption}"), caption)
+
+
+def _learning_panels(results: Results, combination: Combination) -> list[Panel]:
+    """The success rate during training, where it was evaluated then."""
+    learning = learning_of(results, combination)
+    if learning is None or SUCCESS not in learning.random:
+        return []
+    chart, caption = draw_learning(learning, SUCCESS), describe_learning(learning, SUCCESS)
+    return [_panel("Success rate while learning", chart, caption, "Success rate over environment steps.")]
+
+
+def _trajectory_panels(results: Results, combination: Combination) -> list[Panel]:
+    """Where the end effector went, under each reward."""
+    trajectories = trajectories_of(results, combination)
+    if trajectories is None:
+        return []
+    sides = (
+        (f"Baseline: {combination.baseline}", trajectories.baseline),
+        (f"Proposed: {combination.proposed}", trajectories.proposed),
+    )
+    drawn = draw_trajectories(trajectories)
+    what = "Paths of the end effector."
+    return [
+        _panel(f"{heading}, {view}", chart, describe_trajectories(trajectories.seed, paths), what)
+        for (heading, paths), charts in zip(sides, drawn, strict=True)
+        for (*_, view), chart in zip(VIEWS, charts, strict=True)
+    ]
+
+
+def _profile_panels(combination: Combination) -> list[Panel]:
+    """Which share of the seeds reaches how much success."""
+    success = combination.success
+    chart = draw_profile(success) if success else None
+    if success is None or chart is None:
+        return []
+    return [_panel("Success over seeds", chart, describe_profile(success), "Share of the seeds over success.")]
+
+
+def _split_panels(combination: Combination) -> list[Panel]:
+    """eta_N and eta_P, each with its parts, and the same in words."""
+    if not combination.is_split:
+        return []
+    drawn = [(name, split, draw_split(name, split)) for name, split in combination.splits.items()]
+    return [
+        _panel(f"{name} = ruler x behaviour", chart, describe_split(name, split), "Ratios on a logarithmic axis.")
+        for name, split, chart in drawn
+        if chart is not None
+    ]
+
+
+def _curve_panels(combination: Combination, points: int) -> list[Panel]:
+    """The accumulated reward of both trainings, each under its own reward."""
+    charts = draw_panels(combination, points)
+    if charts is None:
+        return []
+    first, crossover = index_grid(combination.decomposition).rows[:2]
+    return [
+        _panel(
+            f"{role}: {reward}",
+            chart,
+            f"First negative step: {first[column]}. Cross-over step: {crossover[column]}.",
+            "Accumulated shaped reward over environment steps.",
+        )
+        for column, role, reward, chart in (
+            (1, "Baseline", combination.baseline, charts[0]),
+            (2, "Proposed", combination.proposed, charts[1]),
+        )
+    ]
+
+
+def _sum_grid(combination: Combination) -> Grid:
+    return sum_grid(combination.decomposition.total if combination.decomposition else None)
+
+
+def _full(grids: list[Grid]) -> list[Grid]:
+    return [grid for grid in grids if grid.rows or grid.notes]

@@ -1,0 +1,158 @@
+"""The report as one HTML file that opens anywhere, offline."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from harness.record.plan_file import EXPERIMENT
+from harness.report.document import report_text
+from harness.report.facts import shared_facts
+from harness.report.figures.forest import EXPLANATION as FOREST
+from harness.report.figures.points import points_of_a_run
+from harness.report.page.comparison import comparison_section, title_of
+from harness.report.page.download import Download, pack
+from harness.report.page.matrix import HEADINGS, Matrix, comparisons_csv, matrix_of
+from harness.report.page.page import render_page, write_page
+from harness.report.page.question import question
+from harness.report.replay.links import links_of
+from harness.report.replay.section import replay_of
+from harness.report.rows.comparison import PATHS, SPLIT, TESTS, TOTAL, count_cells, rewards_text, unfinished_cells
+from harness.report.rows.payoff import EXPLANATION as PAYOFFS
+from harness.report.rows.payoff import TITLE as PAYOFF_TITLE
+from harness.report.rows.payoff import Audits
+from harness.report.rows.ranking import AGREEMENT, CHOICE, task_rows
+from harness.report.rows.ranking import EXPLANATION as RANKING
+from harness.report.rows.ranking import TITLE as RANKING_TITLE
+from harness.report.rows.returns import EXPLANATION as RETURNS
+from harness.report.rows.returns import TITLE as RETURN_TITLE
+from harness.report.rows.returns import return_grid
+from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
+from harness.results import Results
+from harness.results.combination import Combination
+from harness.results.ranking import ranking_of
+from harness.results.replay import shows_of
+from harness.results.return_matrix import ReturnMatrix, return_matrices
+from harness.transfer.matrix import Transfers, load_transfers
+
+TEMPLATE = Path(__file__).parent / "report.html.j2"
+LEARNING = (
+    "Lines: mean over seeds, evaluated during training on the same starts and targets. Bands: 95% intervals. Dotted: "
+    "random actions."
+)
+CROSSOVER = (
+    "The cross-over is, as published, the first step after the first negative one at which the mean is not negative; "
+    "it may turn negative again. The regions are those of the note's Fig. 8."
+)
+OPEN = 2
+"""So many comparisons stand open; of more, each is a line that opens."""
+
+
+def write_html(results: Results, path: Path, audits: Audits = MappingProxyType({})) -> None:
+    """Write the report to `path`, in one go: a reader finds the old file or the new one, whole.
+
+    Args:
+        results: What it tells of.
+        path: The page.
+        audits: What the rewards pay for, where somebody has asked.
+
+    Raises:
+        UsageError: The extra ``report`` is missing, or `path` cannot be written.
+    """
+    write_page(_render(results, audits), path, "The report")
+
+
+def _render(results: Results, audits: Audits) -> str:
+    combinations = results.combinations
+    points = points_of_a_run(sum(2 * len(combination.seeds) for combination in combinations))
+    matrix, matrices = matrix_of(combinations), return_matrices(results)
+    shows = shows_of(results)
+    links = links_of(shows, combinations)
+    return render_page(
+        TEMPLATE,
+        "The HTML report",
+        question=question(results),
+        matrix=matrix,
+        shared=f"{matrix.shared}, against {results.baseline}",
+        headings=HEADINGS,
+        success=[found.success if found else {} for found in links],
+        comparisons=[
+            comparison_section(results, combination, title, points, audits, found)
+            for combination, title, found in zip(combinations, _titles(combinations, matrix), links, strict=True)
+        ],
+        is_open=len(combinations) <= OPEN,
+        told={
+            "subject": "robot",
+            "cells": "Cells",
+            "map": "Success, proposed - baseline, in percentage points.",
+            "learning": LEARNING,
+            "crossover": CROSSOVER,
+            "split": SPLIT,
+            "paths": f"{PATHS} {TOTAL}",
+            "tests": TESTS,
+            "forest": FOREST,
+            "payoffs": PAYOFFS,
+            "payoff_title": PAYOFF_TITLE,
+        },
+        ranking=_ranking(results),
+        cell_count=count_cells(results),
+        unfinished=unfinished_cells(results),
+        returns=_returns(matrices, is_open=len(combinations) <= OPEN),
+        replay=replay_of(shows),
+        transfer=_transfer(load_transfers(results)),
+        manifests=results.manifests,
+        recordings=None,
+        facts=shared_facts(results.manifests),
+        again=f"harness run {results.folder / EXPERIMENT} --out NEW",
+        experiment=results.experiment_text,
+        downloads=_downloads(results, matrices),
+    )
+
+
+def _titles(combinations: Sequence[Combination], matrix: Matrix) -> list[str]:
+    """Of each comparison what is not the same in all; of a single one everything, for there is nothing above it."""
+    if len(combinations) == 1:
+        return [f"{matrix.shared}: {rewards_text(combinations[0])}"]
+    return [title_of(combination, entry.place) for combination, entry in zip(combinations, matrix.entries, strict=True)]
+
+
+def _downloads(results: Results, matrices: list[ReturnMatrix]) -> list[Download]:
+    return [
+        pack("comparisons.csv", "text/csv", comparisons_csv(results.combinations)),
+        pack("report.json", "application/json", report_text(results, matrices)),
+    ]
+
+
+def _ranking(results: Results) -> dict[str, Any] | None:
+    """How the rewards come in all places; None where there is but one comparison, which has no order."""
+    if len(results.combinations) < 2:
+        return None
+    ranking = ranking_of(results)
+    return {
+        "title": RANKING_TITLE,
+        "note": ranking.note,
+        "explanation": RANKING,
+        "choice": CHOICE,
+        "agreement": AGREEMENT,
+        "tasks": [task_rows(task) for task in ranking.tasks],
+    }
+
+
+def _returns(matrices: list[ReturnMatrix], is_open: bool) -> dict[str, Any] | None:
+    """What the template shows of returns under every reward; None before a cell is done."""
+    if not matrices:
+        return None
+    blocks = [(matrix.group.title, return_grid(matrix)) for matrix in matrices]
+    return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks, "is_open": is_open}
+
+
+def _transfer(transfers: Transfers) -> dict[str, Any] | None:
+    """What the template shows of transfer; None where none is recorded."""
+    if not transfers.matrices:
+        return None
+    return {
+        "title": TITLE,
+        "explanation": EXPLANATION,
+        "blocks": [transfer_block(matrix) for matrix in transfers.matrices],
+        "failed": failure_lines(transfers.failed),
+    }

@@ -1,0 +1,84 @@
+"""What a reward pays for, as the page shows it: the returns of scripted policies under it.
+
+A report reads results only: whoever can ask the rewards passes in what they say.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from harness.report.rows.comparison import Grid, format_number
+from harness.results.combination import Combination
+from harness.results.overview import NOTHING
+
+
+class Payoffs(NamedTuple):
+    """What one reward pays the scripted policies of one robot and task."""
+
+    verdict: tuple[str, ...]
+    """Whether finishing is what pays, in sentences; or why that is not known."""
+    returns: Mapping[str, float]
+    """Mean return of an episode, event terms included, by script; empty where it is not known."""
+    success: Mapping[str, float]
+    """Share of the episodes that end at the target, by script."""
+
+
+Audits = Mapping[tuple[str, str, str], Payoffs]
+"""By robot, label of the task and label of the reward."""
+
+TITLE = "What the rewards pay for"
+EXPLANATION = (
+    "Scripted policies in place of a learner, on joints that move exactly as told: what an episode of each earns. A "
+    "reward that pays more for something else than finishing teaches something else."
+)
+
+
+class Story(NamedTuple):
+    """What both rewards pay for, and what the robot did."""
+
+    sentences: tuple[str, ...]
+    grid: Grid
+
+
+def payoff_story(combination: Combination, audits: Audits) -> Story | None:
+    """None where no audit was made."""
+    group = combination.group
+    labels = list(dict.fromkeys((combination.baseline, combination.proposed)))
+    found = {label: audits[key] for label in labels if (key := (group.robot, group.task.label, label)) in audits}
+    if not found:
+        return None
+    sentences = [
+        f"{label}: {' '.join(payoffs.verdict)}{_done(combination, label, payoffs)}" for label, payoffs in found.items()
+    ]
+    return Story(tuple(sentences), _grid(found))
+
+
+def _done(combination: Combination, label: str, payoffs: Payoffs) -> str:
+    """What the robot did that was taught so."""
+    changes = {change.name: change for change in combination.changes_of(combination.manner)}
+    over, missed = (changes.get(name) for name in ("timeouts", "closest_distance"))
+    if not payoffs.returns or over is None:
+        return ""
+    is_baseline = label == combination.baseline
+    share = over.baseline if is_baseline else over.proposed
+    if share is None:
+        return ""
+    told = f" The robot that learned from it ran out of time in {share:.1%} of the episodes"
+    nearest = missed and (missed.baseline if is_baseline else missed.proposed)
+    near = f"; on average it came as near as {nearest:.3g} {missed.measure.unit}" if missed and nearest else ""
+    return f"{told}{near}."
+
+
+def _grid(found: Mapping[str, Payoffs]) -> Grid:
+    """A row per script, the one that earns most under the last reward first."""
+    *_, last = found.values()
+    scripts: Sequence[str] = sorted(last.returns, key=lambda script: -last.returns[script])
+    rows = [
+        (
+            script,
+            f"{last.success[script]:.0%}",
+            *(format_number(payoffs.returns[script]) if payoffs.returns else NOTHING for payoffs in found.values()),
+        )
+        for script in scripts
+    ]
+    headings = ("scripted policy", "success", *(f"return under {label}" for label in found))
+    return Grid(headings, rows, [])

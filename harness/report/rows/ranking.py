@@ -1,0 +1,205 @@
+"""Rankings as text: sentences and small tables that the terminal and the page share."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from harness.eta.ranking import Agreement, Answer, Transplant
+from harness.report.rows.comparison import Grid
+from harness.results.overview import NOTHING
+from harness.results.ranking import ROUNDING, Kind, Place, PlacePair, TaskRanking
+
+TITLE = "Would you have chosen another reward elsewhere?"
+EXPLANATION = (
+    "A place is a simulator with an algorithm. Two places are compared where they differ in one of the two alone. "
+    "Success is the share of evaluation episodes that reach the target: the ground truth. eta_P is the number as "
+    "published; behaviour is the part of it that is left once the ruler is taken out. Cells have the rank, then the "
+    "value."
+)
+CHOICE = (
+    "The best reward of one place is used in the other one, beside the reward that is best there. YES: no reward that "
+    "may be the best one where it was chosen may be the best one where it is used. NO: the choice costs less than 5 "
+    "points of success there. Else the seeds do not decide it. Without any difference at most 5% of experiments say "
+    "YES anywhere: all intervals of a task hold together, so that a choice may be made from the same data."
+)
+AGREEMENT = (
+    "tau, Kendall's tau-b of two orders by success: 1 the same order, 0 unrelated ones, -1 the opposite one. The 95% "
+    "interval spans every order that the seeds leave open; with few seeds that is every order."
+)
+SCORES: Mapping[str, tuple[str, str]] = {
+    "eta_P": ("eta_P", "eta_P behaviour"),
+    "eta_N": ("eta_N", "eta_N behaviour"),
+}
+"""What a table of ranks has beside success."""
+CHOICES = ("chosen in > used in", "choice", "best there", "costs there\n[points]", "another\nreward?", "what is open")
+AGREEMENTS = ("order by success", "tau", "95% interval", "")
+
+
+class Rank(NamedTuple):
+    """What a cell of a table of ranks shows."""
+
+    place: int | None
+    """From 1, the best; equal ones share it. None where there is no value."""
+    value: str
+    is_best: bool = False
+    """Whether others come behind it."""
+
+    @property
+    def text(self) -> str:
+        """Both."""
+        return NOTHING if self.place is None else f"{self.place}. {self.value}"
+
+
+class RankTable(NamedTuple):
+    """The rank of every reward in every place.
+
+    Attributes:
+        places: Their names.
+        measures: What each place has a column of: success, an eta, its behaviour part.
+        rows: Of each reward its ranks, place by place.
+        taus: How alike each column's order and that of success are; empty for success itself.
+    """
+
+    places: list[str]
+    measures: tuple[str, ...]
+    rows: list[tuple[str, list[Rank]]]
+    taus: list[str]
+
+    @property
+    def grid(self) -> Grid:
+        """For a terminal."""
+        headings = [f"{place}\n{measure}" for place in self.places for measure in self.measures]
+        rows = [(name, *(rank.text for rank in ranks)) for name, ranks in self.rows]
+        return Grid(("reward", *headings), [*rows, ("tau with success", *self.taus)], [])
+
+
+class TaskRows(NamedTuple):
+    """All that is told of a task."""
+
+    title: str
+    lines: list[str]
+    ranks: list[RankTable]
+    choices: Grid
+    agreements: Grid
+
+
+def task_rows(task: TaskRanking) -> TaskRows:
+    """Sentences and tables of one task."""
+    return TaskRows(
+        title_of(task), lines_of(task), [_rank_table(task, name) for name in SCORES], _choices(task), _agreements(task)
+    )
+
+
+def title_of(task: TaskRanking) -> str:
+    """What the places share."""
+    return f"{task.task} · {task.robot} · {task.steps:,} steps"
+
+
+def lines_of(task: TaskRanking) -> list[str]:
+    """What it comes to: choices, then orders."""
+    counts = {answer: task.count(answer) for answer in Answer}
+    told = ", ".join(f"{answer.value} {count}" for answer, count in counts.items())
+    costly = sum(it.is_costly for it in task.transplants)
+    certain = f" In {costly} of them the choice costs success for certain." if costly else ""
+    lines = [f"another reward chosen in another place? {told}; {sum(counts.values())} choices in all.{certain}"]
+    for kind, agreement in task.between.items():
+        lines.append(f"order of the rewards across {_votes_text(task, kind)}: {agreement_text(agreement)}.")
+    if "simulator" in task.between and not task.has_engines:
+        lines.append("some cells do not record their engine: each of their simulators counts as an engine of its own.")
+    if task.left_out:
+        lines.append(f"not in every place, and left out: {', '.join(task.left_out)}.")
+    return lines
+
+
+def agreement_text(agreement: Agreement) -> str:
+    """Tau with its interval, or why there is none."""
+    if agreement.tau is None:
+        return f"tau {NOTHING}, {agreement.note}"
+    if agreement.low is None or agreement.high is None:
+        return f"tau {agreement.tau:.2f} ({agreement.note})"
+    return f"tau {agreement.tau:.2f} {_interval(agreement)}{f' ({agreement.note})' if agreement.note else ''}"
+
+
+def _votes_text(task: TaskRanking, kind: Kind) -> str:
+    votes = task.votes(kind)
+    noun = "engine" if kind == "simulator" else "algorithm"
+    return f"{len(votes)} {noun}{'s' * (len(votes) != 1)} ({', '.join(votes)})"
+
+
+def _interval(agreement: Agreement) -> str:
+    return f"[{agreement.low:.2f}, {agreement.high:.2f}]"
+
+
+def _rank_table(task: TaskRanking, score: str) -> RankTable:
+    whole, part = SCORES[score]
+    columns: list[dict[str, Rank]] = []
+    taus: list[str] = []
+    for place in task.places:
+        order = place.success
+        columns.append(_ranks([(it, f"{100 * mean:.0f}%", float(mean)) for it, mean in _by_success(place)]))
+        taus.append("")
+        for name in (whole, part):
+            eta = place.etas[name]
+            columns.append(_ranks([(reward, f"{value:.3g}", value) for reward, value in eta.values.items()]))
+            taus.append(NOTHING if eta.tau is None else f"{eta.tau:.2f}")
+        assert order.rewards == task.rewards
+    rows = [(reward, [column.get(reward, Rank(None, "")) for column in columns]) for reward in task.rewards]
+    return RankTable(_place_names(task), ("success", whole, "behaviour"), rows, taus)
+
+
+def _by_success(place: Place) -> list[tuple[str, float]]:
+    order = place.success
+    return sorted(zip(order.rewards, order.means.tolist(), strict=True), key=lambda item: -item[1])
+
+
+def _ranks(ordered: Sequence[tuple[str, str, float]]) -> dict[str, Rank]:
+    """Of rewards, best first; equal values share the better rank."""
+    found: dict[str, Rank] = {}
+    place, last = 0, None
+    for number, (reward, text, value) in enumerate(ordered, start=1):
+        if last is None or abs(value - last) > ROUNDING:
+            place, last = number, value
+        found[reward] = Rank(place, text, is_best=place == 1)
+    return found if place > 1 else {reward: rank._replace(is_best=False) for reward, rank in found.items()}
+
+
+def _place_names(task: TaskRanking) -> list[str]:
+    """What tells them apart."""
+    simulators, algorithms = ({getattr(it, kind) for it in task.places} for kind in ("simulator", "algorithm"))
+    return [
+        " · ".join([*([it.simulator] if len(simulators) > 1 else []), *([it.algorithm] if len(algorithms) > 1 else [])])
+        for it in task.places
+    ]
+
+
+def _choices(task: TaskRanking) -> Grid:
+    rows: list[tuple[str, ...]] = []
+    for pair in task.pairs:
+        for (here, there), found in zip((pair.names, pair.names[::-1]), (pair.forth, pair.back), strict=True):
+            shared = _shared(task, pair)
+            rows.append((f"{here} > {there}{shared}", found.chosen, found.best, *_cost(found)))
+    return Grid(CHOICES, rows, [])
+
+
+def _cost(found: Transplant) -> tuple[str, str, str]:
+    interval = ""
+    if found.low is not None and found.high is not None:
+        interval = f" [{100 * found.low:.0f}, {100 * found.high:.0f}]"
+    return f"{100 * found.cost:.1f}{interval}", found.answer.value.upper(), found.note
+
+
+def _agreements(task: TaskRanking) -> Grid:
+    rows: list[tuple[str, ...]] = []
+    for pair in task.pairs:
+        agreement = pair.agreement
+        tau = NOTHING if agreement.tau is None else f"{agreement.tau:.2f}"
+        interval = NOTHING if agreement.low is None else _interval(agreement)
+        same = [f"one engine ({pair.votes[0]}): no second vote"] if pair.votes[0] == pair.votes[1] else []
+        told = "; ".join([*([agreement.note] if agreement.note else []), *same])
+        rows.append((f"{' / '.join(pair.names)}{_shared(task, pair)}", tau, interval, told))
+    return Grid(AGREEMENTS, rows, [])
+
+
+def _shared(task: TaskRanking, pair: PlacePair) -> str:
+    """What both places have in common, where others have something else."""
+    other = "algorithm" if pair.kind == "simulator" else "simulator"
+    return f" ({pair.shared})" if len({getattr(it, other) for it in task.places}) > 1 else ""

@@ -1,0 +1,50 @@
+"""Two groups of recorded runs compared, as a terminal shows it."""
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from harness.report.rows.comparison import SCALES, index_grid, ratio_grid, split_grid, sum_grid
+from harness.report.tables.grid import show_grid
+from harness.score.compare import Comparison
+
+UNKNOWN = "an unknown reward"
+
+
+def eta_table(comparison: Comparison) -> RenderableType:
+    """What ``harness eta`` prints: the number in words first, then what it rests on, as ``harness report`` shows it."""
+    splits = comparison.decomposition.splits
+    parts: list[RenderableType] = [
+        Text(comparison_title(comparison), style="bold"),
+        Text(f"{runs_text(comparison)}\n"),
+        Text(comparison.number, style="bold"),
+    ]
+    decomposition = comparison.decomposition
+    grids = (
+        ratio_grid(splits),
+        split_grid(splits),
+        sum_grid(decomposition.total),
+        index_grid(decomposition, comparison.kind),
+    )
+    for grid in grids:
+        parts += show_grid(grid)
+    return Group(*parts, Text(f"\n{SCALES}"))
+
+
+def comparison_title(comparison: Comparison) -> str:
+    """Which rewards were compared, as far as they are known."""
+    names = {who: name or UNKNOWN for who, name in comparison.rewards.items()}
+    return f"proposed {names['proposed']} against {names['baseline']}"
+
+
+def runs_text(comparison: Comparison) -> str:
+    """How many runs there are, and what of them is not compared."""
+    parts = []
+    for who, count in comparison.runs.items():
+        left_out = comparison.rows_left_out[who]
+        cut = f" ({_count(left_out, 'row')} behind the shortest run left out)" if left_out else ""
+        parts.append(f"{who} {_count(count, 'run')}{cut}")
+    return ", ".join(parts) + (", event terms included" if comparison.with_events else "")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number:,} {noun}" + "s" * (number != 1)

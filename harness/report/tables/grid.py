@@ -1,0 +1,86 @@
+"""A grid as a terminal shows it: every value whole, every name readable, however narrow the window is."""
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from types import MappingProxyType
+
+from rich import box
+from rich.cells import cell_len
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from harness.report.rows.comparison import Grid
+
+NAME = 14
+"""A name of so many characters stays on one line; a longer one may take several, of at least so many."""
+GAP = 2
+"""Characters between two columns."""
+
+
+NO_STYLES: Mapping[str, str] = MappingProxyType({})
+
+
+def show_grid(grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> list[RenderableType]:
+    """The grid with its notes, an empty line before it; nothing if it is empty.
+
+    Args:
+        grid: What to show.
+        styles: By value, rich's styles for those that are to stand out.
+    """
+    parts: list[RenderableType] = [GridTable(grid, styles)] if grid.rows else []
+    parts = [Text(grid.title, style="bold"), *parts] if grid.rows and grid.title else parts
+    parts += map(Text, grid.notes)
+    return [Text(), *parts] if parts else []
+
+
+class GridTable:
+    """A grid as a table; where that is too wide, as several below one another, each with the names to its left."""
+
+    def __init__(self, grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> None:
+        self._grid, self._styles = grid, styles
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
+        """Called by rich, which knows how wide the terminal is."""
+        for number, columns in enumerate(divide_columns(self._grid, options.max_width)):
+            if number:
+                yield Text()
+            yield _table(self._grid, columns, options.max_width, self._styles)
+
+
+def divide_columns(grid: Grid, width: int) -> list[range]:
+    """The columns of values of each table: as few tables as fit into `width` characters, of about the same size."""
+    count = len(grid.headings) - 1
+    for tables in range(1, count):
+        ends = [1 + count * table // tables for table in range(tables + 1)]
+        pieces = [range(*ends_of) for ends_of in pairwise(ends)]
+        if all(_width_of(grid, columns) <= width for columns in pieces):
+            return pieces
+    return [range(column, column + 1) for column in range(1, count + 1)]
+
+
+def _width_of(grid: Grid, columns: range) -> int:
+    """The least that a table of the names and these columns takes."""
+    names = max(_name_width(row[0]) for row in (grid.headings, *grid.rows))
+    return names + sum(GAP + _column_width(grid, column) for column in columns)
+
+
+def _name_width(name: str) -> int:
+    """What a name takes at least: all of it while it is short, else its longest word."""
+    return cell_len(name) if cell_len(name) <= NAME else min(NAME, max(map(cell_len, name.split())))
+
+
+def _column_width(grid: Grid, column: int) -> int:
+    return max(cell_len(line) for row in (grid.headings, *grid.rows) for line in row[column].split("\n"))
+
+
+def _table(grid: Grid, columns: range, width: int, styles: Mapping[str, str]) -> Table:
+    """Names to the left, which may wrap; values to the right, which may not unless one alone is too wide."""
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column(Text(grid.headings[0]), overflow="fold")
+    fits = _width_of(grid, columns) <= width
+    for column in columns:
+        table.add_column(Text(grid.headings[column]), justify="right", no_wrap=fits, overflow="fold")
+    for row in grid.rows:  # Text, not str: "[m]" is no markup
+        table.add_row(Text(row[0]), *(Text(row[column], styles.get(row[column], "")) for column in columns))
+    return table

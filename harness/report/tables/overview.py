@@ -1,0 +1,90 @@
+"""All comparisons of an experiment at a glance, one line each, as a terminal shows it first."""
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.console import Group as Together
+from rich.text import Text
+
+from harness.eta.headline import Answer
+from harness.report.rows.comparison import Grid, advice, count_cells, split_grid, unfinished_cells
+from harness.report.tables.grid import divide_columns, show_grid
+from harness.results import Results
+from harness.results.combination import Combination
+from harness.results.overview import (
+    HEADINGS,
+    READING,
+    group_name,
+    line_names,
+    overview_row,
+    shared_text,
+    varying_kinds,
+)
+
+STYLES = {Answer.HELPS.value.upper(): "bold green", Answer.HURTS.value.upper(): "bold red"}
+"""The words say it all without a colour."""
+
+
+def overview_table(results: Results, details: str) -> RenderableType:
+    """What is the same in all comparisons, then a line for each; of a single one what it comes to, in sentences.
+
+    Args:
+        results: The experiment.
+        details: The command that shows all that this rests on.
+    """
+    combinations = results.combinations
+    parts: list[RenderableType] = [comparison_lines(combinations)] if combinations else []
+    parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
+    if len(combinations) == 1:
+        parts += _sentences(results, combinations[0])
+    parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
+    parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, unfinished_cells(results))]
+    return Together(*parts, *([Text(f"All numbers behind this: {details}")] if combinations else []))
+
+
+def comparison_lines(combinations: Sequence[Combination]) -> RenderableType:
+    """A line for each of at least one comparison, below what is the same in all, and how to read them."""
+    shared = Text(shared_text(combinations), style="bold")
+    grids = (overview_grids(combinations, with_intervals=wanted) for wanted in (True, False))
+    return Together(shared, WideOrNarrow(*grids), Text(), Text(READING, style="dim"))
+
+
+class WideOrNarrow:
+    """A line per comparison, with intervals if all then still stand in one line."""
+
+    def __init__(self, wide: Sequence[Grid], narrow: Sequence[Grid]) -> None:
+        """The same lines with intervals, and without."""
+        self._wide, self._narrow = wide, narrow
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
+        """Called by rich, which knows how wide the terminal is."""
+        has_room = all(len(divide_columns(grid, options.max_width)) == 1 for grid in self._wide)
+        for grid in self._wide if has_room else self._narrow:
+            yield from show_grid(grid, STYLES)
+
+
+def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool) -> list[Grid]:
+    """A line per comparison; where both groups and rewards vary, a grid for each group."""
+    varying = varying_kinds(combinations)
+    if not varying or len({it.proposed for it in combinations}) == 1:
+        names = zip(line_names(combinations), combinations, strict=True)
+        rows = [overview_row(name, it, with_intervals) for name, it in names]
+        return [Grid(HEADINGS, rows, [])]
+    return [
+        Grid(HEADINGS, [overview_row(it.names.proposed, it, with_intervals) for it in members], [], name)
+        for name, members in groupby(combinations, key=lambda it: group_name(it, varying))
+    ]
+
+
+def _not_split(combinations: Sequence[Combination]) -> list[str]:
+    """Why a reward could not pay the runs of another one, each reason once: etas without it are hard to read."""
+    told = (it.splits for it in combinations if it.seeds and not it.is_split)
+    return list(dict.fromkeys(note for splits in told for note in split_grid(splits).notes))
+
+
+def _sentences(results: Results, combination: Combination) -> list[RenderableType]:
+    """Both answers, and how to get one where there is none."""
+    headline = combination.headline
+    lines = [headline.robot, headline.number, advice(results, combination)]
+    return [part for line in lines if line for part in (Text(), Text(line))]

@@ -1,0 +1,115 @@
+"""What a metric must satisfy. Each check takes the metric."""
+
+import copy
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from harness.metric import Metric
+from harness.record.episode_facts import EpisodeFacts
+from harness.testing.metrics.traces import REWARDS, recorded_trace
+from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
+
+ALL_ENDS = ("reached", "ground", "truncated", "touched", "reached", "truncated")
+SOME_ENDS: tuple[tuple[str, ...], ...] = (
+    ALL_ENDS,
+    ("reached",),
+    ("ground",),
+    ("truncated",),
+    ("touched",),
+    ("",),
+    ("", "ground"),
+)
+
+
+def check_metric(metric: Metric) -> None:
+    """Run all `METRIC_CHECKS`.
+
+    Raises:
+        ContractViolation: At the first check that fails.
+    """
+    raise_first(METRIC_CHECKS, metric)
+
+
+@check("metric-unit")
+def unit_and_better_are_declared(metric: Metric) -> None:
+    """`unit` is a text, empty where there is none, and `better` is ``higher`` or ``lower``."""
+    require(isinstance(metric.unit, str), f"unit is {metric.unit!r}, not a text")
+    require(metric.better in ("higher", "lower"), f"better is {metric.better!r}, neither 'higher' nor 'lower'")
+
+
+@check("metric-finite")
+def the_value_is_finite_or_none(metric: Metric) -> None:
+    """The value is a finite float, or None where it is not defined, however the episodes ended.
+
+    Also where the trace tells no facts of its episodes: one of an earlier version, or of another kind.
+    """
+    traces = [(ends, recorded_trace(0, ends)) for ends in SOME_ENDS]
+    bare = [(ends, replace(trace, facts=EpisodeFacts())) for ends, trace in traces]
+    for ends, trace in traces + bare:
+        value = metric(trace)
+        require(value is None or isinstance(value, float), f"the value is a {type(value).__name__}, not a float")
+        require(value is None or math.isfinite(value), f"the value is {value} for episodes that ended {ends}")
+
+
+@check("metric-empty")
+def an_empty_trace_has_no_value(metric: Metric) -> None:
+    """The value of a trace without rows is None."""
+    value = metric(recorded_trace(0, ()))
+    require(value is None, f"the value of an empty trace is {value}, not None")
+
+
+@check("metric-defined")
+def a_full_trace_has_a_value(metric: Metric) -> None:
+    """A trace with episodes that ended on the target, on the ground and at the horizon has a value."""
+    require(metric(recorded_trace(0, ALL_ENDS)) is not None, "the value is None, however the episodes ended")
+
+
+@check("metric-no-reward")
+def rewards_do_not_matter(metric: Metric) -> None:
+    """The value does not depend on the columns of rewards: a metric judges behaviour, not its pay."""
+    trace = recorded_trace(0, ALL_ENDS)
+    others = {name: recorded_trace(1, ALL_ENDS * 9)[name][: len(trace)] for name in REWARDS}
+    value, scrambled = metric(trace), metric(replace(trace, columns={**trace.columns, **others}))
+    require(value == scrambled, f"the value goes from {value} to {scrambled} with other rewards")
+
+
+@check("metric-unfinished")
+def unfinished_episodes_do_not_count(metric: Metric) -> None:
+    """An episode that the end of the trace cuts off changes nothing."""
+    value, longer = (metric(recorded_trace(0, ends)) for ends in (ALL_ENDS, (*ALL_ENDS, "")))
+    require(value == longer, f"the value goes from {value} to {longer} with an unfinished episode")
+
+
+@check("metric-traces")
+def traces_do_not_depend_on_one_another(metric: Metric) -> None:
+    """A trace has the same value whatever was measured before."""
+    value = metric(recorded_trace(0, ALL_ENDS))
+    metric(recorded_trace(1, ALL_ENDS))
+    again = metric(recorded_trace(0, ALL_ENDS))
+    require(value == again, f"the value of the same trace goes from {value} to {again}")
+
+
+@check("metric-arguments")
+def the_trace_is_left_alone(metric: Metric) -> None:
+    """No column is changed: the next metric reads the same trace."""
+    trace = recorded_trace(0, ALL_ENDS)
+    before = copy.deepcopy(trace.columns)
+    metric(trace)
+    for name, column in before.items():
+        require(np.array_equal(column, trace[name]), f"the column {name} was changed")
+
+
+METRIC_CHECKS: tuple[Check, ...] = (
+    settings_are_frozen,
+    settings_survive_json,
+    unit_and_better_are_declared,
+    the_value_is_finite_or_none,
+    an_empty_trace_has_no_value,
+    a_full_trace_has_a_value,
+    rewards_do_not_matter,
+    unfinished_episodes_do_not_count,
+    traces_do_not_depend_on_one_another,
+    the_trace_is_left_alone,
+)

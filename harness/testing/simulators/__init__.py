@@ -1,0 +1,1 @@
+"""What a simulator must satisfy."""

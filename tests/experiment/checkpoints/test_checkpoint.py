@@ -1,0 +1,383 @@
+"""A cell whose process is killed goes on from its last checkpoint, to the same end."""
+
+import json
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+import safetensors.numpy
+
+from harness.authoring.generator_state import pack_generator, restore_generator
+from harness.errors import SchemaError
+from harness.executor import CellOptions
+from harness.experiment.checkpoints import left_checkpoints
+from harness.experiment.checkpoints.attempt import begin_attempt
+from harness.experiment.checkpoints.checkpoint import ABOUT, Checkpoint, read_checkpoint
+from harness.experiment.checkpoints.trace_parts import TraceParts, discard_parts, part_of, require_parts
+from harness.experiment.experiment import ExperimentRun
+from harness.experiment.plan import Plan
+from harness.experiment.run_cell import run_cell
+from harness.files.bounded import digest_of
+from harness.policy import WEIGHTS
+from harness.record.cell import Cell
+from harness.record.episode_facts import EpisodeFacts
+from harness.record.folder import CHECKPOINT, EVALUATION, LOG, POLICY, TRACE, partial_folder
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.store import Store
+from harness.record.trace import SCALARS, TraceWriter, read_trace
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+from harness.testing.trainings import WatchedEnv
+from harness_plugins.executors.processes import Processes
+
+MakeCell = Callable[..., Cell]
+Train = Callable[..., None]
+ORIGIN = {"cell": "a", "versions": {"numpy": "2"}, "commit": "", "sources": {}}
+FACTS = EpisodeFacts(horizon=5, control_period=0.1)
+RANDOM = {"algorithm": Choice("random", (), "random"), "steps": 3000}
+
+
+def _learner(name: str, **settings: Any) -> dict[str, Any]:
+    return {"algorithm": Choice(name, tuple(settings.items()), name), "steps": 400}
+
+
+LEARNERS = {
+    "spg": _learner("spg", num_envs=5, decisions=8, restart=3),
+    "sac-fast": _learner("sac-fast", learning_starts=50, buffer_size=130),
+    "sac-fast, 3 envs": {**_learner("sac-fast", learning_starts=50, num_envs=3, train_freq=2), "steps": 399},
+    "sac": _learner("sac", learning_starts=50, batch_size=32),
+    "ppo": _learner("ppo", rollout=64, num_envs=2, schedule="linear"),
+}
+"""Cells whose trainings leave checkpoints in the middle of episodes."""
+
+
+def _contents(folder: Path) -> list[bytes]:
+    return [(folder / name).read_bytes() for name in (TRACE, EVALUATION, f"{POLICY}/{WEIGHTS}")]
+
+
+def _checkpoint(**fields: Any) -> Checkpoint:
+    given = {"steps": 7, "origin": ORIGIN, "algorithm": {"weight": np.arange(3.0)}, "env": {"count": np.array(5)}}
+    return Checkpoint(**{**given, **fields})
+
+
+# --------------------------------------------------------------------------------------------------- whole cells
+
+
+@pytest.mark.usefixtures("toys")
+@pytest.mark.parametrize(
+    ("fields", "every", "kills"),
+    [
+        (RANDOM, 1000, (1300, 2200)),
+        (RANDOM, 500, (2900,)),
+        *(
+            pytest.param(fields, 100, (300,), marks=[pytest.mark.slow] * (name != "sac-fast"))
+            for name, fields in LEARNERS.items()
+        ),
+    ],
+    ids=["twice", "near the end", *LEARNERS],
+)
+def test_killed_cell_ends_as_if_it_had_not_been(
+    train_in_a_process: Train,
+    make_cell: MakeCell,
+    tmp_path: Path,
+    fields: dict[str, Any],
+    every: int,
+    kills: tuple[int, ...],
+):
+    """Trace, evaluation and weights are, byte for byte, those of a cell that nobody killed."""
+    cell = make_cell(**fields)
+    run_cell(cell, tmp_path / "whole", lambda steps: None, CellOptions(0))
+    for until in kills:
+        train_in_a_process(cell, tmp_path / "killed", every, until)
+        assert not (tmp_path / "killed").exists()
+    train_in_a_process(cell, tmp_path / "killed", every)
+    manifest = read_manifest(tmp_path / "killed")
+    assert kills[-1] - 2 * every < manifest.resumed_from <= kills[-1]
+    assert manifest.note == f"went on after {manifest.resumed_from} steps"
+    assert _contents(tmp_path / "killed") == _contents(tmp_path / "whole")
+
+
+@pytest.mark.usefixtures("toys")
+@pytest.mark.parametrize(
+    "name",
+    ["spg", "sac-fast", "ppo", *(pytest.param(name, marks=pytest.mark.slow) for name in ("sac-fast, 3 envs", "sac"))],
+)
+def test_checkpoints_change_nothing(make_cell: MakeCell, tmp_path: Path, name: str):
+    """With checkpoints and without, every file is the same, byte for byte; nothing of them is left in the folder."""
+    cell = make_cell(**LEARNERS[name])
+    contents = []
+    for every in (0, 100):
+        folder = tmp_path / str(every)
+        assert run_cell(cell, folder, lambda steps: None, CellOptions(every)).status == "done"
+        contents.append((_contents(folder), {path.name for path in folder.iterdir()}))
+    assert contents[0] == contents[1]
+
+
+@pytest.mark.usefixtures("toys")
+def test_cell_without_a_checkpoint_starts_over_and_says_so(
+    train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path
+):
+    """An algorithm that writes none loses what it had done, and log and manifest tell."""
+    waiting = Choice("wander", (("note", str(tmp_path / "note")), ("then", "wait")), "wander")
+    train_in_a_process(make_cell(algorithm=waiting), tmp_path / "cell", 1, until=12)
+    assert (partial_folder(tmp_path / "cell") / f"{Path(TRACE).stem}.0").exists()
+    manifest = run_cell(make_cell(), tmp_path / "cell", lambda steps: None, CellOptions(1))
+    assert (manifest.status, manifest.resumed_from) == ("done", 0)
+    assert manifest.note == "started over: no checkpoint was left"
+    assert "this one started over" in (tmp_path / "cell" / LOG).read_text()
+
+
+@pytest.mark.usefixtures("toys")
+def test_damaged_checkpoint_starts_over(train_in_a_process: Train, make_cell: MakeCell, tmp_path: Path):
+    """The cell is done all the same, from its beginning, and says why."""
+    cell = make_cell(**RANDOM)
+    train_in_a_process(cell, tmp_path / "cell", 1000, until=2500)
+    path = partial_folder(tmp_path / "cell") / CHECKPOINT
+    path.write_bytes(path.read_bytes()[:-3])
+    manifest = run_cell(cell, tmp_path / "cell", lambda steps: None, CellOptions(1000))
+    assert (manifest.status, manifest.resumed_from) == ("done", 0)
+    assert manifest.note.startswith(f"started over: {CHECKPOINT} is of no use: ")
+    run_cell(cell, tmp_path / "whole", lambda steps: None, CellOptions(1000))
+    assert _contents(tmp_path / "cell") == _contents(tmp_path / "whole")
+
+
+# -------------------------------------------------------------------------------------------------------- the file
+
+
+def test_checkpoint_comes_back(tmp_path: Path):
+    """Numbers, arrays of any type, and what is said of them."""
+    algorithm = {"done": np.array(7), "bytes": np.arange(3, dtype=np.uint8), "turned": np.ones((2, 3), np.float32).T}
+    _checkpoint(algorithm=algorithm, seconds=1.5).write(tmp_path)
+    back = read_checkpoint(tmp_path, ORIGIN)
+    assert (back.steps, back.seconds, back.parts, int(back.env["count"])) == (7, 1.5, (), 5)
+    for name, array in algorithm.items():
+        assert (back.algorithm[name].dtype, back.algorithm[name].shape) == (array.dtype, array.shape)
+        np.testing.assert_array_equal(back.algorithm[name], array)
+
+
+def test_later_checkpoint_replaces_the_earlier_one(tmp_path: Path):
+    """There is one file."""
+    for steps in (7, 8):
+        _checkpoint(steps=steps).write(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [CHECKPOINT]
+    assert read_checkpoint(tmp_path, ORIGIN).steps == 8
+
+
+@pytest.mark.parametrize("key", ORIGIN)
+def test_other_origin_is_refused(tmp_path: Path, key: str):
+    """Neither another cell's checkpoint, nor one of other sources or versions, is gone on from."""
+    _checkpoint().write(tmp_path)
+    with pytest.raises(SchemaError, match="have changed since"):
+        read_checkpoint(tmp_path, {**ORIGIN, key: "other"})
+
+
+def test_newer_format_is_refused(tmp_path: Path):
+    """What it means is not known."""
+    safetensors.numpy.save_file({}, tmp_path / CHECKPOINT, {ABOUT: json.dumps({"format": 99})})
+    with pytest.raises(SchemaError, match="it has format 99, this version reads 2"):
+        read_checkpoint(tmp_path, ORIGIN)
+
+
+def test_every_flipped_byte_is_found(tmp_path: Path):
+    """Wherever it is, the checkpoint is refused."""
+    _checkpoint(seconds=0.0).write(tmp_path)
+    whole = (tmp_path / CHECKPOINT).read_bytes()
+    for at in range(len(whole)):
+        flipped = bytearray(whole)
+        flipped[at] ^= 1
+        (tmp_path / CHECKPOINT).write_bytes(flipped)
+        with pytest.raises(SchemaError):
+            read_checkpoint(tmp_path, ORIGIN)
+
+
+def test_missing_checkpoint_is_refused(tmp_path: Path):
+    """As a damaged one."""
+    with pytest.raises(SchemaError, match="it cannot be read"):
+        read_checkpoint(tmp_path, ORIGIN)
+
+
+# ------------------------------------------------------------------------------------------------- trace in parts
+
+
+def _rows(parts: TraceParts, first: int, count: int) -> None:
+    width = len(parts._writer._block[0])
+    parts.append(np.outer(np.arange(first, first + count), np.ones(width)))
+
+
+def test_parts_become_one_trace(tmp_path: Path):
+    """The rows of all parts, in order; a part that was begun anew counts once."""
+    path = tmp_path / TRACE
+    with TraceParts(path, 2, 2, FACTS) as parts:
+        _rows(parts, 0, 3)
+        parts.cut()
+        _rows(parts, 3, 2)
+    with TraceParts(path, 2, 2, FACTS, parts.digests) as again:
+        _rows(again, 3, 4)
+    assert pq.read_table(path)["step"].to_pylist() == [0, 1, 2, 3, 4, 5, 6]
+    assert read_trace(path).facts == FACTS
+    discard_parts(path)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_trace_is_the_same_file_in_however_many_parts(tmp_path: Path):
+    """Byte for byte, wherever it was cut and however the rows came."""
+    rows = np.random.default_rng(0).random((3 * TraceWriter.BLOCK + 100, len(SCALARS) + 4)).round(2)
+    contents = []
+    for cuts, batch in (((), 7), ((1, 5_000, 30_000), 1000), (range(700, 49_000, 700), 33)):
+        path = tmp_path / str(batch) / TRACE
+        path.parent.mkdir()
+        with TraceParts(path, 2, 2, FACTS) as parts:
+            for first, end in pairwise([0, *cuts, len(rows)]):
+                for start in range(first, end, batch):
+                    parts.append(rows[start : min(start + batch, end)])
+                if end < len(rows):
+                    parts.cut()
+        contents.append(path.read_bytes())
+    assert contents[0] == contents[1] == contents[2]
+
+
+def test_part_that_is_not_as_it_was_finished_is_noticed(tmp_path: Path):
+    """A byte that changed, or a file that is gone."""
+    part = part_of(tmp_path / TRACE, 0)
+    part.write_bytes(b"rows")
+    digests = [digest_of(part)]
+    require_parts(tmp_path / TRACE, digests)
+    part.write_bytes(b"rows!")
+    with pytest.raises(SchemaError, match=r"trace\.0 is missing or damaged"):
+        require_parts(tmp_path / TRACE, digests)
+    with pytest.raises(SchemaError, match=r"trace\.1 is missing or damaged"):
+        require_parts(tmp_path / TRACE, [digest_of(part), "gone"])
+
+
+# ------------------------------------------------------------------------------------------------- what is restored
+
+
+def test_env_goes_on_as_it_would_have():
+    """Starts, targets, numbers of episodes and the count of steps, from where its state was taken."""
+    first, second = WatchedEnv(3), WatchedEnv(3)
+    actions = np.ones((3, first.robot.dof), np.float32)
+    first.reset(seed=3)
+    for _ in range(30):
+        first.step(actions)
+    second.reset(seed=4)
+    second.restore(first.state())
+    assert second.environment_steps == first.environment_steps == 90
+    for _ in range(2):
+        np.testing.assert_array_equal(first.reset()[0], second.reset()[0])
+        for _ in range(25):
+            np.testing.assert_array_equal(first.step(actions)[0], second.step(actions)[0])
+        np.testing.assert_array_equal(first.episodes.matrix, second.episodes.matrix)
+
+
+def test_generator_goes_on_as_it_would_have():
+    """The same numbers follow."""
+    first, second = np.random.default_rng(0), np.random.default_rng(1)
+    first.normal(size=5)
+    restore_generator(second, pack_generator(first))
+    np.testing.assert_array_equal(first.normal(size=5), second.normal(size=5))
+
+
+@pytest.mark.parametrize("packed", [b"no json", b"[]", b'{"bit_generator": "MT19937"}'])
+def test_state_of_no_such_generator_is_refused(packed: bytes):
+    """With the kind that was expected."""
+    with pytest.raises(SchemaError, match="no state of a PCG64"):
+        restore_generator(np.random.default_rng(0), np.frombuffer(packed, np.uint8))
+
+
+@pytest.mark.usefixtures("toys")
+@pytest.mark.parametrize(
+    ("seconds", "every", "count"), [(0.0, None, 400), (600.0, None, 0), (0.0, 0, 0), (0.0, 150, 2)]
+)
+def test_checkpoints_are_made_as_the_options_say(
+    make_cell: MakeCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, every: int | None, count: int
+):
+    """By the clock, which a cell of ten minutes outlasts, by steps, or not at all."""
+    made: list[int] = []
+    write = Checkpoint.write
+
+    def counted(self: Checkpoint, folder: Path) -> None:
+        made.append(self.steps)
+        write(self, folder)
+
+    monkeypatch.setattr(left_checkpoints, "SECONDS", seconds)
+    monkeypatch.setattr(Checkpoint, "write", counted)
+    cell = make_cell(algorithm=Choice("random", (), "random"), steps=400)
+    assert run_cell(cell, tmp_path / "cell", lambda steps: None, CellOptions(every)).status == "done"
+    assert len(made) == count
+
+
+def test_checkpoints_are_made_unless_somebody_says_otherwise():
+    """A long cell that is killed does not start over."""
+    assert CellOptions().checkpoint_every is None
+    assert left_checkpoints.SECONDS == 600.0
+
+
+def test_first_attempt_has_nothing_to_say(make_cell: MakeCell, tmp_path: Path):
+    """A folder with no more than a log is a fresh one; the log stays."""
+    (tmp_path / LOG).write_text("warming up\n")
+    attempt = begin_attempt(make_cell(), tmp_path, ORIGIN, 5, lambda state: None)
+    assert (attempt.begun_from, attempt.parts, attempt.note, attempt.every) == (0, (), "", 5)
+    assert (tmp_path / LOG).read_text() == "warming up\n"
+
+
+# -------------------------------------------------------------------------------------------------------- plans
+
+
+def _begun(store: Store, cell: Cell, name: str = CHECKPOINT) -> Path:
+    partial = partial_folder(store.cell_folder(cell))
+    partial.mkdir()
+    (partial / name).write_bytes(b"half")
+    return partial
+
+
+def test_run_keeps_what_can_be_gone_on_from(make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path):
+    """Partial folders with a checkpoint stay; others go."""
+    one, two = make_cell(), make_cell(seed=1)
+    store = Store.create(tmp_path, make_plan(one, two))
+    kept, gone = _begun(store, one), _begun(store, two, TRACE)
+    store.discard_partial()
+    assert (kept.exists(), gone.exists()) == (True, False)
+
+
+def test_cell_whose_process_alone_was_killed_is_reopened(
+    make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path
+):
+    """It was recorded as failed, with its checkpoint: that is in the partial folder again."""
+    cell = make_cell()
+    store = Store.create(tmp_path, make_plan(cell))
+    _begun(store, cell)
+    store.record(cell, "failed", "its process was ended by SIGKILL")
+    partial = store.reopen(cell)
+    assert {path.name for path in partial.iterdir()} == {CHECKPOINT}
+    assert not store.cell_folder(cell).exists()
+
+
+def test_failed_cell_without_a_checkpoint_stays(make_cell: MakeCell, make_plan: Callable[..., Plan], tmp_path: Path):
+    """Until its next attempt replaces it."""
+    cell = make_cell()
+    store = Store.create(tmp_path, make_plan(cell))
+    store.record(cell, "failed", "no luck")
+    store.reopen(cell)
+    assert read_manifest(store.cell_folder(cell)).reason == "no luck"
+
+
+def test_run_tells_where_a_cell_went_on(
+    train_in_a_process: Train,
+    toys: Registry,
+    make_cell: MakeCell,
+    make_plan: Callable[..., Plan],
+    tmp_path: Path,
+):
+    """Who follows the run hears what the manifest says of it."""
+    cell = make_cell(**RANDOM)
+    plan = make_plan(cell)
+    store, notes = Store.create(tmp_path, plan), []
+    train_in_a_process(cell, store.cell_folder(cell), 1000, until=2500)
+    ExperimentRun(plan, store, toys, Processes()).run(lambda event: notes.append(event.note))
+    manifest: Manifest = read_manifest(store.cell_folder(cell))
+    assert manifest.note.startswith("went on after ")
+    assert notes[-1] == manifest.note

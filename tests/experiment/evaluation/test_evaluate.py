@@ -1,0 +1,161 @@
+"""Evaluation: fixed starts and targets, one episode each, the same whatever is evaluated."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness import load_robot
+from harness.env.make import build_world
+from harness.experiment.evaluation.evaluate import act_of, evaluate, random_actions
+from harness.policy import Uniform
+from harness.record.cell import Cell
+from harness.record.trace import Trace, read_trace
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+
+REGISTRY = load_registry()
+ROBOT = harness.load_robot("fd100", REGISTRY)
+CELL = Cell(
+    simulator=choose(REGISTRY, "simulators", "mujoco"),
+    robot="fd100",
+    task=choose(REGISTRY, "tasks", "fd100-reach:horizon=6,epsilon=0.2"),
+    algorithm=choose(REGISTRY, "algorithms", "sac"),
+    reward=choose(REGISTRY, "rewards", "baseline"),
+    seed=0,
+    steps=10,
+    evaluation_episodes=8,
+)
+
+FLOOR = Uniform((-1.0,) * 6, (1.0,) * 6)
+
+
+def stand(observations: np.ndarray) -> np.ndarray:
+    """A policy that does nothing."""
+    return np.zeros((len(observations), 6), np.float32)
+
+
+def record(folder: Path, act: Any = stand, **other: Any) -> Trace:
+    """The trace of an evaluation of the cell, some of it said otherwise."""
+    path = folder / "evaluation.parquet"
+    cell = replace(CELL, **other)
+    world = build_world(cell, load_robot(cell.robot), REGISTRY)
+    evaluate(world, act, cell.evaluation_episodes, path)
+    return read_trace(path)
+
+
+def starts_of(trace: Trace) -> np.ndarray:
+    """Joint angles and targets of the start rows."""
+    starts = trace["step"] == 0
+    targets = [trace[f"target_{axis}"][starts] for axis in "xyz"]
+    return np.column_stack([trace["qpos"][starts], *targets])
+
+
+def test_deterministic_policies_draw_nothing():
+    """They act as they do without a generator."""
+    seen = np.ones((3, 4), np.float32)
+    np.testing.assert_array_equal(act_of(FLOOR, deterministic=True)(seen), FLOOR.act(seen))
+
+
+def test_stochastic_policies_draw_the_same_every_time():
+    """Each evaluation begins anew; within it, draws differ."""
+    seen = np.ones((3, 4), np.float32)
+    one, other = (act_of(FLOOR, deterministic=False) for _ in range(2))
+    first = one(seen)
+    np.testing.assert_array_equal(first, other(seen))
+    assert not np.array_equal(first, one(seen))
+
+
+def test_draws_are_not_those_of_random_actions():
+    """Or the floor and a policy would share their noise."""
+    seen = np.ones((3, 4), np.float32)
+    assert not np.array_equal(act_of(FLOOR, deterministic=False)(seen), random_actions(FLOOR)(seen))
+
+
+def test_one_episode_of_each_env(tmp_path: Path):
+    """As many episodes as the cell says, one in each env, each of them finished."""
+    trace = record(tmp_path, random_actions(FLOOR))
+    assert (trace["episode"] == 0).all()
+    assert trace["env"][trace["step"] == 0].tolist() == list(range(8))
+    assert sorted(trace["env"][trace.last_rows]) == list(range(8))
+
+
+def approach(observations: np.ndarray) -> np.ndarray:
+    """A policy that goes to the target, in every second env."""
+    qpos = ROBOT.lower + (observations[:, :6] + 1.0) / 2.0 * (ROBOT.upper - ROBOT.lower)
+    actions = 5.0 * (observations[:, 24:27][:, None] @ ROBOT.jacobian(qpos))[:, 0]
+    return (actions * (np.arange(len(actions)) % 2)[:, None]).astype(np.float32)
+
+
+def test_episode_ends_with_its_last_row(tmp_path: Path):
+    """After an episode's end its env leaves no row, also when others go on."""
+    trace = record(tmp_path, approach, task=choose(REGISTRY, "tasks", "fd100-reach:horizon=40"))
+    lengths = {int(trace["env"][row]): int(trace["step"][row]) for row in trace.last_rows}
+    assert min(lengths[env] for env in (0, 2, 4, 6)) == 40
+    assert max(lengths[env] for env in (1, 3, 5, 7)) < 40
+    assert lengths == {env: trace["step"][trace["env"] == env].max() for env in range(8)}
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"reward": choose(REGISTRY, "rewards", "arp:k2=3")},
+        {"seed": 5},
+        {"algorithm": choose(REGISTRY, "algorithms", "sac:gamma=0.5")},
+        {"steps": 99},
+    ],
+)
+def test_starts_are_the_same_in_every_cell(tmp_path: Path, other: dict[str, Any]):
+    """Neither reward, algorithm, seed nor budget changes where the episodes start and what their targets are."""
+    np.testing.assert_array_equal(starts_of(record(tmp_path)), starts_of(record(tmp_path, **other)))
+
+
+def test_more_episodes_begin_with_the_same_ones(tmp_path: Path):
+    """The first episodes of a larger evaluation are those of a smaller one."""
+    few, many = (starts_of(record(tmp_path, evaluation_episodes=count)) for count in (3, 8))
+    np.testing.assert_array_equal(few, many[:3])
+
+
+def test_same_policy_gives_the_same_trace(tmp_path: Path):
+    """Evaluation is deterministic, bit for bit, random actions included."""
+    first, second = (record(tmp_path, random_actions(FLOOR)) for _ in range(2))
+    for name, column in first.columns.items():
+        np.testing.assert_array_equal(column, second[name])
+
+
+def test_policy_is_asked_with_the_observations(tmp_path: Path):
+    """What acts is handed float32 observations of all envs, and its actions are recorded."""
+    shapes = set()
+
+    def act(observations: np.ndarray) -> np.ndarray:
+        shapes.add((observations.shape, str(observations.dtype)))
+        return np.full((len(observations), 6), 0.5, np.float32)
+
+    trace = record(tmp_path, act)
+    assert shapes == {((8, 28), "float32")}
+    assert (trace["action"][trace["step"] > 0] == 0.5).all()
+
+
+def test_random_actions_fill_the_box():
+    """The floor acts uniformly in [-1, 1], whatever is observed, and goes on drawing."""
+    act = random_actions(FLOOR)
+    actions = np.concatenate([act(np.zeros((50, 28), np.float32)) for _ in range(40)])
+    assert actions.shape == (2000, 6)
+    assert actions.dtype == np.float32
+    assert np.abs(actions).max() <= 1.0
+    np.testing.assert_allclose(actions.mean(axis=0), 0.0, atol=0.06)
+    np.testing.assert_allclose(actions.std(axis=0), 1.0 / np.sqrt(3.0), atol=0.03)
+
+
+def test_raising_policy_leaves_a_readable_trace(tmp_path: Path):
+    """An error of the policy passes through, and what was recorded before it can be read."""
+
+    def act(observations: np.ndarray) -> np.ndarray:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        record(tmp_path, act)
+    assert len(read_trace(tmp_path / "evaluation.parquet")) == 0

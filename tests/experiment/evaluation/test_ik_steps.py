@@ -1,0 +1,106 @@
+"""Steps that the arm's own kinematics take to the target."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness import load_robot
+from harness.env.known_arm import kinematics_policy
+from harness.env.make import World, build_world
+from harness.errors import SimulationDiverged
+from harness.experiment.evaluation import ik_steps as module
+from harness.experiment.evaluation.evaluate import EVALUATION_SEED, evaluate
+from harness.experiment.evaluation.ik_steps import ik_steps
+from harness.record.cell import Cell
+from harness.record.trace import read_trace
+from harness.registry.choice import choose
+from harness.registry.registry import Registry
+
+MakeCell = Callable[..., Cell]
+
+
+def _world(make_cell: MakeCell, registry: Registry, task: str, robot: str = "fd100", **fields: str) -> World:
+    chosen = {kind: choose(registry, f"{kind}s", name) for kind, name in fields.items()}
+    cell = make_cell(task=choose(registry, "tasks", task), robot=robot, **chosen)
+    return build_world(cell, load_robot(robot, registry), registry)
+
+
+@pytest.mark.parametrize(
+    ("simulator", "task"),
+    [
+        ("ideal", "fd100-reach"),
+        ("kinematic", "fd100-reach:horizon=3"),
+        ("kinematic", "fd100-reach:action=set-joints"),
+    ],
+)
+def test_steps_are_those_of_the_policy_in_an_evaluation(
+    make_cell: MakeCell, toys: Registry, tmp_path: Path, simulator: str, task: str
+):
+    """Env by env, in the same simulator, from the same starts; None where the horizon comes first."""
+    world = _world(make_cell, toys, task, simulator=simulator)
+    evaluate(world, kinematics_policy(world.task, world.robot).act, 20, tmp_path / "ik.parquet")
+    trace = read_trace(tmp_path / "ik.parquet")
+    expected = [int(trace["step"][rows[-1]]) if trace["reached"][rows[-1]] else None for rows in trace.episodes]
+    assert list(ik_steps(world, 20, EVALUATION_SEED)) == expected
+    assert set(expected) != {None}
+
+
+def test_target_out_of_time_is_not_reached(make_cell: MakeCell, toys: Registry):
+    """One step is not enough for all, and for some it is."""
+    found = ik_steps(_world(make_cell, toys, "fd100-reach:horizon=1"), 50, EVALUATION_SEED)
+    assert set(found) == {1, None}
+
+
+@pytest.mark.parametrize(("task", "robot"), [("fd100-reach:action=movel", "fd100"), ("arp-2021", "unity-arm")])
+def test_none_where_kinematics_cannot_act(make_cell: MakeCell, toys: Registry, task: str, robot: str):
+    """In another action mode, and with another observation."""
+    assert ik_steps(_world(make_cell, toys, task, robot), 3, EVALUATION_SEED) is None
+
+
+def test_one_episode_tells_all_where_nothing_varies(
+    make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch
+):
+    """All would be alike."""
+    monkeypatch.setattr(module, "varies", lambda task: False)
+    world = _world(make_cell, toys, "fd100-reach")
+    assert ik_steps(world, 5, EVALUATION_SEED) == ik_steps(world, 1, EVALUATION_SEED) * 5
+
+
+def test_simulation_that_diverges_tells_nothing(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+    """What steps are held against decides nothing: the cell goes on."""
+
+    def diverge(*_: object) -> None:
+        raise SimulationDiverged("the end effector is nowhere")
+
+    monkeypatch.setattr(module, "_play", diverge)
+    seed_of_no_other_test = EVALUATION_SEED + 1
+    assert ik_steps(_world(make_cell, toys, "fd100-reach"), 5, seed_of_no_other_test) is None
+
+
+def test_a_process_asks_once(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+    """It does several cells of one simulator, task and robot; another seed is another question."""
+    asked: list[int] = []
+
+    def play(_: World, episodes: int, seed: int) -> tuple[int, ...]:
+        asked.append(seed)
+        return (1,) * episodes
+
+    monkeypatch.setattr(module, "_play", play)
+    for seed in (1001, 1001, 1002):
+        ik_steps(_world(make_cell, toys, "fd100-reach"), 2, seed)
+    assert asked == [1001, 1002]
+
+
+def test_first_target_counts_where_episodes_go_on(make_cell: MakeCell, toys: Registry):
+    """The recorder keeps the first step with a target, of the first episode."""
+    from harness.record.trace import COLUMN, SCALARS
+
+    first = module._FirstReach(2)
+    rows = np.zeros((2, len(SCALARS)))
+    rows[:, COLUMN["env"]] = [0, 1]
+    for step, reached, episode in ((1, (0, 0), 0), (2, (1, 0), 0), (3, (1, 0), 0), (1, (1, 1), 1)):
+        rows[:, COLUMN["step"]], rows[:, COLUMN["reached"]], rows[:, COLUMN["episode"]] = step, reached, episode
+        first.append(rows)
+    assert first.steps.tolist() == [2, 0]

@@ -1,0 +1,83 @@
+"""What happens to cells is written down as it happens."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.executor import Event
+from harness.experiment.plan import Plan
+from harness.experiment.progress.ended_cells import EndedCells
+from harness.experiment.progress.followed import WRITE_EVERY, Followed
+from harness.experiment.progress.trackers import Trackers
+from harness.experiment.progress.tracking import Tracking
+from harness.progress import RETURN, SUCCESS
+from harness.record.cell import Cell
+from harness.record.running import RUNNING, read_running
+from harness.record.store import Store
+from harness.registry.registry import Registry
+
+
+class Times:
+    """The time, set by hand."""
+
+    now = 1000.0
+
+    def __call__(self) -> float:
+        """The time."""
+        return self.now
+
+
+@pytest.fixture
+def followed(
+    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], toys: Registry, tmp_path: Path
+) -> tuple[Followed, Cell, Times, list[Event]]:
+    """Of an experiment with one cell, the cell, the clock, and what is passed on."""
+    cell, events, times = make_cell(), [], Times()
+    plan = make_plan(cell)
+    store = Store.create(tmp_path / "out", plan)
+    tracking = Tracking(Trackers({}, events.append), store.folder)
+    return Followed(store, EndedCells(store, toys, plan), tracking, events.append, now=times), cell, times, events
+
+
+def test_running_cells_are_told_now_and_then(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+    """A start at once, steps every other second."""
+    follow, cell, times, _ = followed
+    follow(Event("started", cell))
+    assert read_running(tmp_path / "out")[cell.id].steps == 0
+    follow(Event("progress", cell, steps=4))
+    assert read_running(tmp_path / "out")[cell.id].steps == 0
+    times.now += WRITE_EVERY
+    follow(Event("progress", cell, steps=8))
+    assert read_running(tmp_path / "out")[cell.id].steps == 8
+
+
+def test_success_and_return_are_told_too(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+    """They stay until there are newer ones; what is no number is left out."""
+    follow, cell, times, _ = followed
+    follow(Event("started", cell))
+    follow(Event("progress", cell, steps=4, scalars={SUCCESS: 0.25, RETURN: -2.0}))
+    follow(Event("progress", cell, steps=6, scalars={SUCCESS: 0.5, RETURN: float("nan")}))
+    times.now += WRITE_EVERY
+    follow(Event("progress", cell, steps=8))
+    told = read_running(tmp_path / "out")[cell.id]
+    assert (told.steps, told.success, told.mean_return) == (8, 0.5, -2.0)
+
+
+def test_a_cell_without_a_folder_gets_a_manifest(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+    """With the executor's reason; it counts as failed, and is not running any more."""
+    follow, cell, _, events = followed
+    follow(Event("started", cell))
+    follow(Event("ended", cell, reason="its process was ended by SIGKILL"))
+    assert Store(tmp_path / "out").examine(cell).reason == "its process was ended by SIGKILL"
+    assert follow.failed == [cell]
+    assert read_running(tmp_path / "out") == {}
+    assert [event.kind for event in events] == ["started", "ended"]
+
+
+def test_nothing_is_left_when_nothing_runs(followed: tuple[Followed, Cell, Times, list[Event]], tmp_path: Path):
+    """The account of running cells goes with the run."""
+    follow, cell, _, _ = followed
+    follow(Event("started", cell))
+    follow.stop()
+    assert not (tmp_path / "out" / RUNNING).exists()

@@ -1,0 +1,122 @@
+"""What the last episodes of a training came to."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.experiment.progress.learning_so_far import TELL_EVERY, LearningSoFar
+from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS
+from harness.record.trace import COLUMN, SCALARS
+
+
+class Kept:
+    """A recorder that keeps copies."""
+
+    def __init__(self):
+        self.rows = []
+
+    def append(self, rows):
+        """Keep a copy."""
+        self.rows.append(rows.copy())
+
+
+class Times:
+    """The time, set by hand."""
+
+    now = 0.0
+
+    def __call__(self):
+        """The time."""
+        return self.now
+
+
+def rows_of(*told):
+    """Rows as a trace has them, with two joints: (env, episode, step, paid, reached, ended) each."""
+    rows = np.zeros((len(told), len(SCALARS) + 4))
+    names = ("env", "episode", "step", "reward", "reached", "truncated")
+    for row, values in zip(rows, told, strict=True):
+        row[[COLUMN[name] for name in names]] = values
+    return rows
+
+
+def episode(number, length=3, paid=1.0, reached=False, env=0):
+    """The rows of a whole episode, its start row included."""
+    steps = [(env, number, step, paid, reached and step == length, step == length) for step in range(1, length + 1)]
+    return rows_of((env, number, 0, 0.0, False, False), *steps)
+
+
+@pytest.fixture
+def times():
+    """A clock that stands still."""
+    return Times()
+
+
+def test_rows_are_handed_on(times):
+    """All of them, as they are."""
+    kept, rows = Kept(), episode(0)
+    LearningSoFar(kept, now=times).append(rows)
+    assert np.array_equal(kept.rows[0], rows)
+
+
+def test_success_and_return_are_means_over_episodes(times):
+    """Every payment counts, events too; an episode that is under way does not."""
+    learning = LearningSoFar(Kept(), now=times)
+    rows = episode(0, reached=True)
+    rows[-1, COLUMN["reward_target"]] = 1.0
+    for part in (rows, episode(1, paid=-1.0), episode(2)[:-1]):
+        learning.append(part)
+    told = learning.scalars(10)
+    assert told[SUCCESS] == 0.5
+    assert told[RETURN] == pytest.approx((4.0 - 3.0) / 2)
+
+
+def test_only_the_last_episodes_count(times):
+    """What was learned long ago is forgotten."""
+    learning = LearningSoFar(Kept(), now=times)
+    for number in range(2 * LAST_EPISODES):
+        learning.append(episode(number, reached=number >= LAST_EPISODES))
+    assert learning.scalars(10)[SUCCESS] == 1.0
+
+
+def test_an_episode_whose_start_was_not_seen_is_left_out(times):
+    """As when a killed training goes on in the middle of it: its return would lack what was paid before."""
+    learning = LearningSoFar(Kept(), begun_from=100, now=times)
+    learning.append(episode(7)[2:])
+    assert SUCCESS not in learning.scalars(103)
+    learning.append(episode(8))
+    assert learning.scalars(106)[RETURN] == 3.0
+
+
+def test_numbers_are_told_once_a_second(times):
+    """Not at once, and not twice for the same steps."""
+    learning = LearningSoFar(Kept(), now=times)
+    learning.append(episode(0))
+    assert learning.scalars_if_due(10) == {}
+    times.now += TELL_EVERY
+    assert learning.scalars_if_due(10)[SPEED] == pytest.approx(10 / TELL_EVERY)
+    assert learning.scalars_if_due(20) == {}
+    assert learning.scalars(10) == {}
+
+
+@given(
+    st.lists(st.tuples(st.integers(1, 5), st.booleans()), min_size=1, max_size=12),
+    st.integers(1, 3),
+    st.integers(1, 7),
+    st.sampled_from([4, 16, 4096]),
+)
+def test_batches_and_blocks_do_not_matter(episodes, num_envs, chunk, block):
+    """However the rows come, and however small the block: the result is that of all rows at once."""
+    parts = [
+        episode(number, length, paid=length, reached=reached, env=env)
+        for number, (length, reached) in enumerate(episodes)
+        for env in range(num_envs)
+    ]
+    rows = np.concatenate(parts)
+    learning = LearningSoFar(Kept(), now=Times())
+    learning.BLOCK, learning._block = block, learning._block[:block]
+    for first in range(0, len(rows), chunk):
+        learning.append(rows[first : first + chunk])
+    told = learning.scalars(len(rows))
+    assert told[SUCCESS] == pytest.approx(np.mean([reached for _, reached in episodes]))
+    assert told[RETURN] == pytest.approx(np.mean([length**2 for length, _ in episodes]))

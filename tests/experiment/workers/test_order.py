@@ -1,0 +1,55 @@
+"""What a worker is told to do."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.bench.speed.entry import Entry, Setting
+from harness.bench.speed.timed_contest import TimeContest
+from harness.bench.timed_cell import TimeCell
+from harness.executor import CellOptions
+from harness.experiment.installation import Describe
+from harness.experiment.run_cell import TrainCell
+from harness.experiment.workers.order import Order, Work, read_order
+from harness.record.cell import Cell
+from harness.registry.choice import Choice
+from harness.registry.given import PluginClass, PluginFile
+from harness.transfer.evaluation import EvaluateElsewhere
+from harness.tune.validation import ValidatePolicy
+
+PLUGINS = (PluginFile("/a/mine.py", "x = 'ü'\n"), PluginClass("rewards", "mine:Mine"))
+ENTRY = Entry("simulators", "simulators", "mine")
+WORKS: dict[str, Callable[[Cell], Work]] = {
+    "train": lambda cell: TrainCell(cell, CellOptions(checkpoint_every=100, tracked=True)),
+    "evaluate elsewhere": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco", (("substeps", 4),), "m")),
+    "train by a file": lambda cell: TrainCell(cell, CellOptions(plugins=PLUGINS)),
+    "evaluate by a file": lambda cell: EvaluateElsewhere(Path("/a/cell"), Choice("mujoco"), PLUGINS),
+    "validate by a file": lambda cell: ValidatePolicy(Path("/a/cell"), 8, PLUGINS),
+    "describe": lambda cell: Describe((cell,), PLUGINS),
+    "time": lambda cell: TimeCell(cell, 12.5),
+    "time by a file": lambda cell: TimeCell(cell, 12.5, PLUGINS),
+    "time a simulator of a file": lambda cell: TimeContest(ENTRY, Setting(), PLUGINS),
+}
+
+
+@pytest.mark.parametrize("work", WORKS.values(), ids=WORKS)
+def test_order_is_read_as_it_was_given(make_cell: Callable[..., Cell], tmp_path: Path, work: Callable[[Cell], Work]):
+    """Of every kind of work: its class and all that it holds come back from one line of text."""
+    order = Order(tmp_path / "cell", work(make_cell()))
+    line = order.line()
+    assert "\n" not in line
+    assert read_order(line)[0] == order
+
+
+def test_order_names_who_does_it(make_cell: Callable[..., Cell]):
+    """Nobody has to guess from what stands in it."""
+    told = json.loads(Order(Path("cell"), TrainCell(make_cell())).line())
+    assert told["work"] == "harness.experiment.run_cell:TrainCell"
+
+
+def test_order_says_what_the_user_typed(make_cell: Callable[..., Cell], monkeypatch: pytest.MonkeyPatch):
+    """The manifest will record it."""
+    monkeypatch.setattr("sys.argv", ["harness", "run"])
+    assert read_order(Order(Path("cell"), TrainCell(make_cell())).line())[1] == ["harness", "run"]

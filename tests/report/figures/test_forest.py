@@ -1,0 +1,51 @@
+"""The forest plot: what is right of the line is better."""
+
+import re
+
+import pytest
+
+from harness.eta.behaviour_change import Change, Measure
+from harness.report.figures.forest import REACH, WIDTH, draw_strip
+
+
+def change(better, low, high, corrected=None):
+    """A difference in the middle of its interval."""
+    values = ((0.0, (low + high) / 2),)
+    return Change(
+        Measure("m", "", better, "deterministic"), 0.0, 0.0, None, 6, 0, low, high, corrected=corrected, values=values
+    )
+
+
+def place(strip):
+    """Of the dot, from the middle."""
+    return float(re.search(r'cx="([\d.]+)"', strip)[1]) - WIDTH / 2
+
+
+def test_better_is_to_the_right():
+    """More where more is better, less where less is."""
+    assert place(draw_strip(change("higher", 1.0, 3.0))) > 0.0
+    assert place(draw_strip(change("lower", 1.0, 3.0))) < 0.0
+    assert place(draw_strip(change("lower", -3.0, -1.0))) > 0.0
+
+
+def test_row_has_a_scale_of_its_own():
+    """Its farthest end is as far out in every row."""
+    assert place(draw_strip(change("higher", 1.0, 3.0))) == pytest.approx(REACH * 2 / 3, abs=0.1)
+    assert place(draw_strip(change("higher", 1e-6, 3e-6))) == pytest.approx(REACH * 2 / 3, abs=0.1)
+
+
+def test_result_has_a_colour_only_where_a_test_says_so():
+    """As the word in its row."""
+    assert "better" in draw_strip(change("higher", 1.0, 3.0, 0.01))
+    assert "worse" in draw_strip(change("lower", 1.0, 3.0, 0.01))
+    assert "undecided" in draw_strip(change("higher", 1.0, 3.0, 0.2))
+
+
+def test_no_difference_has_a_place():
+    """In the middle."""
+    assert place(draw_strip(change("higher", 0.0, 0.0))) == 0.0
+
+
+def test_without_a_difference_there_is_nothing():
+    """No seed has a value under both."""
+    assert draw_strip(Change(Measure("m", "", "higher", "deterministic"), None, None, None, 0)) == ""

@@ -1,0 +1,75 @@
+import numpy as np
+
+from harness.report.figures.chart import Dots, Line, Word
+from harness.report.figures.split import draw_split
+from harness.report.figures.split_rows import describe_split
+
+
+def figures(results):
+    """The splits of the only combination, and their figures."""
+    (combination,) = results.combinations
+    both = combination.splits
+    return both, {name: draw_split(name, split) for name, split in both.items()}
+
+
+def marks(chart, kind):
+    """The marks of one kind."""
+    return [mark for mark in chart.marks if isinstance(mark, kind)]
+
+
+def test_every_part_is_drawn_with_its_interval(build):
+    """A point per ratio, a bar from end to end of its interval, on a logarithmic axis that holds them and 1."""
+    both, drawn = figures(build())
+    for name, chart in drawn.items():
+        split = both[name]
+        ratios = [split.eta, split.ruler, split.behaviour, *(part for path in split.paths for part in path)]
+        assert [point.x for point in marks(chart, Dots)] == [[ratio.value] for ratio in ratios]
+        bars = [bar.x for bar in marks(chart, Line)]
+        np.testing.assert_allclose(bars, [(ratio.low, ratio.high) for ratio in ratios], atol=1e-12)
+        assert chart.x.is_log
+        assert chart.x.low < min(1.0, *(ratio.low for ratio in ratios))
+        assert chart.x.high > max(1.0, *(ratio.high for ratio in ratios))
+
+
+def test_near_zero_is_a_word_in_the_figure(build):
+    """A ratio that says little is no point: it would stretch the axis."""
+    _, drawn = figures(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
+    chart = drawn["eta_P"]
+    assert [word.text for word in marks(chart, Word)].count("near zero") == 6
+    assert len(marks(chart, Dots)) == 1
+    assert chart.x.high < 10.0
+
+
+def test_missing_part_is_a_word_in_the_figure(build):
+    """What has no value is n/a in its row; what has one is still drawn."""
+    _, drawn = figures(build(baseline=(39, 0)))
+    assert sorted(word.text for word in marks(drawn["eta_P"], Word)) == ["1.89", *["n/a"] * 6]
+
+
+def test_one_seed_has_points_without_bars(build):
+    """Without an interval there is no bar."""
+    _, drawn = figures(build(seeds=1))
+    assert marks(drawn["eta_N"], Line) == []
+
+
+def test_parts_are_told_apart_by_colour_and_shape(build):
+    """Those of a single path are open."""
+    _, drawn = figures(build())
+    looks = [(dot.colour, dot.shape, dot.is_open) for dot in marks(drawn["eta_N"], Dots)]
+    ruler, behaviour = ("ruler", "square"), ("behaviour", "diamond")
+    paths = [(*part, True) for part in (ruler, behaviour)] * 2
+    assert looks == [("ink", "circle", False), (*ruler, False), (*behaviour, False), *paths]
+
+
+def test_no_parts_no_figure(build):
+    """What could not be split has no figure."""
+    _, drawn = figures(build(proposed={"gone": (9, 30)}))
+    assert set(drawn.values()) == {None}
+
+
+def test_words_say_the_same(build):
+    """The caption has every number of the figure."""
+    both, drawn = figures(build())
+    text = describe_split("eta_P", both["eta_P"])
+    assert text == "eta_P 1.89 = ruler 1.89 x behaviour 1.00; interaction 1.00."
+    assert all(word.text.split()[0] in text for word in marks(drawn["eta_P"], Word)[:3])

@@ -1,0 +1,84 @@
+"""Recorded runs compared, as a page."""
+
+import re
+import sys
+from dataclasses import replace
+
+import pytest
+
+from harness.errors import UsageError
+from harness.report.page.eta import draw_groups, write_eta_page
+
+
+def read_page(comparison, path):
+    """The page, written and read."""
+    pytest.importorskip("jinja2")
+    write_eta_page(comparison, path)
+    return path.read_text(encoding="utf-8")
+
+
+def test_every_run_and_both_means_are_drawn(compare):
+    """A thin line each, and a thick one per group, which alone are in the legend."""
+    lines = draw_groups(compare()).marks
+    assert [line.name for line in lines] == [
+        "baseline run 1", "baseline run 2", "baseline, mean of 2",
+        "proposed run 1", "proposed run 2", "proposed, mean of 2",
+    ]  # fmt: skip
+    assert [line.width > 1 for line in lines] == [line.in_legend for line in lines]
+    assert lines[2].y == [0.0, -1.0, -0.5, 0.0, 0.75]
+    assert lines[5].y == [0.0, -0.5, 0.25, 1.375]
+
+
+def test_axis_says_which_curve(compare):
+    """And the lines are that one."""
+    chart = draw_groups(compare(kind="per-step"))
+    assert chart.y.title == "per-step reward"
+    assert chart.marks[2].y == [0.0, -1.0, 0.5, 0.5, 0.75]
+
+
+def test_page_is_whole_and_loads_nothing(compare, tmp_path):
+    """The figure is in it and a policy forbids the rest, scripts too."""
+    page = read_page(compare(), tmp_path / "eta.html")
+    assert "default-src 'none'; style-src 'unsafe-inline'" in page
+    assert not re.search(r"<(link|img|iframe|object|embed|script|a) ", page)
+    assert page.count('<path class="line ') == 6 + 2  # two samples in the legend
+
+
+def test_page_has_the_number_in_words(compare, tmp_path):
+    """And which rewards and how many runs were compared."""
+    comparison = compare()
+    page = read_page(comparison, tmp_path / "eta.html")
+    for told in (comparison.number, "proposed arp:k1=1,k2=1.5 against baseline", "baseline 2 runs, proposed 2 runs"):
+        assert told in page
+
+
+def test_labels_are_escaped(compare, tmp_path):
+    """A reward's label is text."""
+    given = replace(compare(), rewards={"baseline": "<script>alert(1)</script>", "proposed": "arp"})
+    assert "<script>alert" not in read_page(given, tmp_path / "eta.html")
+
+
+def test_failed_write_leaves_the_old_page(compare, tmp_path, monkeypatch):
+    """Whole, with nothing beside it: the page is written beside it and renamed."""
+
+    def refuse(source, target):
+        raise OSError(28, "No space left on device")
+
+    folder = tmp_path / "pages"
+    folder.mkdir()
+    read_page(compare(), folder / "eta.html")
+    before = (folder / "eta.html").read_bytes()
+    monkeypatch.setattr("os.replace", refuse)
+    with pytest.raises(UsageError, match=r"eta\.html' cannot be written: No space left on device"):
+        write_eta_page(compare(kind="per-step"), folder / "eta.html")
+    assert [file.name for file in folder.iterdir()] == ["eta.html"]
+    assert (folder / "eta.html").read_bytes() == before
+
+
+def test_missing_library_names_the_extra(compare, tmp_path, monkeypatch):
+    """Nothing is written."""
+    comparison = compare()
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    with pytest.raises(UsageError, match=r"pip install 'fd100-harness\[report\]'"):
+        write_eta_page(comparison, tmp_path / "eta.html")
+    assert not (tmp_path / "eta.html").exists()

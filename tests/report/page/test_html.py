@@ -1,0 +1,356 @@
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from harness.errors import UsageError
+from harness.report.figures.split_rows import describe_split
+from harness.report.page.comparison import describe_comparison
+from harness.report.page.html import write_html
+from harness.report.page.question import question
+from harness.report.rows.comparison import SCALES, SPLIT
+from tests.report.conftest import MIXTURE
+
+LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
+
+
+class Page(HTMLParser):
+    """A page taken apart: what it loads or links, its figures and its visible text."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.tags, self.ids, self.figures, self.words = [], [], set(), [], []
+        self._inside = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        """Note what the element is and where it points."""
+        self.tags.append(tag)
+        self.ids |= {value for name, value in attributes if name == "id"}
+        self.links += [value for name, value in attributes if name in LOADING]
+        if tag == "svg" and (label := dict(attributes).get("aria-label")):
+            self.figures.append(label)
+        self._inside = tag if tag in ("script", "style") else ""
+
+    def handle_endtag(self, tag):
+        """Text is visible again."""
+        self._inside = ""
+
+    def handle_data(self, data):
+        """Keep visible words."""
+        if not self._inside:
+            self.words += data.split()
+
+    @property
+    def text(self):
+        """The visible words, single spaces between them."""
+        return " ".join(self.words)
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes the report of some results and takes it apart."""
+
+    def write_and_read(results):
+        write_html(results, tmp_path / "report.html")
+        return Page((tmp_path / "report.html").read_text(encoding="utf-8"))
+
+    return write_and_read
+
+
+def test_page_loads_nothing(build, write):
+    """No element loads anything, and the only links lead to places on the page."""
+    page = write(build(simulators=("mujoco", "pybullet")))
+    assert all(link.startswith("#") for link in page.links)
+    assert not {"link", "img", "iframe", "object", "embed"} & set(page.tags)
+
+
+def test_page_forbids_remote_content(build, tmp_path):
+    """The content security policy allows what is in the file and nothing else."""
+    write_html(build(), tmp_path / "report.html")
+    assert "default-src 'none'; script-src 'unsafe-inline'" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_title_is_the_question(build, write):
+    """The heading asks what the report answers, naming the proposed rewards."""
+    results = build()
+    assert "arp" in question(results)
+    assert write(results).text.count(question(results)) == 2  # <title> and <h1>
+
+
+def test_question_names_every_proposed_reward(build):
+    """Several proposed rewards are all named, each once."""
+    proposed = dict.fromkeys(("arp", "arp:k2=2", "relative"), (0, 39))
+    asked = question(build(seeds=1, simulators=("mujoco", "pybullet"), proposed=proposed))
+    assert "arp, arp:k2=2 and relative" in asked
+    assert asked.count("relative") == 1
+
+
+def test_paragraph_says_what_eta_does_not(build):
+    """The paragraph names what was compared and says that eta is no measure of behaviour."""
+    (combination,) = build().combinations
+    text = describe_comparison(combination)
+    for fact in ("baseline", "arp", "fd100-reach", "mujoco", "sac", "40 environment steps", SCALES):
+        assert fact in text
+
+
+def test_labels_are_escaped(build, write):
+    """A label that looks like HTML is shown, not interpreted."""
+    page = write(build(proposed={"arp<u>bold</u>": (0, 39)}))
+    assert "arp<u>bold</u>" in page.text
+    assert "u" not in page.tags
+
+
+def test_reason_is_escaped(build, write):
+    """A reason that looks like a script is shown, not run."""
+    reason = "KeyError: <script>alert(1)</script>"
+    page = write(build(ended={("arp", 1): ("failed", reason)}))
+    assert reason in page.text
+    assert page.tags.count("script") == write(build()).tags.count("script")
+
+
+def test_crossover_is_marked(build, write):
+    """Both panels mark the cross-over of their mean curve, and the text says it too."""
+    page = write(build())
+    for step in (18, 15):  # of the baseline, and of arp
+        assert page.text.count(f"cross-over: step {step}") == 2  # above the panel, and under the pointer
+        assert page.text.count(f"Cross-over step: {step}.") == 1
+
+
+def test_answer_comes_first(build, write):
+    """Under the heading stand the robot and the number, then what was compared, behaviour, and the split."""
+    results = build()
+    (combination,) = results.combinations
+    text = write(results).text
+    headline = combination.headline
+    told = ["CANNOT TELL The robot.", headline.robot, "The number.", headline.number, describe_comparison(combination)]
+    parts = [*told, "Behaviour of the trained policies", "eta_N = ruler"]
+    places = [text.index(" ".join(part.split())) for part in parts]
+    assert places == sorted(places)
+
+
+def test_split_is_drawn_told_and_explained(build, write):
+    """eta_N and eta_P have a figure each, with the same in words, and a sentence says what the parts are."""
+    results = build()
+    page = write(results)
+    ratios = [label for label in page.figures if label.startswith("Ratios on a logarithmic axis.")]
+    assert ["eta_N = ruler" in label for label in ratios] == [True, False]
+    assert all(describe_split(*named) in page.text for named in results.combinations[0].splits.items())
+    assert page.text.count(SPLIT) == 1
+
+
+def test_what_cannot_be_scored_is_not_drawn(build, write):
+    """A reward whose plugin is gone leaves the curves, and the reason instead of the split."""
+    page = write(build(proposed={"gone": (9, 30)}))
+    assert not any(label.startswith("Ratios") for label in page.figures)
+    assert "No reward 'gone'" in page.text
+
+
+def test_both_paths_are_shown(build, write):
+    """Each with its ruler and behaviour, below the split that is their mean."""
+    text = write(build(baseline=(9, 12), proposed={"arp": (1, 20)})).text
+    assert re.search(r"eta_P on proposed runs \d.* eta_P on baseline's runs \d", text)
+
+
+def test_other_measures_of_behaviour_are_folded(build, write):
+    """The manner that decides stands open, the training itself does not."""
+    page = write(build())
+    opened, folded = (
+        page.text.index("deterministic, 4 episodes"),
+        page.text.index("Behaviour while training, 1 episode"),
+    )
+    assert opened < page.text.index("Behaviour of the same trainings, measured otherwise") < folded
+
+
+def test_answer_along_the_budget_is_shown(build, write):
+    """Where policies were evaluated while they learned."""
+    text = write(build(learned={10: 1, 20: 2})).text
+    assert "after 10 steps 25.0% 50.0% " in text
+    assert re.search(r"after 40 steps 75\.0% 75\.0% \S+ \S+ pp cannot tell", text)
+
+
+@pytest.mark.parametrize(
+    ("reached", "badge"),
+    [((5, 6, 7, 8), "helps"), ((), "hurts"), ((8, 9), "cannot-tell")],
+)
+def test_badge_has_the_answer(build, tmp_path, reached, badge):
+    """In a colour of its own, never by the colour alone."""
+    results = build(
+        seeds=6, baseline=(9, 12), reached={"baseline": lambda seed: (8, 9), "arp": lambda seed: reached[:4]}
+    )
+    write_html(results, tmp_path / "report.html")
+    told = badge.upper().replace("-", " ")
+    assert f'<b class="badge {badge}">{told}</b>' in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_near_zero_is_no_big_number(build, write):
+    """A ratio with an index near zero is a word, in the table, the sentences and the figure."""
+    page = write(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
+    assert re.search(r"eta_P near zero n/a .* above 1", page.text)
+    assert re.search(r"eta_P says little\D+near zero", page.text)
+    assert not re.search(r"eta_P \D*\de\+", page.text)
+
+
+def test_behaviour_has_its_result(build, write):
+    """A measure that differs in every one of six seeds is marked, with its interval and the p-value."""
+    page = write(build(seeds=6, reached={"arp": lambda seed: (8,)}))
+    assert re.search(r"success rate 75\.0% 25\.0% \[-\d+\.\d, -\d+\.\d\] pp 0\.0% higher 0\.031 worse", page.text)
+
+
+def test_one_seed_has_a_page(build, write):
+    """One seed gives ratios and figures without intervals."""
+    page = write(build(seeds=1))
+    assert len(page.figures) == 9
+    assert "eta_N, eta_P: one seed" in page.text
+
+
+def test_failed_cell_has_its_reason(build, write):
+    """The table of cells says how each ended and why."""
+    page = write(build(ended={("arp", 1): ("failed", "SimulationDiverged: qpos is not finite")}))
+    assert "failed mujoco sac arp 1 40 0.0 SimulationDiverged: qpos is not finite" in page.text
+    assert "6 cells: 5 done, 1 failed" in page.text
+
+
+def test_missing_ratio_has_its_reason(build, write):
+    """A ratio that is not defined is n/a, and the page says why."""
+    results = build(baseline=(39, 0))
+    page = write(results)
+    assert "eta_P n/a n/a n/a n/a" in page.text
+    assert f"eta_P n/a: {results.combinations[0].eta_p.note}" in page.text
+
+
+def test_no_finished_pair_is_said(build, write):
+    """Without a finished pair the page says so and draws nothing."""
+    results = build(seeds=1, ended={("arp", 0): ("failed", "it broke")})
+    page = write(results)
+    assert results.combinations[0].eta_n.note in page.text
+    assert page.figures == []
+
+
+def test_skipped_experiment_has_a_page(build, write):
+    """An experiment whose combinations were all skipped still has a page with the reasons."""
+    skipped = {(reward, 0): ("skipped", "sac cannot") for reward in ("baseline", "arp")}
+    results = build(seeds=1, ended=skipped)
+    page = write(results)
+    assert question(results) in page.text
+    assert "No cell has run" in page.text
+    assert page.text.count("sac cannot") == 3  # of each cell, and once of both
+
+
+def test_overview_links_to_each_combination(build, write):
+    """Several combinations get an overview that leads to each; a single one needs none."""
+    assert not any("combination" in link for link in write(build()).links)
+    page = write(build(simulators=("mujoco", "pybullet")))
+    assert page.links.count("#combination-1") == page.links.count("#combination-2") == 3  # index, map and table
+    assert {"combination-1", "combination-2"} <= page.ids
+
+
+def test_overview_has_every_answer(build, write):
+    """The answer of each combination stands in the overview and in its section."""
+    text = write(build(simulators=("mujoco", "pybullet"))).text
+    assert text.count("CANNOT TELL 2 of 2") == 1
+    assert text.count("CANNOT TELL") == 5
+
+
+def test_null_control_is_no_question(build, write):
+    """The baseline against itself has a section, marked as A/A, and is not asked about."""
+    results = build(a_a=True)
+    assert "baseline" not in question(results)
+    assert "baseline against baseline, trained again with other seeds (A/A" in write(results).text
+
+
+def test_null_control_says_what_was_trained(build):
+    """No second reward paid it."""
+    *_, control = build(a_a=True).combinations
+    assert "twice paid by baseline, the second time with other seeds" in describe_comparison(control)
+
+
+def test_advice_stands_as_a_command(build, write):
+    """Where more seeds would tell."""
+    results = build()
+    (combination,) = results.combinations
+    combination.__dict__["headline"] = replace(combination.headline, seeds_to_decide=(8, 20))
+    assert f"More seeds: harness run {results.folder / 'experiment.toml'}" in write(results).text
+
+
+def test_failed_write_leaves_the_old_page(build, tmp_path, monkeypatch):
+    """When writing fails, the old page is whole, nothing else is left, and the error is one line."""
+    path = tmp_path / "pages" / "report.html"
+    path.parent.mkdir()
+    path.write_text("old")
+
+    def refuse(source, target):
+        raise OSError(28, "No space left on device")
+
+    results = build()
+    monkeypatch.setattr("os.replace", refuse)
+    with pytest.raises(UsageError, match=r"report\.html' cannot be written: No space left on device"):
+        write_html(results, path)
+    assert [file.name for file in path.parent.iterdir()] == ["report.html"]
+    assert path.read_text() == "old"
+
+
+@pytest.mark.parametrize("name", ["missing/report.html", "file/report.html"])
+def test_unwritable_path_is_a_usage_error(build, tmp_path, name):
+    """A path that cannot be written is named in one line."""
+    (tmp_path / "file").touch()
+    with pytest.raises(UsageError, match="cannot be written"):
+        write_html(build(), tmp_path / name)
+
+
+def test_missing_library_names_the_extra(build, tmp_path, monkeypatch):
+    """Without the optional libraries the error says what to install, and nothing is written."""
+    results = build()
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    with pytest.raises(UsageError, match=r"pip install 'fd100-harness\[report\]'"):
+        write_html(results, tmp_path / "report.html")
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_import_is_light():
+    """Importing the report does not load jinja2."""
+    code = "import sys, harness.report.page.html; sys.exit('jinja2' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_learning_is_drawn_where_it_was_recorded(build, write):
+    """With a caption in words; nothing of it where policies were evaluated at the end alone."""
+    page = write(build(learned={10: 1, 20: 2}))
+    assert re.search(r"random actions baseline 25\.0% after 10 steps, 75\.0% after 40 steps;", page.text)
+    assert page.figures[0].startswith("Success rate over environment steps.")
+    assert "Success rate while learning" not in write(build()).text
+
+
+def test_paths_of_the_end_effector_are_folded(build, write):
+    """Both rewards' at the end of the section, with captions in words."""
+    page = write(build())
+    assert page.text.count("Seed 0: 3 of the first 4 evaluation episodes reach the target.") == 4  # two projections
+    folded = page.text.index("Paths of the end effector")
+    assert folded < page.text.index("seen from above") < page.text.index("seen from the side")
+    assert page.text.count("missed reached missed: its end start target") == 4
+
+
+def test_returns_under_every_reward_are_shown(build, write):
+    """A section of its own, with a table per simulator."""
+    page = write(build(simulators=("mujoco", "pybullet")))
+    assert "returns" in page.ids
+    assert page.text.count("evaluation return, scored by baseline arp") == 2
+
+
+@pytest.mark.parametrize("deterministic", [True, False])
+def test_page_says_how_policies_acted(build, write, deterministic):
+    """Whether they drew their actions."""
+    manner = "deterministic" if deterministic else "stochastic"
+    assert (
+        f"Behaviour of the trained policies, {manner}, 4 episodes per seed"
+        in write(build(deterministic=deterministic)).text
+    )
+
+
+def test_mixture_is_marked(mixed, write):
+    """Above what was found: a comparison of two versions of an algorithm is none of rewards."""
+    text = write(mixed).text
+    assert text.index(f"{MIXTURE}.") < text.index("The robot.")

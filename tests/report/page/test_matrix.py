@@ -1,0 +1,66 @@
+"""The map of answers and the table."""
+
+import csv
+from io import StringIO
+
+from harness.report.page.matrix import comparisons_csv, matrix_of
+
+
+def test_map_has_a_row_per_reward_and_a_column_per_place(build):
+    """What is the same in all is said once."""
+    results = build(seeds=1, simulators=("mujoco", "pybullet"), proposed={"arp": (9, 30), "relative": (9, 30)})
+    matrix = matrix_of(results.combinations)
+    assert matrix.places == ["mujoco", "pybullet"]
+    assert matrix.shared == "sac · fd100 · fd100-reach · 40 steps · evaluated deterministically"
+    assert [(reward, [entry.place for entry in entries]) for reward, entries in matrix.rows] == [
+        ("arp", ["mujoco", "pybullet"]),
+        ("relative", ["mujoco", "pybullet"]),
+    ]
+
+
+def test_entries_lead_to_their_comparison(build):
+    """In the order of the page."""
+    matrix = matrix_of(build(seeds=1, simulators=("mujoco", "pybullet")).combinations)
+    assert [entry.anchor for entry in matrix.entries] == ["combination-1", "combination-2"]
+
+
+def test_answer_is_a_symbol_and_a_count(build):
+    """Told apart without colour."""
+    matrix = matrix_of(build().combinations)
+    assert [(entry.symbol, entry.difference) for entry in matrix.entries] == [("?", "+0.0")]
+    assert matrix.counts == [("cannot-tell", "CANNOT TELL", 1)]
+
+
+def test_null_control_is_marked(build):
+    """It is no reward of its own."""
+    assert [reward for reward, _ in matrix_of(build(a_a=True).combinations).rows] == ["arp", "baseline (A/A)"]
+
+
+def test_table_is_sorted_by_numbers(build):
+    """Exact ones; what is not known has none."""
+    results = build(seeds=1, baseline=(39, 0))
+    (entry,) = matrix_of(results.combinations).entries
+    eta_n, eta_p, *_ = entry.values
+    assert float(eta_n.key) == results.combinations[0].eta_n.value
+    assert (eta_p.text, eta_p.key) == ("n/a", "")
+
+
+def test_file_has_a_row_per_comparison(build):
+    """Numbers that can be read back exactly."""
+    results = build()
+    (row,) = csv.DictReader(StringIO(comparisons_csv(results.combinations)))
+    assert (row["proposed"], row["answer"], row["seeds"]) == ("arp", "cannot tell", "3")
+    assert float(row["eta_N"]) == results.combinations[0].eta_n.value
+
+
+def test_file_holds_no_formula(build):
+    """A spreadsheet would compute what a stranger wrote."""
+    results = build(seeds=1, proposed={"=1+1": (9, 30)})
+    (row,) = csv.DictReader(StringIO(comparisons_csv(results.combinations)))
+    assert row["proposed"] == "'=1+1"
+
+
+def test_nothing_compared_is_an_empty_map():
+    """As of an experiment whose combinations were all skipped."""
+    matrix = matrix_of([])
+    assert (matrix.places, matrix.rows, matrix.entries) == ([], [], [])

@@ -1,0 +1,119 @@
+"""Measures of behaviour as text."""
+
+from dataclasses import replace
+
+from harness.report.rows.behaviour import along_grid, behaviour_grids, behaviour_row
+
+
+def only(results):
+    """The only combination."""
+    (combination,) = results.combinations
+    return combination
+
+
+def rows_of(combination):
+    """The rows of the manner that decides."""
+    return behaviour_grids(combination)[0].rows
+
+
+def test_behaviour_of_random_actions_stands_beside(build):
+    """Shares are percentages, lengths have three digits, and random actions are the floor; success comes first."""
+    rows = rows_of(only(build()))
+    assert rows[0][:3] == ("success rate", "75.0%", "75.0%")
+    assert rows[0][4:] == ("0.0%", "higher", "1.000", "")
+    assert ("final distance [m]", "0.0400", "0.0400", "[0.00, 0.00]", "0.900", "lower", "1.000", "") in rows
+    assert ("steps to target", "9.00", "9.00", "[0.00, 0.00]", "n/a", "lower", "1.000", "") in rows
+
+
+def test_result_needs_a_test_that_says_so(build):
+    """Six seeds that all differ are enough for better or worse, five are not."""
+    reached = {"arp": lambda seed: [6, 6, 6]}
+    rows = {row[0]: row[6:] for row in rows_of(only(build(seeds=6, reached=reached)))}
+    assert rows["steps to target"] == ("0.031", "better")
+    assert rows["success rate"] == ("1.000", "")
+    rows = {row[0]: row[6:] for row in rows_of(only(build(seeds=5, reached=reached)))}
+    assert rows["steps to target"] == ("0.062", "")
+
+
+def test_interval_of_a_share_is_in_percentage_points(build):
+    """It allows for failures that were not seen: no point where all seeds are alike."""
+    row = rows_of(only(build()))[0]
+    low, high = (float(end) for end in row[3].removesuffix(" pp").strip("[]").split(", "))
+    assert low == -high < -10.0
+
+
+def test_one_seed_has_no_interval_and_no_p(build):
+    """Nor a result."""
+    for row in rows_of(only(build(seeds=1, reached={"arp": lambda seed: (5,)}))):
+        assert (row[3], *row[6:]) == ("n/a", "n/a", "")
+
+
+def test_number_without_unit_above_one_is_no_percentage(build):
+    """A metric without a unit is shown as a percentage only while it is a share."""
+    change = only(build()).changes[0]
+    measure = change.measure._replace(name="jerks", unit="", better="lower")
+    count = replace(change, measure=measure, baseline=0.5, proposed=2.0, random=None, low=1.0, high=2.0, corrected=None)
+    assert behaviour_row(count) == ("jerks", "0.500", "2.00", "[1.00, 2.00]", "n/a", "lower", "n/a", "")
+
+
+def test_unit_that_the_name_says_is_not_said_again(build):
+    """Steps to the target are steps, a distance is in metres."""
+    names = [row[0] for row in rows_of(only(build()))]
+    assert {"steps to target", "final distance [m]"} <= set(names)
+
+
+def test_manner_that_decides_comes_first(build):
+    """Whatever the order in which they were measured; the title says how policies acted, and how often."""
+    combination = only(build(learned={10: 1}))
+    grids = behaviour_grids(combination)
+    assert [grid.title for grid in grids] == [
+        "Behaviour of the trained policies, deterministic, 4 episodes per seed",
+        "Behaviour while training, 1 episode or more per seed",
+        "Behaviour while learning",
+    ]
+    changes = tuple(
+        replace(it, measure=it.measure._replace(manner="stochastic")) if it.measure.manner == "while training" else it
+        for it in combination.changes
+    )
+    drawn = replace(combination, changes=changes, episodes={"deterministic": 1, "stochastic": 100})
+    assert [grid.title.split(", ", 1)[-1] for grid in behaviour_grids(drawn)] == [
+        "stochastic, 100 episodes per seed",
+        "deterministic, 1 episode per seed",
+        "Behaviour while learning",
+    ]
+
+
+def test_seeds_without_a_value_are_counted(build):
+    """A metric of successful episodes is not defined where there is none."""
+    grid = behaviour_grids(only(build(reached={"arp": lambda seed: [6] * (seed % 3)})))[0]
+    assert "steps to target: 2 seeds compared, 1 without a value" in grid.notes
+
+
+def test_no_finished_pair_has_no_behaviour(build):
+    """No grids at all."""
+    combination = only(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    assert behaviour_grids(combination) == []
+    assert along_grid(combination).rows == []
+
+
+def test_every_evaluation_has_its_answer(build):
+    """The last one after the training; a lead that is gone by then does not count there."""
+    combination = only(build(seeds=6, learned={10: 1, 20: 2}))
+    rows = along_grid(combination).rows
+    assert [row[0] for row in rows] == ["after 10 steps", "after 20 steps", "after 40 steps"]
+    assert [row[1:3] for row in rows] == [("25.0%", "50.0%"), ("50.0%", "75.0%"), ("75.0%", "75.0%")]
+    assert [row[4] for row in rows] == ["helps", "helps", "cannot tell"]
+
+
+def test_all_of_the_budget_is_told_in_one_manner(build):
+    """That of the evaluations while learning, whatever decides after the training."""
+    combination = only(build(learned={10: 1}))
+    drawn = replace(combination, episodes={"deterministic": 4, "stochastic": 100})
+    grid = along_grid(drawn)
+    assert grid.title == "Along the budget of training, deterministic"
+    assert grid.rows[-1][1] == "75.0%"
+
+
+def test_nothing_along_the_budget_without_evaluations(build):
+    """The end alone is no curve."""
+    assert along_grid(only(build())).rows == []

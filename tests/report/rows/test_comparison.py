@@ -1,0 +1,264 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.eta.decompose import Split, SplitPath
+from harness.eta.index import Ratio
+from harness.report.rows.comparison import (
+    advice,
+    claims_text,
+    format_number,
+    format_p,
+    index_grid,
+    path_grid,
+    ratio_grid,
+    ratio_with_interval,
+    rewards_text,
+    split_grid,
+    sum_grid,
+)
+
+
+def only(results):
+    """The only combination."""
+    (combination,) = results.combinations
+    return combination
+
+
+def make_split(eta, first, second, **given):
+    """A split with these paths, (ruler, behaviour) each; every ratio is 10 % wide to both sides."""
+    paths = tuple(SplitPath(*map(wide, path)) for path in (first, second))
+    means = [wide((one * other) ** 0.5) for one, other in zip(first, second, strict=True)]
+    return replace(Split(wide(eta), wide(eta), *means, wide(first[0] / second[0]), paths), **given)
+
+
+def wide(value):
+    """A ratio with an interval."""
+    return Ratio(value, 0.9 * value, 1.1 * value)
+
+
+def test_ratio_stands_beside_what_it_is_to_be_held_against():
+    """Its interval, what seeds give one by one, what noise gives, the corrected p alone, and the side called better."""
+    split = make_split(6.0, (2.0, 3.0), (1.5, 4.0), per_seed=wide(5.0), noise=wide(1.0), p=0.01, corrected=0.04)
+    grid = ratio_grid({"eta_N": split, "eta_P": replace(split, corrected=None)})
+    row = ("6.00", "[5.40, 6.60]", "5.00", "[0.900, 1.10]")
+    assert grid.rows == [("eta_N", *row, "0.040", "below 1"), ("eta_P", *row, "n/a", "above 1")]
+    assert (grid.title, len(grid.headings)) == ("eta = proposed / baseline", 7)
+
+
+def test_flags_stand_under_the_ratios():
+    """Where the paths say opposite things of the behaviour, and where single seeds say something else."""
+    split = make_split(6.0, (2.0, 3.0), (12.0, 0.5), per_seed=wide(2.0))
+    one, other = ratio_grid({"eta_N": split}).notes[-2:]
+    assert one == "eta_N: 6 of the mean curve is not what seeds show one by one: their geometric mean is 2"
+    assert other.startswith("eta_N: the behaviour depends on who judges it: x 3 under the baseline reward, x 0.5 ")
+
+
+def test_noise_is_told_where_it_comes_from(build):
+    """Once for both etas; without enough runs, why there is none."""
+    notes = ratio_grid(only(build(seeds=4)).splits).notes
+    assert "eta_N noise, eta_P noise: halves of 4 runs, scaled to all" in notes
+    notes = ratio_grid(only(build(seeds=3)).splits).notes
+    assert "eta_N noise n/a, eta_P noise n/a: 3 runs of the baseline: halves of them need at least 4" in notes
+
+
+def test_all_of_equal_runs_is_ruler(build):
+    """The same runs under both rewards: whatever eta is, the ruler is too, and the behaviour is 1."""
+    splits = only(build()).splits
+    for grid, parts in ((split_grid(splits), 1), (path_grid(splits), 2)):
+        expected = [(*row[1:3], "1.00", "[1.00, 1.00]") for row in ratio_grid(splits).rows for _ in range(parts)]
+        assert [row[1:5] for row in grid.rows] == expected
+        assert grid.notes == []
+
+
+def test_each_part_stands_in_its_place():
+    """Ruler, then behaviour, each with its interval, then the interaction."""
+    splits = {"eta_N": make_split(6.0, (4.0, 1.5), (1.0, 6.0))}
+    assert split_grid(splits).rows == [("eta_N", "2.00", "[1.80, 2.20]", "3.00", "[2.70, 3.30]", "4.00")]
+    assert path_grid(splits).rows == [
+        ("eta_N on proposed runs", "4.00", "[3.60, 4.40]", "1.50", "[1.35, 1.65]"),
+        ("eta_N on baseline's runs", "1.00", "[0.900, 1.10]", "6.00", "[5.40, 6.60]"),
+    ]
+
+
+def test_remark_names_the_parts_that_it_holds_for():
+    """In words, once; what holds for a split is not said again of its paths."""
+    weak = {"near_zero": "I_P of the baseline is near zero beside I_N"}
+    split = make_split(6.0, (2.0, 3.0), (1.5, 4.0))
+    path = replace(split.paths[0].ruler, notes=("one thing",))
+    split = replace(
+        split,
+        ruler=replace(split.ruler, **weak),
+        behaviour=replace(split.behaviour, **weak),
+        paths=(SplitPath(path, replace(split.paths[0].behaviour, **weak)), split.paths[1]),
+    )
+    remark = f"{weak['near_zero']}: the ratio says little"
+    assert split_grid({"eta_P": split}).notes == [f"ruler of eta_P, behaviour of eta_P: {remark}"]
+    assert path_grid({"eta_P": split}).notes == ["ruler of eta_P on proposed runs: one thing"]
+
+
+def test_near_zero_is_no_big_number(build):
+    """A ratio with an index near zero is called that, in every grid and note; the JSON keeps it."""
+    combination = only(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=3))
+    assert combination.to_json()["eta_P"]["eta"]["value"] > 1e6
+    ratios, parts = ratio_grid(combination.splits), split_grid(combination.splits)
+    assert ratios.rows[1][1:3] == ("near zero", "n/a")
+    assert parts.rows[1][3:] == ("near zero", "n/a", "near zero")
+    assert any(note.startswith(f"eta_P: {combination.eta_p.near_zero}") for note in ratios.notes)
+    assert not any("e+" in text for text in [*parts.notes, *map(str, parts.rows)])
+
+
+def test_missing_ratio_has_its_reason(build):
+    """A ratio that is not defined is n/a, wherever it stands, and a note says why."""
+    combination = only(build(baseline=(39, 0)))
+    (reason,) = combination.eta_p.notes
+    ratios, parts = ratio_grid(combination.splits), split_grid(combination.splits)
+    assert ratios.rows[1][1:3] == ("n/a", "n/a")
+    assert f"eta_P n/a: {reason}" in ratios.notes
+    assert parts.rows[1] == ("eta_P", *["n/a"] * 5)
+    assert f"ruler of eta_P n/a, behaviour of eta_P n/a: {reason}" in parts.notes
+
+
+def test_reward_that_cannot_score_leaves_no_split(build):
+    """A reward whose plugin is not installed: the etas stand, and one note says why they are not split."""
+    combination = only(build(proposed={"gone": (9, 30)}))
+    assert [row[1] for row in ratio_grid(combination.splits).rows] == ["1.00", "1.00"]
+    grid = split_grid(combination.splits)
+    assert (grid.rows, path_grid(combination.splits).rows) == ([], [])
+    (note,) = grid.notes
+    assert "No reward 'gone'" in note
+
+
+def test_one_seed_has_no_interval_and_no_p(build):
+    """With one seed there are ratios and nothing to hold them against, and a note says why."""
+    splits = only(build(seeds=1)).splits
+    ratios, parts = ratio_grid(splits), split_grid(splits)
+    assert ratios.notes[0] == "eta_N, eta_P: one seed: no interval below 3 seeds"
+    assert {row[2] for row in ratios.rows + parts.rows} == {"n/a"}
+    assert {row[5] for row in ratios.rows} == {"n/a"}
+
+
+def test_null_control_is_named(build):
+    """The baseline against itself is marked as A/A, and its ruler is 1 whatever eta is."""
+    _, control = build(a_a=True).combinations
+    assert "A/A" in rewards_text(control)
+    assert {row[1] for row in split_grid(control.splits).rows} == {"1.00"}
+
+
+def test_change_of_the_sum_is_a_sum(build):
+    """I_N + I_P: ruler and behaviour add up to the change, each with its interval."""
+    total = only(build(proposed={"arp": (5, 34)})).decomposition.total
+    grid = sum_grid(total)
+    assert [row[0].strip() for row in grid.rows] == ["change", "of it ruler", "of it behaviour"]
+    assert total.change.mean == pytest.approx(total.ruler.mean + total.behaviour.mean)
+    assert [row[1] for row in grid.rows] == [
+        format_number(it.mean) for it in (total.change, total.ruler, total.behaviour)
+    ]
+    assert all(row[2].startswith("[") for row in grid.rows)
+
+
+def test_change_of_the_sum_stands_without_its_parts(build):
+    """Where the runs could not be scored again: the change, and why there is no more."""
+    grid = sum_grid(only(build(proposed={"gone": (9, 30)})).decomposition.total)
+    assert [row[0] for row in grid.rows] == ["change"]
+    assert "No reward 'gone'" in grid.notes[0]
+
+
+def test_curve_that_never_crosses_over_says_so(build):
+    """A step that does not exist is 'never'."""
+    rows = index_grid(only(build(proposed={"arp": (0, 39)})).decomposition).rows
+    assert [row[2] for row in rows[:2]] == ["never", "never"]
+
+
+def test_indices_are_rounded_as_published(build):
+    """I_N and I_P of the mean curve have one decimal, computed here by hand; so has their sum."""
+    curve = np.concatenate([[0.0], -np.arange(1.0, 10.0), -9.0 + 1.1 * np.arange(1, 31)])  # seeds 0 to 2
+    rows = {row[0]: row[1] for row in index_grid(only(build()).decomposition).rows}
+    assert float(rows["I_N"]) == pytest.approx(np.minimum(curve, 0).sum(), abs=0.05)
+    assert float(rows["I_P"]) == pytest.approx(np.maximum(curve, 0).sum(), abs=0.05)
+    assert float(rows["I_N + I_P"]) == pytest.approx(curve.sum(), abs=0.05)
+
+
+def advised(results, needed=(8, 20)):
+    """The advice where so many seeds would tell."""
+    combination = results.combinations[-1]
+    combination.__dict__["headline"] = replace(combination.headline, seeds_to_decide=needed)
+    return advice(results, combination)
+
+
+def test_advice_is_a_command_that_adds_seeds(build):
+    """The fewest that may tell; those that are done stay done."""
+    results = build()
+    folder = results.folder
+    assert advised(results) == f"More seeds: harness run {folder / 'experiment.toml'} --out {folder} --seeds 8"
+
+
+def test_advice_names_the_upper_end_where_the_lower_one_is_reached(build):
+    """There is no point in fewer seeds than there are."""
+    assert advised(build(seeds=4), (3, 9)).endswith("--seeds 9")
+
+
+def test_no_advice_where_it_would_not_help(build):
+    """Nothing needed or known; seeds that no count gives; the null control, which asks nothing."""
+    assert advised(build(), None) == ""
+    assert advised(build(ended={("arp", 0): ("failed", "it broke")})) == ""
+    assert advised(build(a_a=True)) == ""
+
+
+def test_no_finished_pair_has_no_grids(build):
+    """Without a finished pair there is the reason, and nothing else."""
+    combination = only(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    note, *_ = ratio_grid(combination.splits).notes
+    assert note == f"eta_N n/a, eta_P n/a: {combination.eta_n.note}"
+    splits = combination.splits
+    rest = [split_grid(splits), path_grid(splits), index_grid(combination.decomposition), sum_grid(None)]
+    assert [(grid.rows, grid.notes) for grid in rest] == [([], [])] * 4
+
+
+@pytest.mark.parametrize(("p", "text"), [(0.0312, "0.031"), (0.0004, "< 0.001"), (1.0, "1.000"), (None, "n/a")])
+def test_p_values_have_three_decimals(p, text):
+    """The smallest are not told apart."""
+    assert format_p(p) == text
+
+
+def test_interval_stands_behind_its_ratio_where_there_is_one():
+    """A ratio without an interval, or with one that says little, stands alone."""
+    assert ratio_with_interval(Ratio(2.0, 1.5, 3.0)) == "2.00 [1.50, 3.00]"
+    assert ratio_with_interval(Ratio(2.0)) == "2.00"
+    assert ratio_with_interval(Ratio(None)) == "n/a"
+    assert ratio_with_interval(Ratio(2e9, 1e9, 3e9, near_zero="I_P")) == "near zero"
+
+
+def test_heading_says_which_curve_the_indices_are_of(build):
+    """Accumulated, unless a reader asked for the other."""
+    decomposition = only(build()).decomposition
+    headings = [index_grid(decomposition, kind).headings[0] for kind in ("accumulated", "per-step")]
+    assert headings == ["accumulated reward", "per-step reward"]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.21173264, "0.212"),
+        (9.996, "10.0"),
+        (25.6, "25.6"),
+        (1234.5, "1,230"),
+        (-0.00021, "-0.000210"),
+        (0.0, "0.00"),
+        (-0.0, "0.00"),
+        (-1e-300, "-1.00e-300"),
+        (999_400.0, "999,000"),
+        (1e6, "1.00e+06"),
+        (None, "n/a"),
+    ],
+)
+def test_numbers_have_three_significant_digits(value, text):
+    """Three significant digits, an exponent only far from 1, and n/a for what is no number."""
+    assert format_number(value) == text
+
+
+def test_what_so_few_seeds_can_show_is_said(build):
+    """The smallest p-value that they can give, and how many claims share it."""
+    told = claims_text(only(build(seeds=4)))
+    assert told.endswith("claims, corrected together; no p below 0.12 from 4 seeds")

@@ -1,0 +1,55 @@
+"""What the rewards pay for, beside what the robot did."""
+
+from harness.report.page.html import write_html
+from harness.report.rows.payoff import Payoffs, payoff_story
+
+TEMPTED = Payoffs(
+    ("Not finishing pays more than finishing.",), {"finish": 1.0, "creep": 9.0}, {"finish": 1.0, "creep": 0.0}
+)
+SOUND = Payoffs(("Finishing pays most.",), {"finish": 2.0, "creep": 1.0}, {"finish": 1.0, "creep": 0.0})
+UNKNOWN = Payoffs(("Not known: there is no robot 'x'",), {}, {})
+
+
+def audits(**by_reward):
+    """In the place of the experiments here."""
+    return {("fd100", "fd100-reach", label): payoffs for label, payoffs in by_reward.items()}
+
+
+def test_verdict_is_connected_to_what_the_robot_did(build):
+    """Every failure here is a time-out."""
+    (combination,) = build().combinations
+    story = payoff_story(combination, audits(baseline=TEMPTED, arp=SOUND))
+    assert story.sentences[0].startswith(
+        "baseline: Not finishing pays more than finishing. The robot that learned from it"
+    )
+    assert "ran out of time in 25.0% of the episodes; on average it came as near as 0.04 m" in story.sentences[0]
+
+
+def test_policies_are_ordered_by_what_the_proposed_reward_pays(build):
+    """The best first, both rewards beside one another."""
+    (combination,) = build().combinations
+    story = payoff_story(combination, audits(baseline=TEMPTED, arp=SOUND))
+    assert story.grid.rows == [("finish", "100%", "1.00", "2.00"), ("creep", "0%", "9.00", "1.00")]
+
+
+def test_reason_stands_where_a_reward_could_not_be_asked(build):
+    """And no row."""
+    (combination,) = build().combinations
+    story = payoff_story(combination, audits(baseline=UNKNOWN, arp=UNKNOWN))
+    assert story.sentences == tuple(f"{name}: Not known: there is no robot 'x'" for name in ("baseline", "arp"))
+    assert story.grid.rows == []
+
+
+def test_nobody_asked_no_story(build):
+    """The page says nothing of it."""
+    (combination,) = build().combinations
+    assert payoff_story(combination, {}) is None
+
+
+def test_page_tells_the_story(build, tmp_path):
+    """Under its heading."""
+    write_html(build(), tmp_path / "report.html", audits(baseline=TEMPTED, arp=SOUND))
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "What the rewards pay for" in page
+    assert "What the rewards pay for" in page
+    assert page.index("Accumulated reward</h3>") < page.index("arp: Finishing pays most.")

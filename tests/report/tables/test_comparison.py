@@ -1,0 +1,207 @@
+import re
+from dataclasses import replace
+from functools import cache
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from harness.report.rows.behaviour import along_grid, behaviour_grids
+from harness.report.rows.comparison import SPLIT, TESTS, index_grid, ratio_grid, split_grid, sum_grid
+from harness.report.rows.returns import EXPLANATION
+from harness.report.tables.comparison import comparison_table
+from tests.report.conftest import MIXTURE
+
+CASES = {
+    "plain": {},
+    "large": {"baseline": (20, 19, 1e8), "proposed": {"arp": (20, 19, 1e8)}},
+    "noise": {"seeds": 5},
+    "one seed": {"seeds": 1},
+    "along the budget": {"learned": {10: 1, 20: 2}},
+    "null control": {"a_a": True, "proposed": {}},
+    "not scorable": {"proposed": {"gone": (9, 30)}},
+    "near zero": {"baseline": (9, 9), "proposed": {"arp": (1, 3_000)}, "seeds": 2},
+    "paths disagree": {"baseline": (9, 12), "proposed": {"arp": (1, 20)}},
+    "never positive": {"baseline": (39, 0)},
+}
+
+
+def printed(results, width=80, **console):
+    """The table as it goes to a pipe, unless `console` says otherwise."""
+    output = StringIO()
+    Console(file=output, width=width, **console).print(comparison_table(results))
+    return output.getvalue()
+
+
+def grids_of(combination):
+    """All that stand in a combination's block."""
+    decomposition, splits = combination.decomposition, combination.splits
+    numbers = [ratio_grid(splits), split_grid(splits), sum_grid(decomposition.total), index_grid(decomposition)]
+    return [behaviour_grids(combination)[0], along_grid(combination), *numbers]
+
+
+def squeezed(text):
+    """The text with its line breaks undone."""
+    return " ".join(text.split())
+
+
+@pytest.fixture(scope="module")
+def built(build):
+    """The results of a case, written and compared once for all widths."""
+    return cache(lambda case: build(**CASES[case]))
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("width", [60, 80, 100])
+def test_nothing_is_cut(built, case, width):
+    """Every value stands whole in the table, indices of ten and more digits included, and so does every note."""
+    results = built(case)
+    (combination,) = results.combinations
+    text = printed(results, width)
+    for grid in grids_of(combination):
+        assert all(value in text for row in grid.rows for value in row[1:])
+        assert all(heading in text for heading in grid.headings[1:] if grid.rows)
+        assert all(squeezed(note) in squeezed(text) for note in grid.notes)
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= width
+
+
+def test_names_stay_readable_in_a_narrow_window(build):
+    """At 60 columns every measure of behaviour has its whole name, word by word, beside each of its values."""
+    results = build()
+    words = [word for row in behaviour_grids(results.combinations[0])[0].rows for word in row[0].split()]
+    text = printed(results, width=60)
+    text = text[text.index("Behaviour of") : text.index("eta = proposed")]
+    _, *tables = re.split("^─+$", text, flags=re.MULTILINE)
+    assert len(tables) == 2
+    for table in tables:
+        assert all(word in table for word in words)
+
+
+def test_wide_behaviour_is_not_cut(build):
+    """Where the numbers of behaviour are as wide as they get, they stand in two tables."""
+    results = build(reached={"arp": lambda seed: [9] * seed})
+    (combination,) = results.combinations
+    wide = {"baseline": 0.000123, "proposed": 0.000123, "random": -0.000123}
+    changes = [
+        replace(
+            change, measure=change.measure._replace(unit="m"), **wide, low=-0.000123, high=-0.000123, corrected=0.01
+        )
+        for change in combination.changes_of("deterministic")
+    ]
+    results.__dict__["combinations"] = (replace(combination, changes=tuple(changes)),)
+    text = printed(results)
+    assert text.count("[-0.000123, -0.000123]") == len(changes)
+    assert len(re.findall(r" 0\.010\b", text)) >= len(changes)
+
+
+def test_combination_says_what_was_compared(build):
+    """A block names the simulator, the algorithm, both rewards and the seeds."""
+    text = printed(build(seeds=2))
+    assert "mujoco · sac · fd100 · fd100-reach" in text
+    assert "arp against baseline" in text
+    assert "2 seeds (0, 1) compared" in text
+
+
+def test_answer_comes_first(build):
+    """The robot, then the number, in words; then behaviour, the etas, their parts, and the indices."""
+    results = build()
+    (combination,) = results.combinations
+    text = squeezed(printed(results))
+    headline = combination.headline
+    words = ["The robot: CANNOT TELL", headline.robot, "The number", headline.number]
+    titles = ["Behaviour of the", "eta = proposed", "eta = ruler x", "I_N + I_P, proposed", "accumulated reward"]
+    places = [text.index(squeezed(part)) for part in (*words, *titles)]
+    assert places == sorted(places)
+
+
+def test_answer_is_bold(build):
+    """In a terminal the answer stands out; into a pipe goes plain text."""
+    results = build()
+    assert "\x1b[1mThe robot: CANNOT TELL" in printed(results, force_terminal=True)
+    assert "\x1b" not in printed(results)
+
+
+def test_ruler_and_behaviour_are_explained_once(build):
+    """However many combinations there are, one sentence says what ruler and behaviour mean."""
+    text = squeezed(printed(build(simulators=("mujoco", "pybullet"))))
+    assert text.count(SPLIT) == 1
+
+
+def test_what_is_not_split_is_not_explained(build):
+    """Where no reward could score the other's runs, there is no ruler to explain."""
+    text = squeezed(printed(build(proposed={"gone": (9, 30)})))
+    assert "No reward 'gone'" in text
+    assert SPLIT not in text
+
+
+def test_what_p_means_is_told_once(build):
+    """However many combinations there are."""
+    text = squeezed(printed(build(simulators=("mujoco", "pybullet"))))
+    assert text.count(TESTS) == 1
+
+
+def test_command_for_more_seeds_stands_under_the_answer(build):
+    """Where more seeds would tell."""
+    results = build()
+    (combination,) = results.combinations
+    combination.__dict__["headline"] = replace(combination.headline, seeds_to_decide=(8, 20))
+    text = printed(results, width=400)
+    assert text.index(combination.headline.robot) < text.index("More seeds: harness run ") < text.index("The number")
+
+
+def test_no_finished_pair_is_said(build):
+    """A combination without a finished pair shows n/a and why, and no empty tables."""
+    results = build(seeds=1, ended={("arp", 0): ("failed", "it broke")})
+    text = printed(results)
+    assert results.combinations[0].eta_n.note in squeezed(text)
+    assert "success rate" not in text
+    assert "ruler" not in text
+
+
+def test_failed_cell_is_listed_with_its_reason(build):
+    """A failed cell has a line with its title and its reason."""
+    text = printed(build(ended={("arp", 1): ("failed", "SimulationDiverged: qpos is not finite")}))
+    assert "failed: mujoco · sac · arp · seed 1: SimulationDiverged: qpos is not finite" in squeezed(text)
+    assert "6 cells: 5 done, 1 failed" in text
+
+
+def test_pending_and_skipped_cells_are_counted(build):
+    """Cells that did not run are counted by reason."""
+    ended = {("arp", 1): ("pending", ""), ("arp", 2): ("pending", ""), ("arp", 0): ("skipped", "sac cannot")}
+    text = printed(build(ended=ended))
+    assert "2 pending: not run yet" in text
+    assert "1 skipped: sac cannot" in text
+
+
+def test_markup_in_a_reason_is_text(build):
+    """What looks like rich markup is printed as it is."""
+    assert "[bold]no[/bold] [m]" in printed(build(ended={("arp", 1): ("failed", "[bold]no[/bold] [m]")}))
+
+
+def test_returns_under_every_reward_are_shown(build):
+    """Below the combinations, with what rows and columns are."""
+    text = squeezed(printed(build()))
+    assert "evaluation return, scored by baseline arp" in text
+    assert "events, paid on top" in text
+    assert squeezed(EXPLANATION) in text
+
+
+@pytest.mark.parametrize("manner", ["deterministic", "stochastic"])
+def test_manner_of_evaluation_is_shown(build, manner):
+    """Whether policies drew their actions."""
+    assert f"trained policies, {manner}, 4 episodes" in printed(build(deterministic=manner == "deterministic"))
+
+
+def test_wide_returns_are_not_cut(build):
+    """Many trainings stand below one another."""
+    proposed = dict.fromkeys(["arp", "relative", "adaptive", "sparse"], (9, 30))
+    text = printed(build(proposed=proposed))
+    assert "…" not in text
+    assert all(label in text for label in proposed)
+
+
+def test_mixture_is_marked(mixed):
+    """Above what was found."""
+    text = squeezed(printed(mixed))
+    assert text.index(MIXTURE) < text.index("The robot:")

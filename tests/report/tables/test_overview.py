@@ -1,0 +1,81 @@
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from harness.report.tables.overview import overview_table
+from tests.report.conftest import MIXTURE
+from tests.report.tables.test_comparison import CASES, squeezed
+
+REWARDS = {"arp": (9, 30), "relative": (9, 20), "scaled:factor=1.5": (9, 30)}
+
+
+def printed(results, width=80, **console):
+    """The overview as it goes to a pipe, unless `console` says otherwise."""
+    output = StringIO()
+    Console(file=output, width=width, **console).print(overview_table(results, "harness report DIR --details"))
+    return output.getvalue()
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+@pytest.mark.parametrize("case", CASES)
+def test_nothing_is_cut(build, case, width):
+    """One line holds the answer and both etas, whatever they are."""
+    text = printed(build(**CASES[case]), width)
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= width
+
+
+def test_a_matrix_is_one_line_per_comparison(build):
+    """What is the same everywhere is said once, and the groups are headed by what differs."""
+    text = printed(build(proposed=REWARDS, simulators=("mujoco", "pybullet")))
+    assert text.splitlines()[0] == "sac · fd100 · fd100-reach · against baseline · 40 steps · 3 seeds"
+    assert [text.count(f"\n{label} ") for label in REWARDS] == [2, 2, 2]
+    assert [text.count(f"\n{name}\n") for name in ("mujoco", "pybullet")] == [1, 1]
+    assert len(text.splitlines()) < 30
+
+
+def test_one_reward_on_several_simulators_is_named_by_them(build):
+    """The reward is what is the same."""
+    text = printed(build(simulators=("mujoco", "pybullet")))
+    assert text.startswith("sac · fd100 · fd100-reach · arp · against baseline")
+    assert "\nmujoco  " in text
+    assert "\npybullet  " in text
+
+
+def test_intervals_stand_where_there_is_room(build):
+    """At 120 columns; at 60 the lines would be broken."""
+    results = build()
+    assert "0.843 [.82, .86]" in printed(results, 120)
+    assert "0.843  " in printed(results, 60)
+
+
+def test_a_single_comparison_is_told_in_sentences(build):
+    """Those of the report; of many they stand behind `--details`."""
+    (combination,) = (results := build()).combinations
+    text = squeezed(printed(results))
+    assert squeezed(combination.headline.robot) in text
+    assert squeezed(combination.headline.number) in text
+    assert "More seeds: harness run" in text
+    assert "More seeds" not in printed(build(proposed=REWARDS))
+
+
+def test_answer_has_a_colour_beside_its_word(build):
+    """On a terminal alone, and there not against NO_COLOR."""
+    helped = build(seeds=6, reached={"arp": lambda seed: (8, 9, 10, 8), "baseline": lambda seed: ()})
+    assert "\x1b[1;32m" in printed(helped, force_terminal=True, color_system="standard")
+    assert "\x1b[1;32m" not in printed(helped, force_terminal=True, color_system="standard", no_color=True)
+    assert "HELPS" in printed(helped)
+
+
+def test_cells_that_are_not_done_are_told(build):
+    """And where all the rest is."""
+    text = printed(build(ended={("arp", 0): ("failed", "the arm fell off"), ("arp", 1): ("pending", "")}))
+    assert "6 cells: 4 done, 1 failed, 1 pending" in text
+    assert "the arm fell off" in text
+    assert text.endswith("All numbers behind this: harness report DIR --details\n")
+
+
+def test_mixture_is_marked(mixed):
+    """A warning does not wait for the details."""
+    assert MIXTURE in squeezed(printed(mixed))
