@@ -150,9 +150,8 @@ def test_task(check: Callable[..., None], name: str):
 def test_task_with_every_action_mode(name: str, action: str, monkeypatch: pytest.MonkeyPatch):
     """Every registered task keeps the contract whatever the learner does in it; what is drawn is as in `test_task`."""
     for module in ("checks", "goals"):
-        monkeypatch.setattr(
-            f"harness.testing.tasks.{module}.DECISIONS", 25
-        )  # `test_task` takes as many as the kit does
+        # `test_task` takes as many as the kit does
+        monkeypatch.setattr(f"harness.testing.tasks.{module}.DECISIONS", 25)
     task, robot = REGISTRY.get("tasks", name).load()(action=action), robot_of(name)
     checks = [check for check in TASK_CHECKS if check not in DRAW_CHECKS]
     assert list(violations(checks, task, robot)) == []
