@@ -98,7 +98,7 @@ def test_ctrl_c_keeps_what_is_finished(toys, tmp_path):
     process.send_signal(signal.SIGINT)
     told = process.communicate(timeout=30)[1]
     assert process.returncode == 130
-    assert "finished cells are kept in 'mine', the same command goes on from there" in told
+    assert "finished cells are kept in 'mine'. The same command goes on with the rest" in told
     with pytest.raises(ProcessLookupError):
         os.kill(worker, 0)
 
