@@ -13,7 +13,7 @@ import pytest
 import harness
 from harness.record.recording.recorded_training import read_recording
 
-MICROSECONDS = 10.0
+MICROSECONDS, SHARE = 10.0, 0.97
 
 
 class Free(gymnasium.Env[Any, Any]):
@@ -70,10 +70,12 @@ def test_two_rewards_take_ten_microseconds_a_step(
 
 
 @pytest.mark.bench
-def test_recorded_training_is_as_fast_as_a_bare_one(
-    tmp_path: Path, require_speed: Callable[..., None], amount: Callable[[int, int], int]
-):
-    """PPO of stable-baselines3 on Pendulum, 0.97 of its speed at least."""
+def test_recorded_training_is_as_fast_as_a_bare_one(tmp_path: Path, is_timed: bool, amount: Callable[[int, int], int]):
+    """PPO of stable-baselines3 on Pendulum, 0.97 of its speed at least.
+
+    By CPU time, in pairs that begin with the one and the other in turn: trainings of a second differ by a tenth in what
+    the clock shows, even where nothing else runs.
+    """
     ppo = pytest.importorskip("stable_baselines3").PPO
     steps = amount(2_048, 64)
 
@@ -81,12 +83,21 @@ def test_recorded_training_is_as_fast_as_a_bare_one(
         ppo("MlpPolicy", env, n_steps=steps, seed=0).learn(steps)
         env.close()
 
-    require_speed(
-        lambda: train(gymnasium.make("Pendulum-v1")),
-        lambda: train(_record(gymnasium.make("Pendulum-v1"), tmp_path / str(time.monotonic_ns()))),
-        at_least=0.97,
-        rounds=15,
-    )
+    def bare() -> float:
+        begin = time.process_time()
+        train(gymnasium.make("Pendulum-v1"))
+        return time.process_time() - begin
+
+    def recorded() -> float:
+        begin = time.process_time()
+        train(_record(gymnasium.make("Pendulum-v1"), tmp_path / str(time.monotonic_ns())))
+        return time.process_time() - begin
+
+    turns = [(bare(), recorded()) if turn % 2 else (recorded(), bare())[::-1] for turn in range(amount(33, 2))]
+    ratio = statistics.median(alone / beside for alone, beside in turns[1:])  # the first one imports
+    print(f"\n  a recorded training has {ratio:.3f} of the speed of a bare one")  # noqa: T201
+    if is_timed:
+        assert ratio >= SHARE
     recordings = [read_recording(folder) for folder in tmp_path.iterdir()]
     assert recordings
     assert all(len(recording) == steps for recording in recordings)
