@@ -21,17 +21,22 @@ from harness.video.film import HELD
 TOY = str(Path(__file__).parents[1] / "experiment" / "environments" / "toy.py")
 
 
-@pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
-    """An experiment of two rewards and one seed, in an env that draws a point on a line."""
-    folder, given = tmp_path_factory.mktemp("toy") / "experiment", read_given([TOY])
+def run_some(folder: Path, cells: int) -> Results:
+    """An experiment of two rewards and one seed, in an env that draws a point on a line: so many cells are done."""
+    given = read_given([TOY])
     asked = {"task": "toy", "algo": "random", "seeds": 1, "steps": 16, "evaluation_episodes": 2}
     plan = expand(check_experiment(asked), load_registry(given=given))
     store = Store.create(folder, plan)
-    for cell in plan.cells:
+    for cell in plan.cells[:cells]:
         done = run_cell(cell, store.cell_folder(cell), lambda word: None, CellOptions(plugins=given))
         assert done.status == "done"
     return load_results(folder, plugins=[TOY])
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+    """Both cells are done."""
+    return run_some(tmp_path_factory.mktemp("toy") / "experiment", 2)
 
 
 @pytest.fixture
@@ -56,6 +61,18 @@ def test_the_command_films_an_environment_too(results: Results, tmp_path: Path):
         main(["video", str(results.folder), "--plugin", TOY, "--episodes", "1", "--out", str(film)])
     assert not ended.value.code
     assert film.read_bytes().startswith(b"GIF8")
+
+
+def test_a_baseline_without_another_reward_is_shown_alone(tmp_path: Path):
+    """As in an experiment that goes on."""
+    (frame, *_) = environment_film(run_some(tmp_path / "experiment", 1), [], 1)
+    assert frame.image.width == 320
+
+
+def test_where_no_cell_is_done_there_is_nothing_to_show(tmp_path: Path):
+    """It is told by the folder."""
+    with pytest.raises(UsageError, match="has nothing to show: no cell is done"):
+        list(environment_film(run_some(tmp_path / "experiment", 0), [], 1))
 
 
 def test_a_named_cell_is_shown_alone(results: Results):
