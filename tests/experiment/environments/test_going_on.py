@@ -21,8 +21,8 @@ from harness.record.folder import (
     partial_folder,
 )
 from harness.record.manifest import Manifest, digests_in, read_manifest
-from harness.registry.given import Given, read_given
-from harness.registry.registry import Registry, load_registry
+from harness.registry.given import Given
+from harness.registry.registry import Registry
 
 FOLDER = Path(__file__).parent
 EVERY = 50
@@ -40,18 +40,6 @@ CASES = [
     pytest.param(algo, marks=[pytest.mark.slow] * (name not in ("sac-fast", "random, 2 envs", "her, 2 envs")), id=name)
     for name, algo in LEARNERS.items()
 ]
-
-
-@pytest.fixture(scope="module")
-def given() -> tuple[Given, ...]:
-    """A toy with goals, and one without."""
-    return read_given([FOLDER / "goal_toy.py", FOLDER / "toy.py"])
-
-
-@pytest.fixture(scope="module")
-def registry(given: tuple[Given, ...]) -> Registry:
-    """The installed plugins and the toys."""
-    return load_registry(given=given)
 
 
 def _cell(registry: Registry, algo: str, **keys: Any) -> Cell:

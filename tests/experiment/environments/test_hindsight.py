@@ -12,23 +12,11 @@ from harness.experiment.run_cell import run_cell
 from harness.record.folder import EVALUATION_RECORDING, LOG, TRAINING_RECORDING
 from harness.record.manifest import Manifest, digests_in
 from harness.record.recording.recorded_training import read_recording
-from harness.registry.given import Given, read_given
-from harness.registry.registry import Registry, load_registry
+from harness.registry.given import Given
+from harness.registry.registry import Registry
 
 FOLDER = Path(__file__).parent
 SMALL = "net_arch=32,batch_size=64,learning_starts=50,learning_rate=0.003"
-
-
-@pytest.fixture(scope="module")
-def given() -> tuple[Given, ...]:
-    """A toy with goals, and one without."""
-    return read_given([FOLDER / "goal_toy.py", FOLDER / "toy.py"])
-
-
-@pytest.fixture(scope="module")
-def registry(given: tuple[Given, ...]) -> Registry:
-    """The installed plugins and the toys."""
-    return load_registry(given=given)
 
 
 def _plan(registry: Registry, algo: str, **keys: Any) -> Plan:
