@@ -264,8 +264,7 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
         there = columns if version > 1 or columns is None else _columns_of_1(columns)
         _require_columns(file.schema_arrow, there or [], path)
         _require_rows(file, path)
-        # In this thread: of a damaged file, Arrow's others may still read when the first one has given up, and crash.
-        table, facts = file.read(columns=there, use_threads=False), _facts(file)
+        table, facts = file.read(columns=there), _facts(file)
         arrays = {name: _to_numpy(table.column(name), f"{path}: {name}") for name in table.column_names}
     if version == 1:
         terminated = arrays["ground"] | arrays["reached"]

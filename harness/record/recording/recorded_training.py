@@ -152,7 +152,7 @@ def read_part(path: Path, schema: pa.Schema) -> pa.Table:
             raise SchemaError(f"{path} has other columns than {facts_name(int(path.name.split('-')[1]))} tells")
         if file.metadata.num_rows > PART_ROWS:
             raise SchemaError(f"{path} has {file.metadata.num_rows:,} steps, {PART_ROWS:,} are allowed")
-        table = file.read(use_threads=False)  # as traces are read, see `harness.record.trace.read_trace`
+        table = file.read()
         if any(column.null_count for column in table.columns):
             raise SchemaError(f"{path} has gaps")
         return table
