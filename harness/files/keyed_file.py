@@ -10,10 +10,12 @@ from harness.files.whole_file import write_whole
 def write_keyed(path: Path, key: str, content: bytes) -> None:
     """Write a file that `read_keyed` gives back under the same key alone, a line of text.
 
+    It is not synced to the disk: `read_keyed` tells a file that a stopped machine left empty, and it is made again.
+
     Raises:
         OSError: It cannot be written.
     """
-    write_whole(path, with_key(key, content))
+    write_whole(path, with_key(key, content), synced=False)
 
 
 def read_keyed(path: Path, key: str, most: int) -> bytes | None:

@@ -10,11 +10,15 @@ PARTIAL = ".partial"
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, *, synced: bool = True) -> Iterator[Path]:
     """A place beside `path` to write to; what is written there takes the place of `path` when the block ends.
 
     A reader finds the old file or the new one, whole. When an exception passes, the old one stays. A link at `path` is
     replaced, not followed.
+
+    Args:
+        path: The file.
+        synced: Whether to wait for the disk. A machine that stops may leave a file empty that was not synced.
 
     Raises:
         OSError: The file cannot take its place.
@@ -23,17 +27,19 @@ def whole_file(path: Path) -> Iterator[Path]:
     partial.unlink(missing_ok=True)  # of a killed process with this number, or a link that somebody laid there
     try:
         yield partial
-        sync(partial)  # else a machine that stops could leave the new name on an empty file
+        if synced:
+            sync(partial)
         os.replace(partial, path)
-        sync(path.parent)
+        if synced:
+            sync(path.parent)
     finally:
         with suppress(OSError):  # gone if it took its place, never there if it could not be written
             partial.unlink()
 
 
-def write_whole(path: Path, content: str | bytes) -> None:
+def write_whole(path: Path, content: str | bytes, *, synced: bool = True) -> None:
     """Write a file, text as UTF-8; see `whole_file`."""
-    with whole_file(path) as partial:
+    with whole_file(path, synced=synced) as partial:
         partial.write_bytes(content.encode() if isinstance(content, str) else content)
 
 

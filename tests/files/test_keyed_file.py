@@ -1,5 +1,6 @@
 """Files that say themselves whether they are whole, and whose they are."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -51,3 +52,14 @@ def test_file_that_is_too_large_gives_nothing(file: Path):
 def test_missing_file_gives_nothing(tmp_path: Path):
     """Whoever asks makes it."""
     assert read_keyed(tmp_path / "none", "mine", 2**20) is None
+
+
+def test_writing_waits_for_no_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """What a stopped machine leaves of it is found damaged, and made again."""
+
+    def wait(number: int) -> None:
+        raise AssertionError("it was synced")
+
+    monkeypatch.setattr(os, "fsync", wait)
+    write_keyed(tmp_path / "it", "mine", CONTENT)
+    assert read_keyed(tmp_path / "it", "mine", 2**20) == CONTENT

@@ -1,5 +1,6 @@
 """Files that are there completely or not at all."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -38,3 +39,17 @@ def test_half_written_file_is_known_by_its_name(tmp_path: Path):
         partial.touch()
         assert is_partial(partial)
     assert not is_partial(tmp_path / "plan.json")
+
+
+@pytest.mark.parametrize("synced", [True, False])
+def test_bytes_are_on_the_disk_before_the_name_and_the_name_before_it_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, synced: bool
+):
+    """A machine that stops leaves the old file or the new one; a file that is not synced waits for no disk."""
+    done: list[object] = []
+    replace = os.replace
+    monkeypatch.setattr(os, "fsync", lambda number: done.append(os.fstat(number).st_ino))
+    monkeypatch.setattr(os, "replace", lambda old, new: (done.append("renamed"), replace(old, new)))
+    path = tmp_path / "plan.json"
+    write_whole(path, "new", synced=synced)
+    assert done == ([path.stat().st_ino, "renamed", tmp_path.stat().st_ino] if synced else ["renamed"])
