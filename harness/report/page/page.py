@@ -1,5 +1,6 @@
 """One HTML file that opens anywhere, offline."""
 
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +18,19 @@ def render_page(template: Path, noun: str, **values: Any) -> str:
         import jinja2
     except ImportError as error:
         raise UsageError(f"{noun} needs {error.name}: pip install 'fd100-harness[report]'") from error
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader([template.parent, Path(__file__).parent]),
+    return _environment(template.parent, jinja2).get_template(template.name).render(**values)
+
+
+@lru_cache(maxsize=8)
+def _environment(folder: Path, jinja2: Any) -> Any:
+    """One for all pages of a folder's templates: it keeps them compiled, which takes longer than to fill them in."""
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader([folder, Path(__file__).parent]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(template.name).render(**values)
 
 
 def write_page(page: str, path: Path, noun: str) -> None:
