@@ -41,8 +41,13 @@ TASKS: dict[str, dict[str, Any]] = {
         "variants": 2,
     },
 }
-MOMENTS = (1, 22, 23, 61)
-"""Decisions after which the env's state is taken: early and late in episodes, and where one has just begun."""
+GOES_ON = 1.3
+"""Episodes for which it is compared how an env goes on, at most: where one ends and where the next one begins."""
+
+
+def _moments(episode: int) -> tuple[int, ...]:
+    """Decisions after which the env's state is taken: early and late in episodes, and where one has just begun."""
+    return 1, episode - 1, episode, 8 * episode // 3
 
 
 def _open(simulator: str, task: dict[str, Any], num_envs: int, reward: str = "baseline") -> ReachVectorEnv:
@@ -94,22 +99,29 @@ def test_restored_env_goes_on_as_the_other(simulator: str, task: str, num_envs: 
     """Observations, rewards, ends, infos and the whole record, in the middle of episodes and where they end."""
     env = _open(simulator, TASKS[task], num_envs)
     env.reset(seed=5)
-    actions, states = _actions(env, 80), {}
-    for number, action in enumerate(actions):
-        if number in MOMENTS:
+    episode = TASKS[task]["horizon"] // TASKS[task].get("decision_period", 1)
+    moments, goes_on = _moments(episode), int(GOES_ON * episode)
+    actions, states = _actions(env, 7 * episode // 2), {}
+    for number, action in enumerate(actions[: moments[-1] + 1]):
+        if number in moments:
             states[number] = env.state()
         env.step(action)
     straight = _open(simulator, TASKS[task], num_envs)
     straight.reset(seed=5)
-    told = _told(straight, actions)
+    told, steps = [], [straight.environment_steps]
+    for action in actions:
+        told += _told(straight, [action])
+        steps.append(straight.environment_steps)
+    assert len(states) == len(moments)
     for number, state in states.items():
         again = _open(simulator, TASKS[task], num_envs)
         again.restore(state)
         last = again.state()
         # What an arm was told before its last reset is told no more.
         assert all(np.array_equal(last[name], state[name]) for name in state if name != "simulation.targets")
-        assert _is_same(told[number:], _told(again, actions[number:]))
-        assert again.environment_steps == straight.environment_steps
+        until = min(number + goes_on, len(actions))
+        assert _is_same(told[number:until], _told(again, actions[number:until]))
+        assert again.environment_steps == steps[until]
         again.close()
     for opened in (env, straight):
         opened.close()

@@ -37,11 +37,11 @@ def report(folder: Path) -> Taken:
     return Taken(seconds, after.ru_maxrss / 1024, json.loads(said))
 
 
-def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int) -> Path:
+def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int, executor: str) -> Path:
     """Of four trainings under each of two rewards."""
     run(
         out=tmp_path / "real", sim="kinematic", algo="random", robot="unity-arm", task="arp-2021", seeds=4, steps=steps,
-        evaluation_episodes=2, jobs=2,
+        evaluation_episodes=2, jobs=2, executor=executor,
     )  # fmt: skip
     registry = load_registry()
     copy_experiment(tmp_path / "real", tmp_path / "copies", proposed, seeds, registry)
@@ -49,9 +49,10 @@ def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int) -> Path:
     return tmp_path / "copies"
 
 
+@pytest.mark.usefixtures("toys")
 def test_copies_are_compared(tmp_path: Path):
     """Every reward with the baseline over all seeds, split by what the other would have paid."""
-    folder = copies(tmp_path, 300, many_rewards(2), 6)
+    folder = copies(tmp_path, 300, many_rewards(2), 6, "here")
     taken = report(folder)
     for combination in taken.said["combinations"]:
         assert combination["seeds"] == list(range(6))
@@ -64,7 +65,7 @@ def test_copies_are_compared(tmp_path: Path):
 @pytest.mark.parametrize("name", FOLDERS)
 def test_report_of_a_thousand_cells(tmp_path: Path, name: str):
     """So many CPU seconds and so much memory, however the cells are put together."""
-    taken = report(copies(tmp_path, 55_000, *FOLDERS[name]))
+    taken = report(copies(tmp_path, 55_000, *FOLDERS[name], "processes"))
     assert len(taken.said["cells"]) == 1_000
     assert taken.seconds < CPU_SECONDS, f"{taken.seconds:.1f} s"
     assert taken.megabytes < MEGABYTES, f"{taken.megabytes:.0f} MB"
