@@ -215,8 +215,8 @@ def test_a_cell_that_hangs_is_ended(make_cell: Callable[..., Cell], tmp_path: Pa
 def test_a_cell_that_takes_too_long_is_ended(make_cell: Callable[..., Cell], tmp_path: Path):
     """Whether it gets on or not."""
     cell = _that(make_cell, "hang")
-    last = _run([cell], tmp_path, options=CellOptions(limits=Limits(cell_time=3.0)))
-    assert last[cell.id].reason == "it took longer than the 3 s that --cell-time allows"
+    last = _run([cell], tmp_path, options=CellOptions(limits=Limits(cell_time=1.5)))
+    assert last[cell.id].reason == "it took longer than the 1.5 s that --cell-time allows"
 
 
 def test_a_cell_that_hoards_memory_is_ended(make_cell: Callable[..., Cell], tmp_path: Path):
