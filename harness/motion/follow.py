@@ -11,6 +11,7 @@ from harness.arrays import Float, Mask
 from harness.motion.limits import JointLimits, stopping_speed
 from harness.motion.motion import Move
 from harness.robot import Robot
+from harness.robot.kinematics import child_frames, position_jacobian_of, tip_position
 
 Way: TypeAlias = Callable[[Float], Float]
 """Where the end effector is, from its start, (n, 3), world frame [m], when the shares (n, 1) of a way are gone."""
@@ -97,14 +98,16 @@ class Follower:
         """Joint targets and speeds for one part of a way, what share of it is done, and where it cannot be done."""
         limits = self.limits
         low, high = limits.bounds(qpos, qvel)
-        jacobian = self.robot.jacobian(qpos)
+        frames = child_frames(self.robot.chain, qpos)
+        jacobian = position_jacobian_of(self.robot.chain, frames)
         goal = way(np.ones((len(qpos), 1)))
         whole, free = self._whole(qpos, jacobian, goal)
         room = _smallest(self._room(qpos, whole), whole)
         ease = self._ease(jacobian, whole)
         later = _least_squares(self.robot.jacobian(qpos + ease * whole) * free[:, None], goal, SLIGHT)
         share = self._share(whole, room, np.minimum(ease, self._bend(ease, whole, later)), low, high)
-        share, movement, unreachable = self._fit(_Part(qpos, way, free, low, high), share, whole)
+        part = _Part(qpos, tip_position(self.robot.chain, frames), way, free, low, high)
+        share, movement, unreachable = self._fit(part, share, whole)
         held = unreachable | (room[:, 0] < STUCK)
         share = np.where(held[:, None] | ~whole.any(axis=-1, keepdims=True), 0.0, share)
         speed = np.where(share > 0.0, movement / limits.period, self._braked(qvel))
@@ -172,15 +175,16 @@ class Follower:
 
     def _solve(self, part: "_Part", guess: Float, share: Float) -> tuple[Float, Mask]:
         """The joint movement, near `guess`, for a share of a part, (n, dof); and where there is none."""
-        qpos, way = part.qpos + guess, part.way(share)
-        point = self.robot.end_effector(part.qpos) + way
+        chain, qpos, way = self.robot.chain, part.qpos + guess, part.way(share)
+        point = part.start + way
         for _ in range(ITERATIONS):
-            error = point - self.robot.end_effector(qpos)
+            frames = child_frames(chain, qpos)
+            error = point - tip_position(chain, frames)
             # Each arm on its own: what it does must not depend on the arms beside it.
             wrong = np.linalg.norm(error, axis=-1) > ON_THE_WAY
             if not wrong.any():
                 return qpos - part.qpos, wrong
-            step = _least_squares(self.robot.jacobian(qpos) * part.free[:, None], error, STRONG)
+            step = _least_squares(position_jacobian_of(chain, frames) * part.free[:, None], error, STRONG)
             qpos = np.where(wrong[:, None], qpos + step, qpos)
         missed = np.linalg.norm(point - self.robot.end_effector(qpos), axis=-1)
         return qpos - part.qpos, missed > MISSED * np.linalg.norm(way, axis=-1) + ON_THE_WAY
@@ -197,9 +201,13 @@ def _section(way: Way, gone: Float, parts: int, share: Float) -> Float:
 
 
 class _Part(NamedTuple):
-    """One part of a way, from joint positions `qpos`, with what the joints can do in it, (n, dof) each."""
+    """One part of a way, from joint positions `qpos`, with what the joints can do in it, (n, dof) each.
+
+    `start` is where the end effector is then, (n, 3), [m].
+    """
 
     qpos: Float
+    start: Float
     way: Way
     free: Mask
     low: Float
