@@ -3,13 +3,13 @@
 import math
 import os
 import weakref
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
-from harness.recorder.column import Column, Given, Untold, as_number
+from harness.recorder.column import Column, Given, Measure, Untold, as_number
 from harness.recorder.env_facts import LEARNERS
 from harness.recorder.recorder import OnError, Recorder, differs, kept
 
@@ -166,10 +166,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         after = kept(observation) if self._looks else None
         row: list[float] = [self._time, 0, self._episode, self._step]
         for column, measure in self._columns:
-            value = NAN
+            value: Any = NAN
             if not column.given_up:
                 try:
-                    value = measure(self._before, action, after, info, paid)
+                    value = paid if measure is None else measure(self._before, action, after, info)
                     if type(value) is not float or not math.isfinite(value):  # else a call less
                         value = as_number(value)
                 except Exception as error:  # whatever rewards of users raise
@@ -180,21 +180,20 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         trained = self._recorder.trained
         if trained is not None and differs(row[4 + trained], paid):
             self._recorder.tell_paid_otherwise(row[4 + trained], float(paid), 0, self._episode, self._step)
-        self._recorder.write([[*row, terminated, truncated]])
+        self._recorder.add([*row, terminated, truncated])
         self._before, self._time, self._step = after, self._time + 1, self._step + 1
         return row[4:]
 
 
-def _measure_of(column: Column) -> Callable[[Any, Any, Any, Any, Any], Any]:
-    """How a column is measured, of (observation, action, next observation, info, payment)."""
+def _measure_of(column: Column) -> Measure | None:
+    """How a column is measured; None for what the env pays."""
     if column.is_own:
-        return lambda before, action, after, info, paid: paid
+        return None
     if column.key is None:
-        measure = column.measures[0]
-        return lambda before, action, after, info, paid: measure(before, action, after, info)
+        return column.measures[0]
     key = column.key
 
-    def told(before: Any, action: Any, after: Any, info: Any, paid: Any) -> Any:
+    def told(observation: Any, action: Any, next_observation: Any, info: Any, /) -> Any:
         if key not in info:
             raise Untold(key, [*info])
         return info[key]

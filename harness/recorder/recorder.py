@@ -125,6 +125,20 @@ class Recorder:
             f'What it is paid can be recorded too: rewards={{..., "{OWN}": "{OWN}"}}, trained_with="{OWN}"',
         )
 
+    def add(self, row: list[float]) -> None:
+        """Write a row, which is the recorder's from now on.
+
+        Raises:
+            StorageError: It cannot be written, and the user wants errors raised.
+        """
+        if self._stopped:
+            return
+        try:
+            self._writer.add(row)
+        except OSError as error:
+            self._stopped = True
+            self._tell(*self._unwritten(error))
+
     def write(self, rows: Rows) -> None:
         """Write rows.
 
@@ -137,18 +151,23 @@ class Recorder:
             self._writer.append(rows)
         except OSError as error:
             self._stopped = True
-            self._tell(
-                f"'{self._path}' cannot be written: {error.strerror or error}", "Nothing more is recorded", error
-            )
+            self._tell(*self._unwritten(error))
 
     def close(self) -> None:
         """Write what is left; what comes later is not recorded.
 
         Raises:
-            OSError: It cannot be written.
+            OSError: It cannot be written, and that was not told before.
         """
-        self._stopped = True
-        self._writer.close()
+        was_stopped, self._stopped = self._stopped, True
+        try:
+            self._writer.close()
+        except OSError:
+            if not was_stopped:
+                raise
+
+    def _unwritten(self, error: OSError) -> tuple[str, str, OSError]:
+        return f"'{self._path}' cannot be written: {error.strerror or error}", "Nothing more is recorded", error
 
     def _tell(self, problem: str, rest: str, error: Exception | None = None) -> None:
         if self._on_error == "raise":
