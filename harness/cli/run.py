@@ -226,7 +226,7 @@ def _show(results: "Results", as_json: bool) -> None:
     from harness.report.document import report_text
     from harness.report.tables.overview import overview_table
 
-    command = f"harness report {results.folder} --details"
+    command = f"harness report {results.folder} --details{results.plugin_flags}"
     if results.is_in_environment:
         show_environments(results, command, as_json=as_json, html=None, details=False, summary=None)
     elif as_json:

@@ -13,7 +13,7 @@ from harness.cli.lines import say
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
 
-KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "waiting")
+KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending")
 SHOWN = ("running", "interrupted", "failed", "damaged")
 
 
