@@ -30,12 +30,15 @@ if TYPE_CHECKING:
 
 def run(
     experiment: Annotated[
-        Path | None, typer.Argument(help="Experiment file (TOML). Its keys are the flags below; a flag wins.")
+        Path | None,
+        typer.Argument(help="Experiment file (TOML). Its keys are named like the flags; a flag overrides its key."),
     ] = None,
-    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
+    sim: Annotated[
+        Names, typer.Option(help="Simulators to train in.", metavar="NAME,...", autocompletion=SIMULATORS)
+    ] = None,
     algo: Annotated[
         Names,
-        typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
+        typer.Option(help="Algorithms, such as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
     ] = None,
     reward: RewardNames = None,
     baseline: Annotated[
@@ -60,13 +63,15 @@ def run(
     ] = None,
     evaluate_every: Annotated[
         int | None,
-        typer.Option(help="Steps from one evaluation to the next.", show_default="only at the end", metavar="N"),
+        typer.Option(
+            help="Environment steps from one evaluation to the next.", show_default="only at the end", metavar="N"
+        ),
     ] = None,
     deterministic: Annotated[
         bool | None,
         typer.Option(
             "--deterministic/--stochastic",
-            help="Evaluate policies without chance, or let them draw their actions.",
+            help="Evaluate policies without randomness, or let them draw their actions at random.",
             show_default="deterministic",
         ),
     ] = None,
@@ -81,7 +86,7 @@ def run(
     checkpoint_every: Annotated[
         int | None,
         typer.Option(
-            help="Steps between checkpoints; a killed cell goes on from the last one. 0: none.",
+            help="Environment steps between checkpoints. A killed cell goes on from its last one. 0: no checkpoints.",
             show_default="every ten minutes",
             metavar="N",
         ),
@@ -89,7 +94,7 @@ def run(
     tracker: Annotated[
         Names,
         typer.Option(
-            help="Also send the learning curves to a tracker, as wandb:mode=offline.",
+            help="Also send the learning curves to a tracker, such as wandb:mode=offline.",
             show_default="nowhere",
             metavar="NAME,...",
             autocompletion=TRACKERS,
@@ -105,13 +110,15 @@ def run(
     changed: Annotated[
         Literal["refuse", "keep", "again"],
         typer.Option(
-            help="If a plugin has changed since cells were done: do not run, keep these cells, or train them again."
+            help="If a plugin has changed since cells were done: refuse to run, keep these cells, or train them again."
         ),
     ] = "refuse",
     only: Annotated[
         str | None,
         typer.Option(
-            help="Run only the cells with these names, as sac,seed=3.", show_default="all", metavar="NAME,..."
+            help="Run only the cells that these words describe, such as sac,seed=3.",
+            show_default="all",
+            metavar="NAME,...",
         ),
     ] = None,
     limit: Annotated[
@@ -122,13 +129,14 @@ def run(
     ] = 0,
     fail_fast: Annotated[bool, typer.Option("--fail-fast", help="Stop at the first cell that fails.")] = False,
     stall_after: Annotated[
-        float, typer.Option(help="End a cell that makes no progress for so many seconds. 0: never.", metavar="SECONDS")
+        float,
+        typer.Option(help="End a cell that makes no progress for this many seconds. 0: never.", metavar="SECONDS"),
     ] = 1800.0,
     cell_time: Annotated[
-        float, typer.Option(help="Most seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
+        float, typer.Option(help="The most seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
     ] = 0.0,
     cell_memory: Annotated[
-        float, typer.Option(help="Most memory that a cell may use.", show_default="no limit", metavar="GIB")
+        float, typer.Option(help="The most memory that a cell may use, in GiB.", show_default="no limit", metavar="GIB")
     ] = 0.0,
     fresh: Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")] = False,
     metric: MetricNames = None,
@@ -139,7 +147,7 @@ def run(
         bool, typer.Option("--dry-run", help="Say what would be run, and how long it would take. Writes nothing.")
     ] = False,
 ) -> int:
-    """Train with every reward, simulator, algorithm and seed, then compare the rewards.
+    """Train with every combination of reward, simulator, algorithm and seed, then compare the rewards.
 
     One such training is called a cell. A cell that is done is not run again: the same command goes on where it stopped.
     """

@@ -31,7 +31,7 @@ def verify(
 
 
 def repair(folder: Folder) -> None:
-    """Set aside the damaged files of an experiment, and mend its plan. `harness run` then trains what is missing."""
+    """Set aside the damaged files of an experiment, and repair its plan. `harness run` then trains what is missing."""
     from harness.record.verify import repair as mend
 
     actions = mend(folder)
