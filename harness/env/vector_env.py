@@ -207,7 +207,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
 
     def _resumable(self) -> LoggedSimulation:
         if self._log is None:
-            raise UsageError("This env does not keep what its arms are told: open it with resumable=True")
+            raise UsageError("This env does not record the commands of its arms: open it with resumable=True")
         return self._log
 
     def render(self) -> tuple[NDArray[np.uint8], ...]:
@@ -403,7 +403,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
             target, numbers = self._streams.target_apart(env, state.end_effector[env], state.qpos[env])
             if self._around is None or self._around.is_reached(env, target, state.qpos[env]):
                 return target, numbers
-        raise UsageError("length_variation leaves next to no target that a shorter arm reaches: choose less")
+        raise UsageError("length_variation is too large: a shorter arm reaches almost no target. Choose a smaller one")
 
     def _set_next_targets(self, mask: Mask) -> None:
         """Give the envs of `mask`, which reached their targets, the next ones."""
