@@ -42,7 +42,7 @@ def reach_env(request: pytest.FixtureRequest) -> "Iterator[ReachVectorEnv]":
 
 @pytest.fixture
 def simulation(request: pytest.FixtureRequest) -> "Iterator[Simulation]":
-    """The simulator that the marker names, open with the marker's robot and number of envs; closed at the test's end."""
+    """The simulator that the marker names, open with its robot and number of envs; closed at the test's end."""
     from harness.testing.opened import open_simulation
 
     given = _given(request, DEFAULTS)
