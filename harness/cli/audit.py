@@ -6,18 +6,13 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.lines import complain
-from harness.cli.options import REWARDS, SIMULATORS, Names, PluginFiles, RobotName, TaskName
+from harness.cli.lines import complain, say_json
+from harness.cli.options import REWARDS, SIMULATORS, AsJson, Names, PluginFiles, RecordedFolder, RobotName, TaskName
 from harness.errors import UsageError
 
 
 def audit(
-    folder: Annotated[
-        Path | None,
-        typer.Argument(
-            help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
-        ),
-    ] = None,
+    folder: RecordedFolder = None,
     reward: Annotated[
         str | None,
         typer.Option(help="The reward, such as arp:k2=2.", metavar="NAME", autocompletion=REWARDS, show_default=False),
@@ -57,7 +52,7 @@ def audit(
         ),
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
     """Say what a reward pays for. The reward pays scripted movements and made-up episodes. Trains nothing.
 
@@ -103,9 +98,7 @@ def _audit_folder(folder: Path, random: Path | None, as_json: bool) -> int:
 
     found = audit_recordings(folder, random)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
+        say_json(found.to_json())
     else:
         from harness.audit.recorded.recorded_table import recorded_table
         from harness.cli.terminal import show
@@ -157,13 +150,11 @@ def _audit_reward(
         found = audit_reward(judged, other, rollouts, gamma)
     names = [choice.label for choice in rewards]
     if as_json:
-        import json
-
         from harness.audit.verdict import verdict_of
 
         setting = {"simulator": label, "robot": robot, "task": chosen.label, "episodes": episodes}
         shown = {"reward": names[0], "against": names[1], **setting, "verdict": verdict_of(found), **found.to_json()}
-        typer.echo(json.dumps(shown, indent=1, allow_nan=False))
+        say_json(shown)
         return
     from harness.audit.audit_table import audit_table
     from harness.cli.terminal import show

@@ -5,8 +5,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.cli.lines import say
-from harness.cli.options import ALGORITHMS, REWARDS, SIMULATORS, Names, PluginFiles, RobotName, TaskName
+from harness.cli.lines import say, say_json
+from harness.cli.options import (
+    ALGORITHMS,
+    REWARDS,
+    AsJson,
+    EvaluationEpisodes,
+    Names,
+    PluginFiles,
+    RobotName,
+    SimulatorNames,
+    TaskName,
+)
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -30,9 +40,7 @@ def bench(
             metavar="WHAT",
         ),
     ] = None,
-    sim: Annotated[
-        Names, typer.Option(help="Simulators to time.", metavar="NAME,...", autocompletion=SIMULATORS)
-    ] = None,
+    sim: SimulatorNames = None,
     algo: Annotated[
         Names,
         typer.Option(
@@ -51,9 +59,7 @@ def bench(
             help="Environment steps of each training.", show_default="2000; for algorithms and peers 256", metavar="N"
         ),
     ] = None,
-    evaluation_episodes: Annotated[
-        int | None, typer.Option(help="Episodes of each evaluation.", show_default="100", metavar="N")
-    ] = None,
+    evaluation_episodes: EvaluationEpisodes = None,
     num_envs: Annotated[
         str | None,
         typer.Option(
@@ -76,7 +82,7 @@ def bench(
         ),
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
     html: Annotated[Path | None, typer.Option(help="Write a page with a figure to this file.", metavar="FILE")] = None,
 ) -> int:
     """Show where the time of a training goes, or how fast plugins are compared with bare engines and libraries."""
@@ -134,7 +140,7 @@ def _cells(given: dict[str, Any], rounds: int | None, plugin: Names, as_json: bo
     registry = load_registry(given=read_given(plugin))
     found = _measure(expand(experiment, registry), registry, rounds or CELL_ROUNDS)
     if as_json:
-        _print_json(found.to_json())
+        say_json(found.to_json())
     else:
         from harness.bench.bench_table import bench_table
         from harness.cli.terminal import show
@@ -225,15 +231,9 @@ def _show(found: "Speeds", comparison: "Comparison | None", as_json: bool, html:
         write_speed_page(found, comparison, html)
         say(f"Page: {html}", err=True)
     if as_json:
-        _print_json({**found.to_json(), **({"comparison": comparison.to_json()} if comparison else {})})
+        say_json({**found.to_json(), **({"comparison": comparison.to_json()} if comparison else {})})
     else:
         from harness.bench.speed.speed_table import speed_table
         from harness.cli.terminal import show
 
         show(speed_table(found, comparison))
-
-
-def _print_json(data: dict[str, Any]) -> None:
-    import json
-
-    typer.echo(json.dumps(data, indent=1, allow_nan=False))

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.lines import say
-from harness.cli.options import ROBOT, PluginFiles
+from harness.cli.lines import say, say_json
+from harness.cli.options import ROBOT, AsJson, PluginFiles
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def check(
     verbose: Annotated[
         bool, typer.Option("--verbose", help="Show the traceback of a plugin's error, on standard error.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
     """Check whether a plugin or robot keeps the rules of its kind. Each result is a sentence with numbers.
 
@@ -111,10 +111,8 @@ def _conclude(kind: str, given: str, found: list["Finding"], as_json: bool) -> N
 
     numbers = {"ok": count(found, "ok"), "warnings": count(found, "warning"), "errors": count(found, "error")}
     if as_json:
-        import json
-
         checks = [{key: value for key, value in asdict(finding).items() if key != "story"} for finding in found]
-        typer.echo(json.dumps({"kind": NOUNS[kind], "name": given, **numbers, "checks": checks}, indent=1))
+        say_json({"kind": NOUNS[kind], "name": given, **numbers, "checks": checks})
         return
     told = ", ".join(f"{number} {noun.removesuffix('s') if number == 1 else noun}" for noun, number in numbers.items())
     say(f"{NOUNS[kind]} {given}: {told}. {DOCS} explains every check.")

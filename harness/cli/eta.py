@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.lines import say
-from harness.cli.options import REWARDS, CurveKind, PluginFiles
+from harness.cli.lines import say, say_json
+from harness.cli.options import REWARDS, AsJson, CurveKind, PluginFiles, RecordedFolder
 from harness.cli.study import refuse_flags, show_study
 from harness.errors import UsageError
 
@@ -15,12 +15,7 @@ Globs = list[str] | None
 
 def eta(
     context: typer.Context,
-    folder: Annotated[
-        Path | None,
-        typer.Argument(
-            help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
-        ),
-    ] = None,
+    folder: RecordedFolder = None,
     baseline: Annotated[
         Globs, typer.Option(help="Runs of the baseline, such as 'base/*.csv'.", metavar="GLOB", show_default=False)
     ] = None,
@@ -53,7 +48,7 @@ def eta(
         ),
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the curves into this .html file.", metavar="FILE")] = None,
 ) -> int:
     """Compare recorded trainings: anybody's CSV files with a column 'reward', or traces of this harness.
@@ -101,9 +96,7 @@ def eta(
         write_eta_page(comparison, plot)
         say(f"Figure: {plot}", err=True)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(comparison.to_json(), indent=1, allow_nan=False))
+        say_json(comparison.to_json())
     else:
         from harness.cli.terminal import show
         from harness.report.tables.eta import eta_table

@@ -1,5 +1,6 @@
 """Flags that mean the same in several commands."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
@@ -13,6 +14,16 @@ SIMULATORS, ALGORITHMS, REWARDS = names_of("simulators"), names_of("algorithms")
 TASKS, ROBOTS, TRACKERS = names_of("tasks", "environments"), names_of("robots"), names_of("trackers")
 """What a shell offers behind these flags."""
 
+ExperimentFolder = Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")]
+RecordedFolder = Annotated[
+    Path | None,
+    typer.Argument(
+        help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
+    ),
+]
+SimulatorNames = Annotated[
+    Names, typer.Option(help="Simulators to use.", metavar="NAME,...", autocompletion=SIMULATORS)
+]
 RewardNames = Annotated[
     Names,
     typer.Option(
@@ -64,3 +75,10 @@ CurveKind = Annotated[
         "(NOTE eq. 39-42 read literally)."
     ),
 ]
+EvaluationEpisodes = Annotated[
+    int | None, typer.Option(help="Episodes of each evaluation.", show_default="100", metavar="N")
+]
+Jobs = Annotated[
+    int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]

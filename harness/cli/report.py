@@ -11,7 +11,7 @@ import typer
 from harness.cli.environments import show_environments
 from harness.cli.lines import complain, say
 from harness.cli.not_measured import complain_of_metrics
-from harness.cli.options import CurveKind, MetricNames, Names, PluginFiles
+from harness.cli.options import AsJson, CurveKind, MetricNames, Names, PluginFiles
 from harness.cli.study import holds_recordings, refuse_flags, show_study
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def report(
         ),
     ],
     curve: CurveKind = "accumulated",
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
     html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
     details: Annotated[
         bool,

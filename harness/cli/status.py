@@ -1,14 +1,11 @@
 """``harness status``: how far a run has come, asked from another shell."""
 
-import json
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from harness.cli.foreseen import about
 from harness.cli.learned import learned_texts
-from harness.cli.lines import say
+from harness.cli.lines import say, say_json
+from harness.cli.options import AsJson, ExperimentFolder
 
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
@@ -18,15 +15,15 @@ SHOWN = ("running", "interrupted", "failed", "damaged")
 
 
 def status(
-    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    folder: ExperimentFolder,
+    as_json: AsJson = False,
 ) -> None:
     """Say how many cells are done, what is running, and how long the rest will take. Changes nothing."""
     from harness.record.status import read_status
 
     found = read_status(folder)
     if as_json:
-        typer.echo(json.dumps(found.to_json(), indent=1))
+        say_json(found.to_json())
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))

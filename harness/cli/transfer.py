@@ -1,16 +1,16 @@
 """``harness transfer``: policies trained in one simulator, evaluated in others."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.options import SIMULATORS, PluginFiles
+from harness.cli.lines import say_json
+from harness.cli.options import SIMULATORS, AsJson, ExperimentFolder, PluginFiles
 
 
 def transfer(
-    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    folder: ExperimentFolder,
     to: Annotated[
         list[str] | None,
         typer.Option(
@@ -24,7 +24,7 @@ def transfer(
         int | None, typer.Option(help="How many evaluations run at once.", show_default="as many as cores", metavar="N")
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
     """Evaluate an experiment's policies in other simulators, and show how much of their success is left.
 
@@ -45,9 +45,7 @@ def transfer(
         run_transfers(plan, at_once, progress)
     transfers = load_transfers(results)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(transfers.to_json(), indent=1, allow_nan=False))
+        say_json(transfers.to_json())
     elif transfers.matrices:
         from harness.cli.terminal import show
         from harness.report.tables.transfer import transfer_table

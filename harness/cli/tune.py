@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import say
+from harness.cli.lines import say, say_json
 from harness.cli.options import (
     ALGORITHMS,
     REWARDS,
     SIMULATORS,
+    AsJson,
     ExecutorName,
+    Jobs,
     Names,
     PluginFiles,
     RewardNames,
@@ -97,12 +99,10 @@ def tune(
     out: Annotated[
         Path | None, typer.Option(help="The tuning's folder.", show_default="one under results/runs/", metavar="DIR")
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
-    ] = None,
+    jobs: Jobs = None,
     executor: ExecutorName = "processes",
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
     """Search the hyperparameters of one algorithm, with an equal budget for every reward.
 
@@ -179,6 +179,4 @@ def _show(tuned: "Tuned", as_json: bool) -> None:
     else:
         say(f"Tuned: {tuned.file} (next: harness run {tuned.file})", err=as_json)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(tuned.to_json(), indent=1, allow_nan=False))
+        say_json(tuned.to_json())

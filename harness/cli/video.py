@@ -6,14 +6,14 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import say
-from harness.cli.options import PluginFiles
+from harness.cli.options import ExperimentFolder, PluginFiles
 from harness.errors import UsageError
 
 MOST_CELLS = 4
 
 
 def video(
-    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    folder: ExperimentFolder,
     cells: Annotated[
         list[str] | None,
         typer.Option(

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from harness.arrays import Float
 from harness.conditions import conditions_of
 from harness.env.arm_observation import ArmObservation
+from harness.env.events import GROUND
 from harness.env.make import Given
 from harness.env.single_env import Action, ReachEnv
-from harness.env.vector_env import GROUND
 from harness.errors import UsageError
 from harness.registry.choice import build_defaults, choose
 from harness.registry.registry import Registry, load_registry

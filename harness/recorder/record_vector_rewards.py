@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.recorder.asked import Asked, OnError
 from harness.recorder.batch import BatchStep, Mask
 from harness.recorder.column import Column, Given, Untold, as_number
-from harness.recorder.recorder import OnError, Recorder, differs, kept
+from harness.recorder.recorder import Recorder, differs
 
 Array = NDArray[Any]
 
@@ -74,29 +75,12 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             StorageError: The folder cannot be written.
         """
         super().__init__(env)
-        self._mode = env.metadata.get("autoreset_mode")
-        if not isinstance(self._mode, AutoresetMode):
-            raise UsageError(
-                f"{env} does not tell how it starts episodes: its metadata need 'autoreset_mode', one of "
-                f"{', '.join(f'AutoresetMode.{mode.name}' for mode in AutoresetMode)}"
-            )
-        self._recorder = Recorder(
-            env,
-            path,
-            trained_with=trained_with,
-            rewards=rewards,
-            behaviour=behaviour or {},
-            lower_is_better=lower_is_better,
-            seed=seed,
-            evaluation=evaluation,
-            pay=pay,
-            num_envs=env.num_envs,
-            number=number,
-            resume=resume,
-            on_error=on_error,
-            batched=batched,
-        )
-        self._looks = any(column.measures for column in self._recorder.columns)
+        self._mode = _autoreset_mode(env)
+        asked = Asked(
+            path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
+            on_error, batched,
+        )  # fmt: skip
+        self._recorder = Recorder(env, asked, env.num_envs)
         self._before: Any = None
         self._time = self._recorder.next_time
         self._episodes = self._recorder.next_episodes.copy()
@@ -118,7 +102,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         observations, infos = self.env.reset(seed=seed, options=options)  # type: ignore[arg-type] # a list is allowed
         self._recorder.note_seed(seed)
         self._begin(mask)
-        self._before = kept(observations) if self._looks else None
+        self._before = self._recorder.kept(observations)
         self._is_reset_next &= ~mask
         return observations, infos
 
@@ -152,7 +136,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._time += 1
         self._begin(ended if at_once else ~live)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
-        self._before = kept(observations) if self._looks else None
+        self._before = self._recorder.kept(observations)
         return numbers
 
     def _begin(self, mask: Mask) -> None:
@@ -236,3 +220,13 @@ def _ways_to_measure(column: Column, step: BatchStep) -> tuple[Float, Mask, Call
         return measure(step.each_before[env], step.each_action[env], step.each_after[env], step.info(env))
 
     return np.zeros(count), np.zeros(count, bool), call
+
+
+def _autoreset_mode(env: VectorEnv[Any, Any, Any]) -> AutoresetMode:
+    mode = env.metadata.get("autoreset_mode")
+    if isinstance(mode, AutoresetMode):
+        return mode
+    raise UsageError(
+        f"{env} does not tell how it starts episodes: its metadata need 'autoreset_mode', one of "
+        f"{', '.join(f'AutoresetMode.{each.name}' for each in AutoresetMode)}"
+    )
