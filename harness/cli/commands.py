@@ -11,7 +11,7 @@ from harness.errors import HarnessError, PluginError
 from harness.registry.registry import Registry
 
 KIND = "commands"
-PANEL = "Of plugins"
+PANEL = "From plugins"
 PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Every argument goes to the plugin's function, ``--help`` included."""
 

@@ -28,7 +28,8 @@ class Shaping:
 
     def pay(self, sample: Sample) -> Float:
         """What a step pays, (num_envs,)."""
-        self.carry, shaped = self.reward(self.carry, sample)
+        self.carry, paid = self.reward(self.carry, sample)
+        shaped: Float = paid
         return shaped
 
     def restart(self, mask: Mask, begin_distance: Float) -> None:

@@ -259,7 +259,7 @@ def require_given(needs: Sequence[str | Mapping[str, Any]], given: Sequence[Give
             raise UsageError(f"plugins: {need!r} names nothing: write the path of a file, or {{path = '...'}}")
         if Path(what).name not in names:
             which = f" (SHA-256 {digest[:8]})" if digest else ""
-            raise UsageError(f"The experiment needs the plugin {Path(what).name}{which}: give --plugin {what}")
+            raise UsageError(f"The experiment needs the plugin {Path(what).name}{which}: give{plugin_flags([need])}")
 
 
 def plugin_flags(needs: Any) -> str:
