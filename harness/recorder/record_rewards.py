@@ -3,16 +3,16 @@
 import math
 import os
 import weakref
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
 from harness.recorder.asked import Asked, OnError
-from harness.recorder.column import Column, Given, Untold, as_number
+from harness.recorder.column import Column, Given, Measure, Untold, as_number
 from harness.recorder.env_facts import LEARNERS
-from harness.recorder.recorder import Recorder, differs
+from harness.recorder.recorder import Recorder, differs, kept
 
 Observation = TypeVar("Observation")
 Action = TypeVar("Action")
@@ -91,6 +91,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1)
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
+        self._looks = self._recorder.looks
         self._before: Any = None
         self._numbers: list[float] = []
         self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
@@ -113,7 +114,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         """Start an episode."""
         observation, info = self.env.reset(seed=seed, options=options)
         self._recorder.note_seed(seed)
-        self._before = self._recorder.kept(observation)
+        self._before = kept(observation) if self._looks else None
         self._episode, self._step = self._episode + (self._step > 0), 0
         for column, _ in self._columns:
             if column.remembers and not column.given_up:
@@ -152,13 +153,13 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         info: dict[str, Any],
     ) -> list[float]:
         """Record a step; returns its numbers, by column."""
-        after = self._recorder.kept(observation)
+        after = kept(observation) if self._looks else None
         row: list[float] = [self._time, 0, self._episode, self._step]
         for column, measure in self._columns:
-            value = NAN
+            value: Any = NAN
             if not column.given_up:
                 try:
-                    value = measure(self._before, action, after, info, paid)
+                    value = paid if measure is None else measure(self._before, action, after, info)
                     if type(value) is not float or not math.isfinite(value):  # else a call less
                         value = as_number(value)
                 except Exception as error:  # whatever rewards of users raise
@@ -169,21 +170,20 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         trained = self._recorder.trained
         if trained is not None and differs(row[4 + trained], paid):
             self._recorder.tell_paid_otherwise(row[4 + trained], float(paid), 0, self._episode, self._step)
-        self._recorder.write([[*row, terminated, truncated]])
+        self._recorder.add([*row, terminated, truncated])
         self._before, self._time, self._step = after, self._time + 1, self._step + 1
         return row[4:]
 
 
-def _measure_of(column: Column) -> Callable[[Any, Any, Any, Any, Any], Any]:
-    """How a column is measured, of (observation, action, next observation, info, payment)."""
+def _measure_of(column: Column) -> Measure | None:
+    """How a column is measured; None for what the env pays."""
     if column.is_own:
-        return lambda before, action, after, info, paid: paid
+        return None
     if column.key is None:
-        measure = column.measures[0]
-        return lambda before, action, after, info, paid: measure(before, action, after, info)
+        return column.measures[0]
     key = column.key
 
-    def told(before: Any, action: Any, after: Any, info: Any, paid: Any) -> Any:
+    def told(observation: Any, action: Any, next_observation: Any, info: Any, /) -> Any:
         if key not in info:
             raise Untold(key, [*info])
         return info[key]
