@@ -28,6 +28,7 @@ class Shaping:
 
     def pay(self, sample: Sample) -> Float:
         """What a step pays, (num_envs,)."""
+        shaped: Float
         self.carry, shaped = self.reward(self.carry, sample)
         return shaped
 
