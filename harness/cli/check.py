@@ -21,12 +21,16 @@ NAME_WIDTH, VERDICT_WIDTH = 28, 9
 def check(
     name: Annotated[
         str | None,
-        typer.Argument(help="A plugin's name, as arp or sac:gamma=0.9; or a URDF.", show_default=False),
+        typer.Argument(
+            help="A plugin's name, such as arp or sac:gamma=0.9, or the path of a URDF.", show_default=False
+        ),
     ] = None,
     kind: Annotated[
         str | None,
         typer.Option(
-            help="The kind, such as reward, where several have this name.", metavar="KIND", show_default=False
+            help="The kind, such as reward, if several kinds have a plugin of this name.",
+            metavar="KIND",
+            show_default=False,
         ),
     ] = None,
     robot: Annotated[
@@ -40,9 +44,9 @@ def check(
     ] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Check that a plugin or robot keeps the rules of its kind, in sentences with numbers.
+    """Check whether a plugin or robot keeps the rules of its kind. Each result is a sentence with numbers.
 
-    Ends with status 1 if it breaks one.
+    Ends with status 1 if a rule is broken.
     """
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
@@ -50,7 +54,7 @@ def check(
 
     registry = load_registry(given=read_given(plugin))
     if name is None and robot is None:
-        raise UsageError("nothing to check: give a name, as harness check arp, or --robot with a robot's folder")
+        raise UsageError("nothing to check: type harness check NAME, or harness check --robot FOLDER")
     given, other = (robot or "", None) if name is None else (name, robot)
     chosen = "robots" if name is None else _kind_of(registry, name, kind)
     found: list[Finding] = []
@@ -111,4 +115,4 @@ def _conclude(kind: str, given: str, found: list["Finding"], as_json: bool) -> N
         say_json({"kind": NOUNS[kind], "name": given, **numbers, "checks": checks})
         return
     told = ", ".join(f"{number} {noun.removesuffix('s') if number == 1 else noun}" for noun, number in numbers.items())
-    say(f"{NOUNS[kind]} {given}: {told}. {DOCS} says what each check holds.")
+    say(f"{NOUNS[kind]} {given}: {told}. {DOCS} explains every check.")

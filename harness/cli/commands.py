@@ -43,8 +43,8 @@ def hidden_commands(registry: Registry, own: Collection[str]) -> list[str]:
         own: Names of our commands: what `harness.cli.app.main` hands every command as the object of its context.
     """
     return [
-        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.package}) is hidden by our own: "
-        f"write harness {spec.qualified}"
+        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.package}) is hidden by a built-in command: "
+        f"type harness {spec.qualified}"
         for spec in registry.all_specs()
         if spec.kind == KIND and spec.name in own
     ]

@@ -16,9 +16,9 @@ def compare(
     after: Annotated[Path, typer.Argument(help="The folder of the second.", metavar="AFTER")],
     as_json: AsJson = False,
 ) -> int:
-    """Compare two experiments that trained the same, for example before and after a plugin was edited.
+    """Compare two experiments that trained the same cells, for example before and after a plugin was edited.
 
-    Ends with status 1 if a test finds that policies of a proposed reward succeed less often than before.
+    Ends with status 1 if a statistical test finds that policies of a proposed reward succeed less often than before.
     """
     from harness.cli.terminal import show
     from harness.report.committed import refuse_committed

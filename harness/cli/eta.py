@@ -20,18 +20,22 @@ def eta(
     context: typer.Context,
     folder: RecordedFolder = None,
     baseline: Annotated[
-        Globs, typer.Option(help="Runs of the baseline, as 'base/*.csv'.", metavar="GLOB", show_default=False)
+        Globs, typer.Option(help="Runs of the baseline, such as 'base/*.csv'.", metavar="GLOB", show_default=False)
     ] = None,
     proposed: Annotated[
         Globs,
-        typer.Option(help="Runs of the proposed reward; ** means any folders.", metavar="GLOB", show_default=False),
+        typer.Option(
+            help="Runs of the proposed reward. ** stands for any folders.", metavar="GLOB", show_default=False
+        ),
     ] = None,
     curve: CurveKind = "accumulated",
-    with_events: Annotated[bool, typer.Option("--with-events", help="Add the event terms to the reward.")] = False,
+    with_events: Annotated[
+        bool, typer.Option("--with-events", help="Add what the task pays for events to the reward.")
+    ] = False,
     baseline_reward: Annotated[
         str | None,
         typer.Option(
-            help="The reward that paid the baseline's runs.",
+            help="The reward that the baseline's runs were trained with.",
             show_default="found out",
             metavar="NAME",
             autocompletion=REWARDS,
@@ -40,7 +44,7 @@ def eta(
     proposed_reward: Annotated[
         str | None,
         typer.Option(
-            help="The reward that paid the proposed runs.",
+            help="The reward that the proposed runs were trained with.",
             show_default="found out",
             metavar="NAME",
             autocompletion=REWARDS,
@@ -52,8 +56,9 @@ def eta(
 ) -> int:
     """Compare recorded trainings: anybody's CSV files with a column 'reward', or traces of this harness.
 
-    If the files have distances too, each eta is split into ruler and behaviour. Quote the patterns; a flag may be
-    repeated. In a FOLDER of recorded trainings every reward that trained is compared with every other one.
+    If the files have distances too, each eta is split into ruler and behaviour. Put patterns in quotes. --baseline and
+    --proposed may be given several times. In a FOLDER of recorded trainings, each reward that a policy was trained with
+    is compared with every other one.
     """
     groups = {"--baseline": baseline, "--proposed": proposed}
     loose = [*([] if folder is None or not any(groups.values()) else [str(folder)]), *context.args]

@@ -14,7 +14,10 @@ def parity(
     sim: Annotated[
         list[str] | None,
         typer.Option(
-            help="Simulators, as mujoco:substeps=40.", show_default="all", metavar="NAME,...", autocompletion=SIMULATORS
+            help="Simulators, such as mujoco:substeps=40.",
+            show_default="all",
+            metavar="NAME,...",
+            autocompletion=SIMULATORS,
         ),
     ] = None,
     reference: Annotated[
@@ -28,7 +31,7 @@ def parity(
     ] = None,
     robot: Annotated[str, typer.Option(help=ROBOT, metavar="NAME", autocompletion=ROBOTS)] = "fd100",
     steps: Annotated[int, typer.Option(help="Control periods of each motion.", metavar="N")] = 200,
-    episodes: Annotated[int, typer.Option(help="How many motions, and how many dives.", metavar="N")] = 8,
+    episodes: Annotated[int, typer.Option(help="How many motions, and how many dives to the ground.", metavar="N")] = 8,
     seed: Annotated[int, typer.Option(help="The seed of the random motions.", metavar="S")] = 0,
     period: Annotated[float, typer.Option(help="Control period in seconds.", metavar="T")] = 0.1,
     plugin: PluginFiles = None,

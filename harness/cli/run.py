@@ -69,7 +69,7 @@ def run(
     as_json: flags.AsJson = False,
     dry_run: flags.DryRun = False,
 ) -> int:
-    """Train with every reward, simulator, algorithm and seed, then compare the rewards.
+    """Train with every combination of reward, simulator, algorithm and seed, then compare the rewards.
 
     One such training is called a cell. A cell that is done is not run again: the same command goes on where it stopped.
     """
@@ -189,7 +189,7 @@ def _show(results: "Results", as_json: bool) -> None:
     from harness.report.document import report_text
     from harness.report.tables.overview import overview_table
 
-    command = f"harness report {results.folder} --details"
+    command = f"harness report {results.folder} --details{results.plugin_flags}"
     if results.is_in_environment:
         show_environments(results, command, as_json=as_json, html=None, details=False, summary=None)
     elif as_json:

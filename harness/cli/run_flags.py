@@ -8,11 +8,12 @@ import typer
 from harness.cli.options import ALGORITHMS, REWARDS, TRACKERS, Names
 
 ExperimentFile = Annotated[
-    Path | None, typer.Argument(help="Experiment file (TOML). Its keys are the flags below; a flag wins.")
+    Path | None,
+    typer.Argument(help="Experiment file (TOML). Its keys are named like the flags; a flag overrides its key."),
 ]
 AlgorithmNames = Annotated[
     Names,
-    typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
+    typer.Option(help="Algorithms, such as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
 ]
 Baseline = Annotated[
     str | None,
@@ -31,13 +32,15 @@ Steps = Annotated[
 ]
 EvaluateEvery = Annotated[
     int | None,
-    typer.Option(help="Steps from one evaluation to the next.", show_default="only at the end", metavar="N"),
+    typer.Option(
+        help="Environment steps from one evaluation to the next.", show_default="only at the end", metavar="N"
+    ),
 ]
 Deterministic = Annotated[
     bool | None,
     typer.Option(
         "--deterministic/--stochastic",
-        help="Evaluate policies without chance, or let them draw their actions.",
+        help="Evaluate policies without randomness, or let them draw their actions at random.",
         show_default="deterministic",
     ),
 ]
@@ -48,7 +51,7 @@ OutFolder = Annotated[
 CheckpointEvery = Annotated[
     int | None,
     typer.Option(
-        help="Steps between checkpoints; a killed cell goes on from the last one. 0: none.",
+        help="Environment steps between checkpoints. A killed cell goes on from its last one. 0: no checkpoints.",
         show_default="every ten minutes",
         metavar="N",
     ),
@@ -56,7 +59,7 @@ CheckpointEvery = Annotated[
 TrackerNames = Annotated[
     Names,
     typer.Option(
-        help="Also send the learning curves to a tracker, as wandb:mode=offline.",
+        help="Also send the learning curves to a tracker, such as wandb:mode=offline.",
         show_default="nowhere",
         metavar="NAME,...",
         autocompletion=TRACKERS,
@@ -71,12 +74,14 @@ Wait = Annotated[
 Changed = Annotated[
     Literal["refuse", "keep", "again"],
     typer.Option(
-        help="If a plugin has changed since cells were done: do not run, keep these cells, or train them again."
+        help="If a plugin has changed since cells were done: refuse to run, keep these cells, or train them again."
     ),
 ]
 Only = Annotated[
     str | None,
-    typer.Option(help="Run only the cells with these names, as sac,seed=3.", show_default="all", metavar="NAME,..."),
+    typer.Option(
+        help="Run only the cells that these words describe, such as sac,seed=3.", show_default="all", metavar="NAME,..."
+    ),
 ]
 Limit = Annotated[int | None, typer.Option(help="Run at most this many cells.", show_default="all", metavar="N")]
 RetryFailed = Annotated[
@@ -84,13 +89,13 @@ RetryFailed = Annotated[
 ]
 FailFast = Annotated[bool, typer.Option("--fail-fast", help="Stop at the first cell that fails.")]
 StallAfter = Annotated[
-    float, typer.Option(help="End a cell that makes no progress for so many seconds. 0: never.", metavar="SECONDS")
+    float, typer.Option(help="End a cell that makes no progress for this many seconds. 0: never.", metavar="SECONDS")
 ]
 CellTime = Annotated[
-    float, typer.Option(help="Most seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
+    float, typer.Option(help="The most seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
 ]
 CellMemory = Annotated[
-    float, typer.Option(help="Most memory that a cell may use.", show_default="no limit", metavar="GIB")
+    float, typer.Option(help="The most memory that a cell may use, in GiB.", show_default="no limit", metavar="GIB")
 ]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")]

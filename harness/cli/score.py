@@ -25,7 +25,7 @@ def score(
     reward: Annotated[
         list[str] | None,
         typer.Option(
-            help="The rewards that pay the runs again, as arp:k2=2.", metavar="NAME,...", autocompletion=REWARDS
+            help="The rewards that pay the runs again, such as arp:k2=2.", metavar="NAME,...", autocompletion=REWARDS
         ),
     ] = None,
     every: Annotated[
@@ -96,7 +96,7 @@ def _score_files(
     places = [(out or recording.path.parent) / f"{recording.path.stem}.{SCORES}" for recording in recordings]
     if len(set(places)) < len(places):
         raise UsageError(
-            f"Several files of one name cannot all be scored into '{out}': leave --out, or name them apart"
+            f"Several files of one name cannot all be scored into '{out}': leave out --out, or rename the files"
         )
     written, failed = [], dict[str, str]()
     for recording, into in zip(recordings, places, strict=True):

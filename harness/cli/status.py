@@ -10,7 +10,7 @@ from harness.cli.options import AsJson, ExperimentFolder
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
 
-KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "waiting")
+KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending")
 SHOWN = ("running", "interrupted", "failed", "damaged")
 
 
@@ -38,11 +38,11 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
         return one.reason
     steps = f"{one.running.steps} of {one.cell.steps} steps"
     if one.status == "interrupted":
-        return f"{steps}; the same command goes on"
+        return f"{steps}; run the same command again to go on"
     seconds = max(one.running.told - one.running.started, 1e-3)
     learned = learned_texts(one.running.success, one.running.mean_return)
     speed = f"{one.running.steps / seconds:.0f} steps/s"
-    return ", ".join([steps, *learned, speed, f"last word {found.now - one.running.told:.0f} s ago"])
+    return ", ".join([steps, *learned, speed, f"last message {found.now - one.running.told:.0f} s ago"])
 
 
 def _time_left(seconds: float | None) -> str:

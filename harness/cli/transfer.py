@@ -14,19 +14,19 @@ def transfer(
     to: Annotated[
         list[str] | None,
         typer.Option(
-            help="Simulators to evaluate in, as mujoco:substeps=40.",
+            help="Simulators to evaluate in, such as mujoco:substeps=40.",
             show_default="those of the experiment and all that are installed",
             metavar="NAME,...",
             autocompletion=SIMULATORS,
         ),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option(help="Evaluations at once.", show_default="as many as cores", metavar="N")
+        int | None, typer.Option(help="How many evaluations run at once.", show_default="as many as cores", metavar="N")
     ] = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
-    """Evaluate an experiment's policies in other simulators, and show how much of the success is left there.
+    """Evaluate an experiment's policies in other simulators, and show how much of their success is left.
 
     Trains nothing. What is evaluated already is not evaluated again.
     """
@@ -52,5 +52,5 @@ def transfer(
 
         show(transfer_table(transfers))
     else:
-        typer.echo("Nothing to evaluate: the policies were trained in the only simulator that there is.")
+        typer.echo("Nothing to evaluate: the policies were trained in the only simulator that is installed.")
     return 1 if transfers.failed else 0

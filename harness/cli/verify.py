@@ -23,7 +23,7 @@ def verify(folder: ExperimentFolder, as_json: AsJson = False) -> int:
 
 
 def repair(folder: ExperimentFolder) -> None:
-    """Set aside the damaged files of an experiment, and mend its plan. `harness run` then trains what is missing."""
+    """Set aside the damaged files of an experiment, and repair its plan. `harness run` then trains what is missing."""
     from harness.record.verify import repair as mend
 
     actions = mend(folder)

@@ -133,7 +133,7 @@ class Decisions:
 
     def _resumable(self) -> LoggedSimulation:
         if self._log is None:
-            raise UsageError("This env does not keep what its arms are told: open it with resumable=True")
+            raise UsageError("This env does not record the commands of its arms: open it with resumable=True")
         return self._log
 
     def _repeat(self, given: Mask | None) -> Outcome:

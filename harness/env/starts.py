@@ -94,4 +94,4 @@ class Starts:
             target, numbers = self._streams.target_apart(env, state.end_effector[env], state.qpos[env])
             if self._around is None or self._around.is_reached(env, target, state.qpos[env]):
                 return target, numbers
-        raise UsageError("length_variation leaves next to no target that a shorter arm reaches: choose less")
+        raise UsageError("length_variation is too large: a shorter arm reaches almost no target. Choose a smaller one")

@@ -198,7 +198,7 @@ def refuse_committed(folder: Path, flag: str) -> None:
         UsageError: The folder holds records alone.
     """
     if is_committed(folder):
-        raise UsageError(f"{flag} needs cells, and '{folder}' holds committed records alone. {_more(folder)}")
+        raise UsageError(f"{flag} needs cells, and '{folder}' holds only records. {_more(folder)}")
 
 
 def _read(folder: Path) -> tuple[RecordForm | None, EnvironmentsForm | None]:

@@ -72,7 +72,7 @@ def advice(results: Results, combination: Combination) -> str:
         return ""
     more = next(count for count in needed if count > len(seeds))
     folder = results.folder
-    return f"More seeds: harness run {folder / EXPERIMENT} --out {folder} --seeds {more}"
+    return f"More seeds: harness run {folder / EXPERIMENT} --out {folder} --seeds {more}{results.plugin_flags}"
 
 
 def claims_text(combination: Combination) -> str:

@@ -154,7 +154,7 @@ def test_an_env_that_fails_when_it_does_it_again_starts_over(
     monkeypatch.setattr(toy, "make", fails_at_first)
     manifest = _go_on(cell, tmp_path / "killed", given)
     assert manifest.status == "done"
-    assert "fails: ZeroDivisionError" in manifest.note
+    assert "are repeated: ZeroDivisionError" in manifest.note
 
 
 def test_nothing_of_a_checkpoint_is_left(registry: Registry, given: tuple[Given, ...], tmp_path: Path):

@@ -194,6 +194,13 @@ def test_advice_is_a_command_that_adds_seeds(build):
     assert advised(results) == f"More seeds: harness run {folder / 'experiment.toml'} --out {folder} --seeds 8"
 
 
+def test_advice_gives_the_plugins_of_the_experiment(build):
+    """Without them the command would be refused."""
+    results = build()
+    results.plan = replace(results.plan, experiment={"plugins": [{"path": "/mine/my_reward.py", "sha256": "0"}]})
+    assert advised(results).endswith(" --seeds 8 --plugin /mine/my_reward.py")
+
+
 def test_advice_names_the_upper_end_where_the_lower_one_is_reached(build):
     """There is no point in fewer seeds than there are."""
     assert advised(build(seeds=4), (3, 9)).endswith("--seeds 9")
