@@ -1,7 +1,7 @@
 """``harness eta``: two groups of recorded runs compared, or all recorded trainings of a folder."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -9,6 +9,9 @@ from harness.cli.lines import say, say_json
 from harness.cli.options import REWARDS, AsJson, CurveKind, PluginFiles, RecordedFolder
 from harness.cli.study import refuse_flags, show_study
 from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from harness.score.compare import Comparison
 
 Globs = list[str] | None
 
@@ -90,6 +93,11 @@ def eta(
         baseline_reward=baseline_reward,
         proposed_reward=proposed_reward,
     )
+    _show(comparison, plot, as_json)
+    return 0
+
+
+def _show(comparison: "Comparison", plot: Path | None, as_json: bool) -> None:
     if plot is not None:
         from harness.report.page.eta import write_eta_page
 
@@ -102,4 +110,3 @@ def eta(
         from harness.report.tables.eta import eta_table
 
         show(eta_table(comparison))
-    return 0

@@ -28,8 +28,8 @@ class Shaping:
 
     def pay(self, sample: Sample) -> Float:
         """What a step pays, (num_envs,)."""
-        self.carry, paid = self.reward(self.carry, sample)
-        shaped: Float = paid
+        shaped: Float
+        self.carry, shaped = self.reward(self.carry, sample)
         return shaped
 
     def restart(self, mask: Mask, begin_distance: Float) -> None:

@@ -12,7 +12,7 @@ from gymnasium.envs.registration import EnvSpec
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.column import Column, Given, Measure, Untold, as_number
 from harness.recorder.env_facts import LEARNERS
-from harness.recorder.recorder import Recorder, differs
+from harness.recorder.recorder import Recorder, differs, kept
 
 Observation = TypeVar("Observation")
 Action = TypeVar("Action")
@@ -91,6 +91,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1)
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
+        self._looks = self._recorder.looks
         self._before: Any = None
         self._numbers: list[float] = []
         self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
@@ -113,7 +114,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         """Start an episode."""
         observation, info = self.env.reset(seed=seed, options=options)
         self._recorder.note_seed(seed)
-        self._before = self._recorder.kept(observation)
+        self._before = kept(observation) if self._looks else None
         self._episode, self._step = self._episode + (self._step > 0), 0
         for column, _ in self._columns:
             if column.remembers and not column.given_up:
@@ -152,7 +153,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         info: dict[str, Any],
     ) -> list[float]:
         """Record a step; returns its numbers, by column."""
-        after = self._recorder.kept(observation)
+        after = kept(observation) if self._looks else None
         row: list[float] = [self._time, 0, self._episode, self._step]
         for column, measure in self._columns:
             value: Any = NAN

@@ -15,7 +15,7 @@ from harness.errors import UsageError
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.batch import BatchStep, Mask
 from harness.recorder.column import Column, Given, Untold, as_number
-from harness.recorder.recorder import Recorder, differs
+from harness.recorder.recorder import Recorder, differs, kept
 
 Array = NDArray[Any]
 
@@ -81,6 +81,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             on_error, batched,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, env.num_envs)
+        self._looks = self._recorder.looks
         self._before: Any = None
         self._time = self._recorder.next_time
         self._episodes = self._recorder.next_episodes.copy()
@@ -102,7 +103,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         observations, infos = self.env.reset(seed=seed, options=options)  # type: ignore[arg-type] # a list is allowed
         self._recorder.note_seed(seed)
         self._begin(mask)
-        self._before = self._recorder.kept(observations)
+        self._before = kept(observations) if self._looks else None
         self._is_reset_next &= ~mask
         return observations, infos
 
@@ -136,7 +137,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._time += 1
         self._begin(ended if at_once else ~live)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
-        self._before = self._recorder.kept(observations)
+        self._before = kept(observations) if self._looks else None
         return numbers
 
     def _begin(self, mask: Mask) -> None:

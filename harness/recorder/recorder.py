@@ -24,6 +24,7 @@ class Recorder:
         columns: The numbers of a row, in order.
         pays: Index of the column that the learner is paid; None where it is paid by the env.
         trained: Index of the column that the env should pay; None where the column is what the env pays, or differed.
+        looks: Whether a function measures: it is given the observations.
         next_time: Of the next step.
         next_episodes: Numbers of the next episodes, (num_envs,).
     """
@@ -41,7 +42,7 @@ class Recorder:
         index = [column.name for column in self.columns].index(f"{REWARD}{asked.trained_with}")
         self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
         self.pays = index if asked.pay else None
-        self._looks = any(column.measures for column in self.columns)
+        self.looks = any(column.measures for column in self.columns)
         self._path, self._on_error, self._stopped = Path(asked.path), asked.on_error, False
         facts = TrainingFacts(
             rewards=tuple(rewards),
@@ -61,13 +62,6 @@ class Recorder:
             raise StorageError(f"'{asked.path}' cannot be written: {error.strerror or error}") from error
         self._note_given_up(asked.path)
         self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
-
-    def kept(self, observation: Any) -> Any:
-        """A copy for those who measure: envs may write the next observation into the same place.
-
-        Where nobody looks at observations, None.
-        """
-        return kept(observation) if self._looks else None
 
     def note_seed(self, seed: Any) -> None:
         """Keep the first seed that the env was reset with."""
@@ -155,9 +149,7 @@ class Recorder:
             column.given_up = column.name in failed
             if column.given_up and index == self.pays:
                 self._writer.close()
-                raise UsageError(
-                    f"'{self._path}': {column.noun} failed before, and pays the learner: name another path"
-                )
+                raise UsageError(f"'{path}': {column.noun} failed before, and pays the learner: name another path")
 
     def _tell(self, problem: str, rest: str, error: Exception | None = None) -> None:
         if self._on_error == "raise":

@@ -43,7 +43,7 @@ class RatioForm(TypedDict):
 
 @with_config(OPEN)
 class SplitForm(TypedDict):
-    """See `harness.eta.decompose.Split`."""
+    """See `harness.eta.splits.Split`."""
 
     eta: RatioForm
     ruler: RatioForm

@@ -7,10 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.record.scene import Scene
 from harness.robot import Robot
-from harness.scene.picture import draw_still
-from harness.scene.scene import scene_of
+from harness.scene.still import StillFrames
 from harness.simulator import State
 
 
@@ -42,23 +40,6 @@ class Frames(Protocol):
 
     def close(self) -> None:
         """Give back what the pictures need, and all that belongs to the arms' worlds; more than once does nothing."""
-
-
-class StillFrames:
-    """Those that the harness draws, without any engine."""
-
-    def __init__(self, robot: Robot) -> None:
-        self._robot = robot
-        self._scene: Scene | None = None
-
-    def frame(self, qpos: Float, target: Float, width: int, height: int) -> NDArray[np.uint8]:
-        """See `Frames`."""
-        if self._scene is None:
-            self._scene = scene_of(self._robot)
-        return np.array(draw_still(self._scene, qpos, target, width, height))
-
-    def close(self) -> None:
-        """See `Frames`; there is nothing to give back."""
 
 
 class Arms(Generic[AnyArm]):

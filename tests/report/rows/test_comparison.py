@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta.decompose import Split, SplitPath
 from harness.eta.index import Ratio
+from harness.eta.splits import Split, SplitPath
 from harness.report.rows.comparison import (
     advice,
     claims_text,
