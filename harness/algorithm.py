@@ -18,13 +18,13 @@ ActionSpace: TypeAlias = Literal["continuous", "discrete"]
 
 @dataclass(frozen=True, eq=False)
 class Goals:
-    """What an env tells of its goals, as ``env.goals``, to an algorithm that learns in hindsight.
+    """The goals of an env, ``env.goals``, for an algorithm that learns in hindsight: as if it had wanted what it got.
 
     Attributes:
-        achieved: Columns of an observation: the goal that was achieved.
-        desired: Columns of an observation: the goal that was to be achieved, as many as of `achieved`.
-        pay: What the reward that the training is paid by pays, (n,), for steps after which `achieved` was achieved and
-            `desired` was to be; both (n, goal_size).
+        achieved: The columns of an observation that hold the goal that was achieved.
+        desired: The columns of an observation that hold the goal to achieve; as many columns as `achieved` has.
+        pay: A function of achieved goals and desired goals, both (n, goal_size). It returns what the training's reward
+            pays for steps that end with these goals, (n,).
     """
 
     achieved: slice
@@ -35,18 +35,21 @@ class Goals:
 class Algorithm(Protocol):
     """A frozen dataclass whose fields are the hyperparameters.
 
-    It may also have what ``harness bench`` times it beside:
+    It may also have two methods for ``harness bench``, which compares the algorithm's speed with what they return:
 
     * ``bare_training(env, steps, seed)``: the library without the harness. It returns a function without arguments that
       trains a new model with the same settings for `steps` steps of `env`, a `gymnasium.Env` of one robot.
-    * ``peer_trainings()``: trainings by other people's libraries, by name, each a function like ``bare_training`` that
-      raises `UsageError` where its library is not installed.
+    * ``peer_trainings()``: trainings with other people's libraries, by name. Each is a function like ``bare_training``,
+      and raises `UsageError` if its library is not installed.
 
-    It may also have ``learns``, False for one that only acts (see `learns`), ``needs_arm``, True for one that computes
-    with the arm of the task and so cannot train in an environment of anybody (see `needs_arm`), ``needs_goals``, True
-    for one that pays recorded steps again for other goals (see `needs_goals`),
-    ``why_not(task, robot)``, for one that cannot do every task whose actions it takes (see `why_not`), and ``sources``,
-    like any plugin that works in modules of its own (see `harness.registry.sources.source_files`).
+    These members may be there too:
+
+    * ``learns``: False if the algorithm only acts, see `learns`.
+    * ``needs_arm``: True if it computes with the arm of the task. It then cannot train in other people's Gymnasium
+      environments, see `needs_arm`.
+    * ``needs_goals``: True if it pays recorded steps again for other goals, see `needs_goals`.
+    * ``why_not(task, robot)``: says why it cannot do a task although it takes the task's actions, see `why_not`.
+    * ``sources``: the modules that it works in, see `harness.registry.sources.source_files`.
     """
 
     @property
@@ -61,31 +64,31 @@ class Algorithm(Protocol):
         """Learn for `steps` environment steps, counted over all envs, and yield the policy.
 
         Args:
-            env: Already seeded by whoever made it: reset it without a seed. It starts new episodes by itself
+            env: It is seeded already: reset it without a seed. It starts new episodes by itself
                 (`gymnasium.vector.AutoresetMode.SAME_STEP`).
-            steps: Environment steps to take, a multiple of `num_envs`: decide while `env.environment_steps` has grown
-                by less. A decision is not cut short.
-            seed: Of everything random in the algorithm; the same seed gives the same policy, bit for bit.
+            steps: Environment steps to take, a multiple of `num_envs`. Go on deciding until `env.environment_steps` has
+                grown by this number. The last decision is not cut short.
+            seed: The seed of everything random in the algorithm. The same seed gives the same policy, bit for bit.
             progress: Call it now and then, and at the end; see `harness.progress.Progress` for more.
         """
 
 
 def learns(algorithm: Algorithm) -> bool:
-    """Whether training changes the policy; an algorithm that says nothing of it learns."""
+    """Whether training changes the policy. It does if the algorithm has no ``learns``."""
     return bool(getattr(algorithm, "learns", True))
 
 
 def needs_arm(algorithm: Algorithm) -> bool:
-    """Whether it computes with ``env.task`` and ``env.robot``, which a `harness.environment.Environment` has not."""
+    """Whether it uses ``env.task`` and ``env.robot``, which the env of a `harness.environment.Environment` lacks."""
     return bool(getattr(algorithm, "needs_arm", False))
 
 
 def needs_goals(algorithm: Algorithm) -> bool:
-    """Whether it computes with ``env.goals``, see `Goals`, which an env has whose reward is a function of goals."""
+    """Whether it uses ``env.goals``, see `Goals`. Only an env whose reward is a function of goals has them."""
     return bool(getattr(algorithm, "needs_goals", False))
 
 
 def why_not(algorithm: Algorithm, task: "Task", robot: "Robot") -> str:
-    """Why an algorithm cannot do a task whose actions it takes; empty if it can, and if it says nothing of it."""
+    """Why an algorithm cannot do a task whose actions it takes. Empty if it can, or if it has no ``why_not``."""
     ask = getattr(algorithm, "why_not", None)
     return str(ask(task, robot)) if ask else ""

@@ -15,39 +15,42 @@ Measure: TypeAlias = Callable[[Any, Any, Any, Any], Any] | str
 GoalReward: TypeAlias = Callable[[Float, Float], Float]
 """A function of (achieved goals, desired goals), both (n, goal_size), that returns what n steps are paid, (n,)."""
 SUCCESS = "success"
-"""The measure of behaviour that decides, where an environment has one of this name."""
+"""The measure of behaviour that decides whether a robot behaves better, if an environment has one of this name."""
 
 
 class Environment(Protocol):
     """A frozen dataclass whose fields are the parameters.
 
-    It may also have ``lower_is_better``, names of the measures of which less is better (see `lower_is_better`),
-    ``baseline``, the name of the reward that the others are compared with (see `baseline_of`), ``goal_rewards(env)``,
-    where what is observed is a dict with achieved and desired goals (see `goal_rewards`), and ``sources``, like any
-    plugin that works in modules of its own (see `harness.registry.sources.source_files`).
+    It may also have these members:
+
+    * ``lower_is_better``: names of the measures of which less is better, see `lower_is_better`.
+    * ``baseline``: the name of the reward that the others are compared with, see `baseline_of`.
+    * ``goal_rewards(env)``: if observations are dicts with achieved and desired goals, see `goal_rewards`.
+    * ``sources``: the modules that it works in, see `harness.registry.sources.source_files`.
     """
 
     def make(self) -> AnyEnv:
-        """A new env. It ends its episodes, and draws whatever it draws from the generator that ``reset`` seeds."""
+        """A new env. It ends its episodes, and draws everything random from the generator that ``reset`` seeds."""
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
-        """The rewards of one env, by name, at least one; every training is paid by one and recorded with all.
+        """The rewards of one env, by name, at least one. One of them pays a training; all of them are recorded.
 
-        A function may look into `env`, which stands right after the step. It must change nothing there.
+        A function may read `env`, which is then in the state right after the step. It must change nothing there.
 
         Args:
-            env: What `make` made. What it observes is what `make`'s env observes: nothing is flattened.
+            env: An env that `make` made. Functions get its observations as they are: nothing is flattened.
         """
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
-        """Measures of what the robot does, which no reward should enter, by name; see `rewards`.
+        """Measures of what the robot does, by name; see `rewards`. They should not depend on any reward.
 
-        The value in an episode's last step is the episode's. ``success`` decides, if there is one; else the first.
+        A measure's value in the last step of an episode is its value for the episode. The measure ``success`` decides
+        whether a robot behaves better. If there is none of this name, the first measure decides.
         """
 
 
 def lower_is_better(environment: Environment) -> frozenset[str]:
-    """Names of the measures of which less is better; an environment that says nothing of it has none."""
+    """Names of the measures of which less is better; none if the environment does not name any."""
     return frozenset(getattr(environment, "lower_is_better", ()))
 
 
@@ -57,10 +60,10 @@ def baseline_of(environment: Environment, rewards: Mapping[str, Measure]) -> str
 
 
 def goal_rewards(environment: Environment, env: AnyEnv) -> dict[str, GoalReward]:
-    """Those of its rewards that are functions of goals alone, by name; none of an environment that says nothing of it.
+    """Those of its rewards that depend on goals only, by name; none if the environment has no ``goal_rewards``.
 
-    A reward of that kind pays a step by the ``achieved_goal`` and the ``desired_goal`` of the observation after it. So
-    it can tell what the step would have been paid with another goal.
+    Such a reward pays a step by the ``achieved_goal`` and the ``desired_goal`` of the observation after it. So it can
+    also say what the step would have been paid with another goal.
     """
     ask = getattr(environment, "goal_rewards", None)
     return dict(ask(env)) if ask else {}

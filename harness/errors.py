@@ -5,30 +5,30 @@
     HarnessError
     ├── UsageError            what the user gave cannot be used: one line, exit status 2, nothing written
     ├── PluginError           a plugin is broken: names the plugin, its distribution and the target
-    ├── SimulationDiverged    a simulation or a reward left the finite numbers: the cell fails, the plan goes on
+    ├── SimulationDiverged    a simulation or a reward gave NaN or infinity: the cell fails, the other cells go on
     ├── ContractViolation     a plugin breaks its interface's contract: names the check
     ├── StorageError          a results folder cannot be written: the disk is full, or fails; what was done stays
     ├── Unscored              a reward cannot pay recorded runs again: the rest of a report stands
-    ├── Unmeasured            a metric cannot say anything of a trace: the rest of a report stands
+    ├── Unmeasured            a metric has no value for a trace: the rest of a report stands
     └── SchemaError           a results file is not what this version reads
         └── NewerFormat       because a newer version wrote it
 
-Who catches `HarnessError` catches them all.
+To catch all of them, catch `HarnessError`.
 """
 
 from harness.text import one_line_of
 
 
 class HarnessError(Exception):
-    """Root of the tree: catching it catches whatever this project raises on purpose."""
+    """The base class of every error that this project raises on purpose."""
 
 
 class UsageError(HarnessError):
-    """What was given, what is allowed, what to do next; in one line."""
+    """The user's mistake. The message says in one line what was given, what is allowed and what to do next."""
 
 
 class PluginError(HarnessError):
-    """A plugin cannot be imported, or registers what it does not have."""
+    """A plugin cannot be imported, or registers something that it does not contain."""
 
 
 class SimulationDiverged(HarnessError):
@@ -40,7 +40,7 @@ class ContractViolation(HarnessError):
 
     Attributes:
         check: Name of the check that failed.
-        level: ``error``; ``warning`` where the contract is kept, but something is slow or was not tried.
+        level: ``error``; or ``warning`` if the contract is kept, but something is slow or was not tried.
         sentence: What is wrong, without the name of the check.
     """
 
@@ -54,7 +54,7 @@ class SchemaError(HarnessError):
 
 
 class NewerFormat(SchemaError):
-    """A newer version than this one wrote the file: nothing is wrong with it, and nothing may replace it."""
+    """A newer version than this one wrote the file. The file is not damaged, so nothing may replace it."""
 
 
 class StorageError(HarnessError):
@@ -66,7 +66,7 @@ class Unscored(HarnessError):
 
 
 class Unmeasured(HarnessError):
-    """A metric raises, is broken, or returns what is no finite number."""
+    """A metric raises an exception, is broken, or returns something that is not a finite number."""
 
 
 def one_line(error: BaseException) -> str:
@@ -75,7 +75,7 @@ def one_line(error: BaseException) -> str:
 
 
 def reason_of(error: BaseException) -> str:
-    """What to say of an exception that costs its own row: our errors say it all, of others the type stands first."""
+    """The reason to show for an exception: the message of our own errors; of other errors the type and the message."""
     return str(error) if isinstance(error, HarnessError) else one_line(error)
 
 

@@ -18,9 +18,9 @@ class Limits:
     """What a cell may take before its process is ended and the cell counts as failed; 0 for no limit.
 
     Attributes:
-        stall_after: Seconds without a word of progress, in the training and in the evaluation after it.
+        stall_after: Seconds without a report of progress, in the training and in the evaluation after it.
         cell_time: Seconds in all.
-        cell_memory: GiB in memory, of the cell's process and of those that it started.
+        cell_memory: GiB of memory of the cell's process and of the processes that it started, together.
     """
 
     stall_after: float = 0.0
@@ -33,14 +33,14 @@ class CellOptions:
     """How a cell is run; nothing here changes its result.
 
     Attributes:
-        checkpoint_every: Environment steps from one checkpoint of the training to the next, at least; 0 for none, None
-            for one every ten minutes. A cell whose process is killed goes on from its last checkpoint.
-        tracked: Whether somebody wants to hear what the algorithm and each evaluation tell; see `Word.scalars`.
-        limits: What the cell may take.
+        checkpoint_every: Environment steps from one checkpoint of the training to the next, at least. 0: no
+            checkpoints. None: one every ten minutes. A cell whose process is killed goes on from its last checkpoint.
+        tracked: Whether a tracker needs the numbers of the algorithm and of each evaluation; see `Word.scalars`.
+        limits: How much time and memory the cell may take.
         fresh: Whether the cell gets a process of its own, which did no other cell before.
-        floor: Whether the cell evaluates random actions too. What they do depends on simulator, task and robot alone:
-            one cell of an experiment that has these does it for all.
-        plugins: What was given by hand beside the installed plugins: files with their text, and names of classes.
+        floor: Whether the cell evaluates random actions too. The result depends only on simulator, task and robot, so
+            one cell of an experiment does it for all cells that share these three.
+        plugins: The plugins that were given by hand: files with their text, and names of classes.
     """
 
     checkpoint_every: int | None = None
@@ -66,7 +66,7 @@ class Job(NamedTuple):
 
     cell: Cell
     folder: Path
-    """It has to leave."""
+    """The folder that the job has to leave."""
     options: CellOptions = CellOptions()
 
     def to_json(self) -> dict[str, Any]:
@@ -80,7 +80,7 @@ class Job(NamedTuple):
 
 
 class Word(NamedTuple):
-    """What a cell tells while it is done.
+    """A report of progress from a running cell.
 
     Attributes:
         steps: Environment steps done so far.
@@ -108,11 +108,12 @@ class Event(NamedTuple):
     cell: Cell
     steps: int = 0
     reason: str = ""
-    """Of an ended cell: why it failed. An executor says it of a cell that left no folder."""
+    """Why an ended cell failed. An executor sets it only for a cell that left no folder."""
     note: str = ""
-    """Of an ended cell: what else there is to say, for who looks on; not for an executor to say."""
+    """A remark on an ended cell, shown to the user. The harness sets it; an executor does not."""
     scalars: Mapping[str, float] = NO_SCALARS
-    """Of progress: the numbers of a `Word`. An executor may leave out words without numbers; the others it hands on."""
+    """The numbers of a `Word`, with progress. An executor has to pass on every word that has numbers, and may leave out
+    the others."""
 
 
 OnEvent: TypeAlias = Callable[[Event], None]
@@ -124,8 +125,8 @@ class Executor(Protocol):
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
         """Run every job, at most `at_once` at a time.
 
-        `on_event` is called in the caller's thread: ``started``, any number of ``progress``, then ``ended``, once for
-        every job. Whatever a cell does, crash and kill included, the others go on. When an exception passes
-        (KeyboardInterrupt above all), no cell is left running. `harness.experiment.jobs` has what to build with, and
-        `harness.testing.check_executor` tries all of this.
+        For every job it calls `on_event` in the caller's thread: once with ``started``, any number of times with
+        ``progress``, and once with ``ended``. If a cell crashes or is killed, the others go on. If an exception ends
+        this method (above all KeyboardInterrupt), no cell is left running. `harness.experiment.jobs` has building
+        blocks, and `harness.testing.check_executor` checks all of this.
         """

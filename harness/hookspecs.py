@@ -1,7 +1,7 @@
 """The hooks that a plugin may implement.
 
-A plugin is a light module named by an entry point of the group ``harness``. Each hook hands it a function ``register``
-with one signature for all kinds::
+A plugin is a module that is quick to import and that an entry point of the group ``harness`` names. Each hook gets a
+function ``register``. Its signature is the same for all kinds::
 
     register(name, target, *, summary, requires=(), extra=None)
 
@@ -30,7 +30,7 @@ class Register(Protocol):
 
 
 class Hooks:
-    """One hook per kind of thing that varies. The target of each is described beside it."""
+    """One hook for each kind of plugin. Its docstring says what the target has to be."""
 
     @hookspec
     def register_simulators(self, register: Register) -> None:
@@ -70,7 +70,7 @@ class Hooks:
 
     @hookspec
     def register_commands(self, register: Register) -> None:
-        """Targets: a function that becomes ``harness NAME``; its typed parameters are what typer makes options of."""
+        """Targets: a function that becomes ``harness NAME``; typer turns its typed parameters into options."""
 
 
 NOUNS = {
@@ -85,5 +85,5 @@ NOUNS = {
     "trackers": "tracker",
     "commands": "command",
 }
-"""Every kind of thing that varies, and what to call one of it; each has a hook, ``register_simulators`` and so on."""
+"""Every kind of plugin, and the noun for one of it. Each kind has a hook, ``register_simulators`` and so on."""
 KINDS = tuple(NOUNS)

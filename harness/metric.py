@@ -8,16 +8,17 @@ from harness.record.trace import Trace
 class Metric(Protocol):
     """A frozen dataclass: how well a robot behaves, whatever it was paid.
 
-    A metric whose value is a mean over episodes of something between 0 and 1 says so by a class attribute ``is_share =
-    True``: where nearly all episodes give 1, seeds do not tell how often one gives 0, and its interval allows for that.
+    If the value is a mean over episodes of something between 0 and 1, set the class attribute ``is_share = True``. Its
+    interval then allows for values near 0 and 1: if nearly all episodes give 1, a few seeds do not show how often an
+    episode gives 0.
 
-    One whose values are distances of the trace's column ``distance`` says ``is_error = True``. On a task with a goal of
-    its own, see `harness.task.Goal`, reports then show it with the name and the unit of the task's error.
+    If the value is a distance from the trace's column ``distance``, set ``is_error = True``. In a task with a goal of
+    its own, see `harness.task.Goal`, reports then show the metric with the name and the unit of the task's error.
     """
 
     @property
     def unit(self) -> str:
-        """Of the value; empty where it has none."""
+        """Unit of the value; empty if it has none."""
 
     @property
     def better(self) -> str:

@@ -1,4 +1,4 @@
-"""What a training tells while it runs."""
+"""What a training reports while it runs."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Ring:
-    """Rows that are kept until others take their places, as in a replay buffer.
+    """Rows that are kept until newer rows replace them, as in a replay buffer.
 
-    Of a ring a checkpoint writes what is new since the last checkpoint alone, however much it holds.
+    A checkpoint writes only the rows of a ring that are new since the last checkpoint, however many the ring holds.
 
     Attributes:
-        columns: Arrays by name, (capacity, ...) each. The row that was written as number i, counted from 0 on, stands
-            at place i % capacity. In a ring that is restored the places that were never written are left out.
-        written: How many rows were ever written.
+        columns: Arrays by name, (capacity, ...) each. Rows are counted from 0 on; row i stands at place i % capacity.
+            In a restored ring, places that were never written are left out.
+        written: How many rows were written in all, replaced ones included.
     """
 
     columns: Mapping[str, NDArray[Any]]
@@ -37,56 +37,57 @@ TrainingState: TypeAlias = Mapping[str, Any]
 
 
 SUCCESS, RETURN, SPEED = "Training/Success Rate", "Training/Episode Return", "Training/Steps per Second"
-"""What the harness itself tells of every training: the share of the last `LAST_EPISODES` episodes that reached the
-target, and what they were paid on average; environment steps per second since the last word."""
+"""What the harness itself reports of every training: the share of the last `LAST_EPISODES` episodes that reached the
+target, what these episodes were paid on average, and environment steps per second since the last report."""
 LAST_EPISODES = 100
 
 TOLD_EVERY = 100
 SCALARS_EVERY = 1000
-"""Environment steps from one word about progress, or about scalars, to the next: how often the built-in ones tell."""
+"""Environment steps from one report of progress, or of scalars, to the next, in the built-in algorithms."""
 
 
 class Progress:
-    """Told how a training goes. This one does nothing with it: each method may be replaced.
+    """An algorithm reports to this object how its training goes. This base class ignores the reports.
 
-    An algorithm has to call it, ``progress(steps)``, now and then and at the end. All else makes it more useful:
-    a learning curve, scalars for trackers, checkpoints.
+    An algorithm has to call ``progress(steps)`` now and then and at the end. The other methods are optional. They give
+    a learning curve, scalars for trackers, and checkpoints.
     """
 
     def __call__(self, steps: int) -> None:
         """`steps` environment steps are done, counted over all envs."""
 
     def policy(self, steps: int, make: "Callable[[], Policy]") -> None:
-        """`make` would give the policy as it is after `steps`; it is called only when an evaluation is due."""
+        """Offer the policy as it is after `steps`. `make` returns it, and is called only if an evaluation is due."""
 
     def scalars(self, steps: int, values: Mapping[str, float]) -> None:
         """Numbers to watch, such as ``Losses/Policy Loss``, as they are after `steps`."""
 
     def checkpoint(self, steps: int, make: Callable[[], TrainingState]) -> None:
-        """Offer a place to go on from, should the process be killed later.
+        """Offer a state from which the training can go on if the process is killed later.
 
-        Call it between two steps of the env, as often as you like: `make` is called only when a checkpoint is due, and
-        most of the time none is. What is due depends on the clock: making a checkpoint must change nothing, so `make`
-        draws no random numbers and touches nothing that the training uses.
+        Call it between two steps of the env, as often as you like. `make` is called only if a checkpoint is due, which
+        is seldom. When one is due depends on the clock. So making a checkpoint must not change the training: `make`
+        draws no random numbers and changes nothing that the training uses.
 
-        `make` gives all that your algorithm would need in a new process to go on from here as if nothing had
-        happened: weights, those of target networks too; what the optimisers remember; random generators; counters and
-        schedules; the observation that the next action is for; rewards and observations that you have gathered and not
-        yet learned from. Give numbers and arrays of numbers, made with `as_state`. A replay buffer is a `Ring`.
-        The env's own state is kept by the harness, episodes under way included: leave it out, and when your training is
-        `restored`, do not reset the env but act on the observation that you kept.
+        `make` returns everything that your algorithm needs in a new process to go on from here as if nothing had
+        happened: all weights, with those of target networks; the state of the optimisers; random generators; counters
+        and schedules; the observation that the next action is for; rewards and observations that you have gathered and
+        not yet learned from. Return numbers and arrays of numbers, made with `as_state`. A replay buffer is a `Ring`.
+        Leave out the env's own state, because the harness keeps it, with the episodes that have not ended. When your
+        training is `restored`, do not reset the env, but act on the observation that you saved.
 
         Arrays are read before this method returns, so they need not be copies.
 
         Args:
             steps: Environment steps that are done, counted over all envs.
-            make: See above.
+            make: Returns the state, see above.
         """
 
     def restored(self) -> TrainingState | None:
-        """What the last checkpoint holds, if this training goes on from one; ask once, before the first step.
+        """The state in the last checkpoint if this training goes on from one, else None.
 
-        By the same names, arrays as they were given. `env.environment_steps` stands where it stood then.
+        Call it once, before the first step. Names and arrays are those that you gave. `env.environment_steps` has the
+        value that it had then.
         """
         return None
 

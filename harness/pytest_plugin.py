@@ -1,6 +1,6 @@
-"""Fixtures for who tests a plugin; pytest loads this by itself where the harness is installed. See docs/authoring.md.
+"""Fixtures for tests of plugins. If the harness is installed, pytest loads them by itself. See docs/authoring.md.
 
-Nothing is imported before a test asks for a fixture: this costs every pytest of everybody who has the package.
+Nothing is imported before a test asks for a fixture, since every pytest on the machine loads this module.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,13 +25,13 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers",
         f"{MARK}(sim=, task=, reward=, robot=, num_envs=, algo=, steps=, evaluation_episodes=): what the fixtures "
-        "reach_env, simulation and cell of a test are made of",
+        "reach_env, simulation and cell of a test consist of",
     )
 
 
 @pytest.fixture
 def reach_env(request: pytest.FixtureRequest) -> "Iterator[ReachVectorEnv]":
-    """A vector env of what the test's marker names, closed when the test ends."""
+    """A vector env with what the test's marker names. It is closed when the test ends."""
     from harness.env.make import make_env
 
     given = _given(request, DEFAULTS)
@@ -42,7 +42,7 @@ def reach_env(request: pytest.FixtureRequest) -> "Iterator[ReachVectorEnv]":
 
 @pytest.fixture
 def simulation(request: pytest.FixtureRequest) -> "Iterator[Simulation]":
-    """The marker's simulator, open with its robot and number of envs; closed when the test ends."""
+    """The simulator that the marker names, open with its robot and number of envs; closed at the test's end."""
     from harness.testing.opened import open_simulation
 
     given = _given(request, DEFAULTS)
@@ -53,7 +53,7 @@ def simulation(request: pytest.FixtureRequest) -> "Iterator[Simulation]":
 
 @pytest.fixture
 def cell(request: pytest.FixtureRequest, tmp_path: "Path") -> "tuple[Path, Manifest]":
-    """A cell of what the marker names, trained and evaluated in this process: its folder, what its manifest says."""
+    """The folder and the manifest of a cell, trained and evaluated in this process with what the marker names."""
     from harness.testing.opened import train_cell
 
     given = _given(request, {**DEFAULTS, **CELL_DEFAULTS})
@@ -65,7 +65,7 @@ def cell(request: pytest.FixtureRequest, tmp_path: "Path") -> "tuple[Path, Manif
 def stepping() -> Iterator[Callable[..., Callable[[], object]]]:
     """A function: ``stepping(simulator, num_envs=1, period=0.1, robot="fd100")`` opens a simulator.
 
-    It gives a function that drives all arms for one control period: ``benchmark(stepping("my_sim", 64))``.
+    The function that it returns drives all arms for one control period: ``benchmark(stepping("my_sim", 64))``.
     """
     from contextlib import ExitStack, closing
 
@@ -84,7 +84,7 @@ def stepping() -> Iterator[Callable[..., Callable[[], object]]]:
 
 
 def _given(request: pytest.FixtureRequest, defaults: dict[str, Any]) -> dict[str, Any]:
-    """The marker's settings; what it says nearest to the test wins.
+    """The marker's settings. If several markers name the same one, the nearest to the test decides.
 
     Raises:
         pytest.UsageError: It has an argument that no fixture takes.

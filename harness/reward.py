@@ -18,7 +18,7 @@ Selection: TypeAlias = NDArray[np.int64] | Mask
 
 
 class Sample(NamedTuple):
-    """What the environment tracks at one step, once, for every reward. Arrays of shape (num_envs,)."""
+    """What a reward gets to know about one step. Arrays of shape (num_envs,)."""
 
     begin_distance: Array
     """Bd = d(0), NOTE eq. 22, [m]."""
@@ -37,9 +37,9 @@ class Sample(NamedTuple):
 class Reward(Protocol):
     """A frozen dataclass whose fields are the reward's parameters.
 
-    Calling it must not depend on anything but its arguments and its fields, and must not change its arguments: the
-    same function pays the learner step by step and scores whole recorded traces afterwards. The events (ground
-    contact, target reached, the step's price) belong to the task and are recorded apart.
+    The result must depend only on the arguments and the fields, and the call must not change its arguments: the same
+    function pays the learner step by step, and later pays whole recorded traces again. What events pay (ground contact,
+    target reached, the price of a step) belongs to the task and is recorded separately.
     """
 
     def initial_carry(self, begin_distance: Array) -> Carry:

@@ -15,7 +15,7 @@ from harness.robot.settings import FILE, SERVO
 class State(NamedTuple):
     """What a simulation reads from its engine. Frame: world, right-handed, z up, origin at the robot's base.
 
-    The arrays belong to the simulation and hold until its next call: copy what must last.
+    The arrays belong to the simulation. They are valid until its next call: copy what you want to keep.
     """
 
     qpos: Float
@@ -31,8 +31,8 @@ class State(NamedTuple):
 class Simulation(Protocol):
     """`num_envs` robots in one running engine, each in a world of its own.
 
-    It may also have ``rest(mask)``: nobody looks at the robots in `mask`, (num_envs,), until they are reset, and the
-    engine may leave them as they are. Evaluations are quicker with it: most episodes end long before the last one.
+    It may also have ``rest(mask)``. It says that nobody needs the robots in `mask`, (num_envs,), until they are reset,
+    so the engine need not move them. Evaluations are faster with it, since most episodes end long before the last one.
     """
 
     def reset(self, qpos: Float, mask: Mask) -> State:
@@ -41,17 +41,17 @@ class Simulation(Protocol):
     def drive(self, qpos: Float, duration: float) -> State:
         """Drive each joint at constant speed towards its target `qpos`, (num_envs, dof), for `duration` [s].
 
-        The duration is the control period or, for a way in several pieces, a whole part of it.
+        The duration is the control period. If a motion goes in several pieces, it is a whole part of that period.
 
         Raises:
-            UsageError: The engine cannot divide the control period so.
+            UsageError: The engine cannot divide the control period in this way.
         """
 
     def place(self, qpos: Float) -> State:
-        """Put all robots at `qpos`, (num_envs, dof), without dynamics: at rest, engine state overwritten."""
+        """Put all robots at rest at `qpos`, (num_envs, dof), without dynamics; overwrites the engine's state."""
 
     def read(self) -> State:
-        """The state as it stands."""
+        """The present state."""
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """One frame of env number `env` with a marker at `target`, (3,), [m]; RGB, (height, width, 3).
@@ -67,13 +67,15 @@ class Simulation(Protocol):
 class Simulator(Protocol):
     """A frozen dataclass whose fields are the engine's settings.
 
-    It may also have a class variable ``family``, see `family_of`, and what ``harness bench`` times it beside:
+    It may also have a class variable ``family``, see `family_of`, and two methods for ``harness bench``, which compares
+    the simulator's speed with what they return:
 
     * ``bare_loop(robot, targets, period)``: the engine without the harness. It returns a function without arguments
-      that drives the robots once along `targets`, (periods, num_envs, dof), one after another, each in `period` [s]; it
-      is called again and again, and the motion is closed. Whatever can be computed before is not the engine's.
-    * ``peer_envs()``: environments of other people that do the like, by name; each a function that makes a
-      `gymnasium.Env` of one robot, and raises `UsageError` where its library is not installed.
+      that drives the robots once along `targets`, (periods, num_envs, dof), one target after another, each in `period`
+      [s]. The function is called again and again, and the last target leads back to the first. Compute everything that
+      can be computed beforehand outside of that function: only the engine is to be timed.
+    * ``peer_envs()``: similar environments of other people, by name. Each is a function that makes a `gymnasium.Env` of
+      one robot, and raises `UsageError` if its library is not installed.
     """
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> Simulation:
@@ -87,10 +89,11 @@ class Simulator(Protocol):
 
 
 def family_of(simulator: object) -> str | None:
-    """The engine that a simulator, or its class, computes with; None where it is none.
+    """The engine that a simulator, or its class, computes with; None if it uses no engine.
 
-    It is the class variable ``family``, such as "MuJoCo". Simulators of one family solve the same equations by the same
-    code: where they agree, one engine has spoken. Without it a simulator is a family of its own, by its class's name.
+    It is the class variable ``family``, such as "MuJoCo". Simulators of one family solve the same equations with the
+    same code, so their agreement is the result of one engine only. A simulator without this variable is a family of its
+    own, named by its class.
     """
     kind = simulator if isinstance(simulator, type) else type(simulator)
     family: str | None = getattr(kind, "family", kind.__name__)
@@ -98,7 +101,7 @@ def family_of(simulator: object) -> str | None:
 
 
 def require_drives(simulator: object, robot: Robot) -> None:
-    """See that an arm has the drives that a simulator moves it by, where its field ``drive`` says "servo".
+    """Check that an arm has drives, if the simulator's field ``drive`` is "servo".
 
     Raises:
         UsageError: As `servo_of`.

@@ -14,22 +14,22 @@ if TYPE_CHECKING:
 
 
 class Targets(NamedTuple):
-    """Targets drawn ahead."""
+    """Targets that were drawn in advance."""
 
     position: Float
     """(count, 3), [m]."""
     relative: Mask
-    """Whether the position counts from the end effector at the time the target is set, (count,); else from the
-    world's origin."""
+    """Where a position counts from, (count,). True: from the end effector at the time the target is set. False: from
+    the world's origin."""
 
 
 class Situation(NamedTuple):
-    """Where n arms stand, and what they are asked for. The arrays belong to the environment: they are read only."""
+    """Where n arms are, and what their targets are. The arrays belong to the environment: do not change them."""
 
     qpos: Float
     """Joint positions, (n, dof), [rad] or, where a joint slides, [m]."""
     end_effector: Float
-    """(n, 3), world frame, [m], as the simulator tells it."""
+    """Its position, (n, 3), world frame, [m], as the simulator reports it."""
     target: Float
     """Where the target is now, (n, 3), world frame, [m]."""
     numbers: Float
@@ -41,21 +41,21 @@ class Situation(NamedTuple):
 
 
 class Goal(ABC):
-    """What a task asks for, where that is more than bringing the end effector to a point that stays.
+    """What a task asks for, if that is more than bringing the end effector to a point that does not move.
 
-    The error takes the place of the distance everywhere: rewards are paid by it, the trace records it in the columns of
-    distances, and the target is reached where it is at most the task's ``epsilon``.
+    The goal's error replaces the distance to the target everywhere: rewards use it, the trace records it in the columns
+    of distances, and the target is reached when the error is at most the task's ``epsilon``.
 
     Attributes:
-        error: What the error is called, in a few words, as ``pose error``.
-        unit: Of the error and of ``epsilon``; empty where it has none.
-        numbers: How many numbers belong to a target beside its position.
+        error: What the error is called, in a few words, such as ``pose error``.
+        unit: Unit of the error and of ``epsilon``; empty if they have none.
+        numbers: How many numbers belong to a target in addition to its position.
         moves: Whether the target moves, see `displacement`.
-        steps_within: The target is reached when the error was within epsilon for so many steps in a row.
-        aim: What the arm's own kinematics have to go to: ``position``, that of the target; ``pose``, also its
-            orientation, whose x and y axis, in the world frame, are then the first six numbers of `observe`; None where
-            they cannot do it.
-        observed: What `observe` tells, one line for ``harness describe``.
+        steps_within: The target is reached when the error was within epsilon for this many steps in a row.
+        aim: What the algorithm ``ik``, which uses the arm's inverse kinematics, has to reach. ``position``: the
+            target's position. ``pose``: its orientation too; the first six numbers of `observe` are then the x and the
+            y axis of that orientation, in the world frame. None: ``ik`` cannot do the task.
+        observed: What `observe` returns, in one line for ``harness describe``.
     """
 
     error: str
@@ -68,27 +68,27 @@ class Goal(ABC):
 
     @abstractmethod
     def errors(self, now: Situation) -> Float:
-        """How far each arm is from what it is asked for, (n,), >= 0, a new array; 0 where it does just that."""
+        """How far each arm is from what the task asks for, (n,), >= 0, a new array; 0 if it does exactly that."""
 
     def draw(self, rng: np.random.Generator, position: Float) -> Float:
-        """What belongs to targets beside their positions, (count, `numbers`).
+        """Draw the numbers that belong to targets in addition to their positions, (count, `numbers`).
 
         Args:
-            rng: The stream that the positions were drawn from.
-            position: As `Task.draw_targets` gave them, (count, 3), [m].
+            rng: The generator that the positions were drawn with.
+            position: The positions that `Task.draw_targets` returned, (count, 3), [m].
         """
         return np.zeros((len(position), 0))
 
     def displacement(self, numbers: Float, step: Float) -> Float:
-        """How far each target has moved so many steps after it was set, (n, 3), [m]; zeros at step 0."""
+        """How far each target has moved `step` steps after it was set, (n, 3), [m]; zeros at step 0."""
         return np.zeros((len(step), 3))
 
     def bounds(self) -> tuple[Float, Float]:
-        """The least and the most of each number of `observe`, (size,) both."""
+        """The smallest and the largest value of each number of `observe`, (size,) each."""
         return np.zeros(0), np.zeros(0)
 
     def observe(self, now: Situation) -> Float:
-        """What the learner sees of the goal beside target, offset and error, (n, size); needs no clipping."""
+        """What the learner sees of the goal besides target, offset and error, (n, size), within `bounds`."""
         return np.zeros((len(now.step), 0))
 
 
@@ -110,20 +110,20 @@ class Observation(Protocol):
 class Task(Protocol):
     """A frozen dataclass whose fields are the task's parameters. `harness.reach.ReachTask` is one.
 
-    An environment step is one control period. The learner decides every `decision_period` of them; its action is
-    repeated in between, and each pays a reward.
+    An environment step is one control period. The learner decides every `decision_period` environment steps. Its action
+    is repeated in between, and every environment step pays a reward.
 
-    It may also have ``varies``, False for one whose episodes all have the same start and targets, see `varies`; and
-    ``goal(robot)``, which returns a `Goal` where the end effector's distance to the target is not all that counts.
+    A task may also have two more members. ``varies`` is False if all episodes have the same start and targets, see
+    `varies`. ``goal(robot)`` returns a `Goal` if more counts than the end effector's distance to the target.
     """
 
     @property
     def robot(self) -> str:
-        """Registered name of the arm that the task was made for: the default."""
+        """Registered name of the arm that the task was made for. It is used if no other robot is named."""
 
     @property
     def epsilon(self) -> float:
-        """The target is reached within this distance, NOTE eq. 20 [m]; of a task with a `Goal`, within this error."""
+        """The target is reached within this distance [m], NOTE eq. 20; in a task with a `Goal`, within this error."""
 
     @property
     def ends_at_target(self) -> bool:
@@ -131,7 +131,7 @@ class Task(Protocol):
 
     @property
     def horizon(self) -> int:
-        """An episode is truncated after so many environment steps."""
+        """An episode is truncated after this many environment steps."""
 
     @property
     def control_period(self) -> float:
@@ -171,10 +171,10 @@ class Task(Protocol):
         """What the learner sees of `robot`: the S of the tuple."""
 
     def check(self, robot: Robot) -> None:
-        """See whether episodes can be drawn for `robot`.
+        """Check whether `robot` can do the task.
 
         Raises:
-            UsageError: It cannot do the task.
+            UsageError: It cannot.
         """
 
     def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
@@ -184,28 +184,28 @@ class Task(Protocol):
         """Targets of the next `count` episodes.
 
         Raises:
-            UsageError: The arm reaches next to none of them.
+            UsageError: The arm reaches almost none of them.
         """
 
     def start_in_words(self, robot: Robot) -> str:
-        """Where an episode starts, one line for ``harness describe``."""
+        """Where an episode starts, in one line for ``harness describe``."""
 
     def target_in_words(self, robot: Robot) -> str:
-        """What the target is."""
+        """What the target is, in one line."""
 
     def target_reward_in_words(self) -> str:
-        """What reaching it pays."""
+        """What reaching the target pays, in one line."""
 
 
 def varies(task: Task) -> bool:
-    """Whether episodes differ in start or targets; those of a task that says nothing of it do.
+    """Whether episodes differ in start or targets. They do if the task has no ``varies``.
 
-    Where they do not, all deterministic episodes of a policy are alike, and an evaluation does one.
+    If they do not differ, all deterministic episodes of a policy are the same, so an evaluation does only one.
     """
     return bool(getattr(task, "varies", True))
 
 
 def goal_of(task: Task, robot: Robot) -> Goal | None:
-    """What `task` asks of `robot`; None where that is to bring the end effector to a point that stays."""
+    """What `task` asks of `robot`; None if it only asks to bring the end effector to a point that does not move."""
     goal = getattr(task, "goal", None)
     return None if goal is None else goal(robot)

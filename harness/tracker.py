@@ -10,15 +10,15 @@ Outcome: TypeAlias = Literal["done", "failed", "interrupted"]
 
 @dataclass(frozen=True)
 class TrackedCell:
-    """A cell as trackers are told of it.
+    """What a tracker gets to know about a cell.
 
     Attributes:
-        id: No other cell has it, nor the same cell when it is done again: digits, letters and ``-``, 28 at most. A cell
-            that goes on from a checkpoint after its run was killed has the one that it had before.
-        title: For people: the combination and the seed.
-        group: For people: the combination. The seeds of a combination have the same.
+        id: At most 28 digits, letters and ``-``. No other cell has this id. A cell that is done again from the start
+            gets a new id. A cell that goes on from a checkpoint after its run was killed keeps its id.
+        title: A name for people: the combination and the seed.
+        group: A name for people: the combination. All seeds of a combination share it.
         config: Every parameter of the cell by name, such as ``reward.k1``; text, numbers, bool, None and lists of them.
-        folder: Of the experiment. A tracker may have a folder of its own name in it.
+        folder: The experiment's folder. A tracker may make a folder of its own name in it.
     """
 
     id: str
@@ -34,26 +34,26 @@ class Track(Protocol):
     def log(self, steps: int, scalars: Mapping[str, float]) -> None:
         """Numbers by name, such as ``Training/Success Rate``, as they are after `steps` environment steps.
 
-        `steps` never falls below what it was, except within the last words of an evaluation; the same steps may come
-        several times, with other names. Numbers may be NaN or infinite.
+        `steps` never becomes smaller, except in the last calls of an evaluation. Several calls may have the same
+        `steps`, with other names. Numbers may be NaN or infinite.
         """
 
     def end(self, outcome: Outcome, reason: str) -> None:
-        """The cell has ended, `reason` says why it failed. Nothing is logged afterwards."""
+        """The cell has ended. If it failed, `reason` says why. `log` is not called afterwards."""
 
 
 class Tracker(Protocol):
     """A frozen dataclass whose fields are its settings: ``--tracker wandb:project=arms,mode=offline``.
 
-    All calls but `why_not` come from one thread, which is not the one that runs the experiment: a tracker may wait for
-    a server. One that raises is not called again, and the cells go on.
+    All calls except `why_not` come from one thread. It is not the thread that runs the experiment, so a tracker may
+    wait for a server. A tracker that raises an exception is not called again, and the cells go on.
     """
 
     def why_not(self) -> str:
-        """Why it cannot be used here and now, with the remedy; empty if it can. Writes nothing and asks nobody."""
+        """Why it cannot be used now, and what to do about it; empty if it can. Writes nothing, calls no server."""
 
     def begin(self, cell: TrackedCell) -> Track:
-        """A cell begins, or goes on: then `cell.id` is one that was begun before, by another process.
+        """A cell begins, or it goes on. If it goes on, another process has called `begin` with the same `cell.id`.
 
-        Several cells are tracked at once. What was logged of a cell that goes on is not logged again.
+        Several cells are tracked at once. If a cell goes on, what was logged before is not logged again.
         """

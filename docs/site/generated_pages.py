@@ -138,7 +138,7 @@ def experiment_page() -> str:
     return _joined(
         [
             "# The experiment file",
-            "A TOML file that `harness run FILE` takes. Every key is also a flag of `harness run`; a flag wins.",
+            "A TOML file that `harness run FILE` takes. Each key is also a flag of `harness run`. A flag overrides it.",
             _table(("key", "type", "default", "what it is"), rows),
         ]
     )

@@ -66,8 +66,8 @@ def record_rollouts(simulator: Simulator, robot: Robot, task: Task, episodes: in
     goal = goal_of(task, robot)
     if goal is not None:
         raise UsageError(
-            "The scripted policies of an audit go to points that stay, and the task asks for more (its error: "
-            f"{goal.error}). Audit the reward on fd100-reach: a reward sees the error alone"
+            "The scripted policies of an audit go to points that do not move, and this task asks for more (its error: "
+            f"{goal.error}). Audit the reward on fd100-reach: in every task a reward sees only the error"
         )
     off = AutoresetMode.DISABLED
     env = ReachVectorEnv(simulator, robot, task, Unpaid(), episodes, autoreset_mode=off)

@@ -1,4 +1,4 @@
-"""What plugin authors may build on; the core does without it. docs/authoring.md says what each name is and promises."""
+"""Building blocks for plugin authors, which the core itself does not use. docs/authoring.md explains each name."""
 
 from typing import TYPE_CHECKING
 
@@ -63,6 +63,6 @@ _HOMES = {
     "servo_of": "harness.simulator",
 }
 RENAMED: dict[str, Renamed] = {}
-"""Names that were given up, for one minor version."""
+"""Old names, which still work for one minor version."""
 
 __getattr__ = lazy_names(__name__, _HOMES, RENAMED)

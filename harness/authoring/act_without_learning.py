@@ -1,4 +1,4 @@
-"""To act for a budget without learning: what the floor and the ceiling of a comparison do for a training."""
+"""Acting for a budget of steps without learning: the training of algorithms such as ``random`` and ``ik``."""
 
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ TELL_EVERY, RESTART_EVERY = 100, 500
 
 
 def act_for(env: "ReachVectorEnv", steps: int, policy: Policy, seed: int, progress: Progress) -> None:
-    """Let `policy` draw actions for `steps` environment steps; now and then all envs start new episodes."""
+    """Let `policy` draw actions for `steps` environment steps. Now and then all envs start new episodes."""
     rng, state = np.random.default_rng(seed), progress.restored()
     if state is None:
         (observation, _), done, decisions = env.reset(), 0, 0

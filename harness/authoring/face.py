@@ -1,4 +1,4 @@
-"""Names that a package promises to keep, looked up when they are first used, and those that it gives up."""
+"""Names that a package promises to keep, looked up when they are first used, and the names that it has renamed."""
 
 import importlib
 import warnings
@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 
 class Renamed(NamedTuple):
-    """What became of a name that is given up."""
+    """What replaces an old name."""
 
     new: str
-    """The name to use in its place."""
+    """The name to use instead."""
     gone_in: str
-    """The version without the old name; the one before it warns."""
+    """The version in which the old name is gone. The version before it warns."""
 
 
 def lazy_names(module: str, homes: Mapping[str, str], renamed: Mapping[str, Renamed]) -> Callable[[str], Any]:
@@ -20,8 +20,9 @@ def lazy_names(module: str, homes: Mapping[str, str], renamed: Mapping[str, Rena
 
     Args:
         module: Name of the module.
-        homes: By public name, the module that it stands in.
-        renamed: By old name, what to use; using it gives the new one, with a `DeprecationWarning`.
+        homes: The module of each public name, by name.
+        renamed: What replaces each old name, by old name. Using an old name gives the new one and a
+            `DeprecationWarning`.
     """
 
     def look_up(name: str) -> Any:

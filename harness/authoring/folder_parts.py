@@ -1,4 +1,4 @@
-"""A folder's files in parts that fit into messages: how a cell's folder gets from one machine to another."""
+"""Splits a folder's files into parts that fit into messages, to send a cell's folder to another machine."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -8,15 +8,15 @@ PART_BYTES = 4 * 2**20
 
 
 class Part(NamedTuple):
-    """Some of a file's bytes; the parts of a file come one after the other."""
+    """A piece of a file. The parts of a file come one after the other."""
 
     path: str
-    """In the folder, with slashes."""
+    """The file's path in the folder, with slashes."""
     content: bytes
 
 
 def parts_of(folder: Path) -> Iterator[Part]:
-    """All files in a folder, in parts; links are left out, and so are folders without a file."""
+    """All files in a folder, in parts. Links and folders without a file are left out."""
     for path in sorted(folder.rglob("*")):
         if path.is_file() and not path.is_symlink():
             yield from _parts_of_file(path, path.relative_to(folder).as_posix())

@@ -1,4 +1,4 @@
-"""A random generator as an array, and back: what a checkpoint holds of it, without pickle."""
+"""The state of a random generator as an array for a checkpoint, and back, without pickle."""
 
 import json
 from typing import Any
@@ -10,16 +10,16 @@ from harness.errors import SchemaError
 
 
 def pack_generator(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Where `rng` stands, as the bytes of a JSON text."""
+    """The state of `rng`, as the bytes of a JSON text."""
     # Its numbers have up to 128 bits: no array holds them, JSON does.
     return np.frombuffer(json.dumps(rng.bit_generator.state).encode(), np.uint8)
 
 
 def restore_generator(rng: np.random.Generator, packed: NDArray[Any]) -> None:
-    """Put `rng` where the generator of `pack_generator` stood.
+    """Set the state of `rng` to the state that `pack_generator` packed.
 
     Raises:
-        SchemaError: It was none of the same kind.
+        SchemaError: `packed` is no state of a generator of the same kind.
     """
     try:
         rng.bit_generator.state = json.loads(packed.tobytes())

@@ -1,4 +1,4 @@
-"""Whether a robot touches the ground, for simulators whose engine does not tell."""
+"""Whether a robot touches the ground, for simulators whose engine does not report contact."""
 
 from numpy.typing import ArrayLike
 
@@ -11,8 +11,8 @@ from harness.robot.kinematics import link_frames
 class GroundContact:
     """The collision shapes of a robot's moving links against the plane z = 0, without an engine.
 
-    Exact for boxes, cylinders, capsules, spheres and meshes: the lowest point of a mesh is a vertex. Links that no
-    joint moves may stand in the ground.
+    The results are exact for boxes, cylinders, capsules, spheres and meshes. Links that no joint moves do not count:
+    they may reach into the ground.
     """
 
     def __init__(self, robot: Robot) -> None:

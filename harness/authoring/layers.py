@@ -1,4 +1,4 @@
-"""From the layers of any library to the weights of a policy."""
+"""Turns the layers of any library into the weights of a policy."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias
@@ -14,19 +14,19 @@ Layer: TypeAlias = tuple[ArrayLike, ArrayLike]
 
 
 def layer_weights(hidden: Sequence[Layer], **heads: Layer) -> dict[str, Float32]:
-    """Layers by the names that policies give them, each a copy in float32.
+    """The weights of a policy, by the names that policies use; each is a copy in float32.
 
     Args:
-        hidden: Weight, (out, in), and bias, (out,), of each hidden layer, the first one on the observation. PyTorch
-            keeps weights so; Flax and Keras keep them transposed.
-        heads: The same of the linear heads on the last hidden layer, by name: ``mean``, ``log_std``, ``logits``,
-            ``value``, as the kind of policy wants.
+        hidden: Weight, (out, in), and bias, (out,), of each hidden layer. The first layer gets the observation. PyTorch
+            stores weights in this shape; Flax and Keras store them transposed.
+        heads: Weight and bias of each linear head on the last hidden layer, by name. The kind of policy says which
+            heads it needs: ``mean``, ``log_std``, ``logits`` or ``value``.
 
     Returns:
         What `Network.weights` takes.
 
     Raises:
-        UsageError: A layer does not fit the one before it; says which, its shapes, and what they may be.
+        UsageError: A layer does not fit the one before it. The message has the layer, its shapes and allowed ones.
     """
     weights: dict[str, Float32] = {}
     width: int | None = None

@@ -1,4 +1,4 @@
-"""Where drives with limits are to be in each physics step, for simulators that know `drive=servo`."""
+"""The motion that drives with limits follow in each physics step, for simulators with `drive=servo`."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ __all__ = ["References", "ServoTrack", "servo_of"]
 
 
 class References(NamedTuple):
-    """What the drives follow in each of some physics steps, in order; new arrays."""
+    """What the drives have to follow in each of several physics steps, in order. The arrays are new."""
 
     qpos: Float
     """Positions, shape (steps, num_envs, dof), [rad] or [m]."""
@@ -37,20 +37,20 @@ class ServoTrack:
         """Positions and speeds that are commanded and that the drives do not follow yet; one row per physics step."""
 
     def reset(self, qpos: Float, mask: Mask) -> None:
-        """The arms in `mask`, (num_envs,), rest at `qpos`, (num_envs, dof); what they were told before is forgotten."""
+        """Put the arms in `mask`, (num_envs,), at rest at `qpos`, (num_envs, dof), and drop their earlier commands."""
         self._target[mask] = qpos[mask]
         self._coming[:, 0, mask], self._coming[:, 1, mask] = qpos[mask], 0.0
 
     def advance(self, qpos: Float, duration: float, steps: int) -> References:
-        """Command a way at constant speed from the last target to `qpos`.
+        """Command a motion at constant speed from the last targets to `qpos`.
 
         Args:
             qpos: The new targets, shape (num_envs, dof), [rad] or [m].
-            duration: Of the way, [s].
-            steps: Physics steps in it, >= 1.
+            duration: Duration of the motion, [s].
+            steps: How many physics steps it has, >= 1.
 
         Returns:
-            What the drives follow in the next `steps` physics steps, each as at its begin.
+            What the drives have to follow in the next `steps` physics steps. Each row holds at the beginning of a step.
         """
         way = qpos - self._target
         ramp = np.empty((steps, 2, *qpos.shape))

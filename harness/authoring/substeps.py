@@ -9,10 +9,10 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class Substeps:
-    """So many physics steps per control period.
+    """A number of physics steps per control period.
 
     Attributes:
-        count: In a control period.
+        count: Physics steps in a control period.
         period: The control period, [s].
     """
 
@@ -21,10 +21,10 @@ class Substeps:
     _known: dict[float, int] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def within(self, duration: float) -> int:
-        """Physics steps in `duration`, a whole part of the control period [s].
+        """How many physics steps `duration` takes, a whole part of the control period [s].
 
         Raises:
-            UsageError: It takes no whole number of them.
+            UsageError: That is not a whole number.
         """
         steps = self._known.get(duration)
         if steps is None:

@@ -120,7 +120,7 @@ def _answer(args: list[str]) -> int:
         return FAILED
     except (HarnessError, OSError) as error:
         is_ours = isinstance(error, HarnessError)
-        complain(str(error) if is_ours else f"the system refuses: {error}. Mend that, and call the same command again")
+        complain(str(error) if is_ours else f"the system reports: {error}. Solve that, then run the same command again")
         return FAILED
     except Exception as error:  # nobody's traceback on the screen
         complain(describe_unexpected(error))

@@ -6,28 +6,23 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.lines import complain
-from harness.cli.options import REWARDS, SIMULATORS, Names, PluginFiles, RobotName, TaskName
+from harness.cli.lines import complain, say_json
+from harness.cli.options import REWARDS, SIMULATORS, AsJson, Names, PluginFiles, RecordedFolder, RobotName, TaskName
 from harness.errors import UsageError
 
 
 def audit(
-    folder: Annotated[
-        Path | None,
-        typer.Argument(
-            help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
-        ),
-    ] = None,
+    folder: RecordedFolder = None,
     reward: Annotated[
         str | None,
-        typer.Option(help="The reward, as arp:k2=2.", metavar="NAME", autocompletion=REWARDS, show_default=False),
+        typer.Option(help="The reward, such as arp:k2=2.", metavar="NAME", autocompletion=REWARDS, show_default=False),
     ] = None,
     task: TaskName = None,
     robot: RobotName = None,
     sim: Annotated[
         str | None,
         typer.Option(
-            help="The simulator. Without it the joints move exactly as told.",
+            help="The simulator. Without one the joints move exactly as commanded.",
             metavar="NAME",
             autocompletion=SIMULATORS,
         ),
@@ -35,7 +30,7 @@ def audit(
     against: Annotated[
         str | None,
         typer.Option(
-            help="The reward that the distance is measured to.",
+            help="The reward to compare with: how far apart the two are.",
             show_default="baseline",
             metavar="NAME",
             autocompletion=REWARDS,
@@ -45,23 +40,24 @@ def audit(
         int | None, typer.Option(help="Episodes of each scripted policy.", show_default="100", metavar="N")
     ] = None,
     gamma: Annotated[
-        float | None, typer.Option(help="The learner's discount per step.", show_default="0.95", metavar="G")
+        float | None,
+        typer.Option(help="The discount factor of the learner, per step.", show_default="0.95", metavar="G"),
     ] = None,
     random: Annotated[
         Path | None,
         typer.Option(
-            help="A folder of recordings in which actions were random, compared with FOLDER.",
+            help="A folder of recordings with random actions, to compare FOLDER with.",
             metavar="FOLDER",
             show_default=False,
         ),
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
-    """Say what a reward pays for: it pays scripted movements, and is tried on numbers. Trains nothing.
+    """Say what a reward pays for. The reward pays scripted movements and made-up episodes. Trains nothing.
 
-    Given a FOLDER of recorded trainings, it says how far apart the rewards are in the steps that were taken, and what
-    each behaviour earned under each reward.
+    With a FOLDER of recorded trainings: say how far apart the rewards are on the recorded steps, and what each trained
+    behaviour earned under each reward.
     """
     if folder is not None:
         _refuse_beside(
@@ -73,7 +69,7 @@ def audit(
         )  # fmt: skip
         return _audit_folder(folder, random, as_json)
     if random is not None:
-        raise UsageError("--random goes with a FOLDER of recorded trainings: name it before")
+        raise UsageError("--random needs a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM")
     if reward is None:
         raise UsageError("Missing option '--reward'; or name a folder of recorded trainings")
     _audit_reward(
@@ -102,9 +98,7 @@ def _audit_folder(folder: Path, random: Path | None, as_json: bool) -> int:
 
     found = audit_recordings(folder, random)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
+        say_json(found.to_json())
     else:
         from harness.audit.recorded.recorded_table import recorded_table
         from harness.cli.terminal import show
@@ -144,7 +138,7 @@ def _audit_reward(
     rewards = [choose(registry, "rewards", name) for name in (reward, against)]
     chosen, where = choose(registry, "tasks", task), sim and choose(registry, "simulators", sim)
     engine = where.build(registry, "simulators") if where else IdealSimulator()
-    label = where.label if where else "no simulator: joints move exactly as told"
+    label = where.label if where else "no simulator: joints move exactly as commanded"
     world = chosen.build(registry, "tasks")
     robot = robot or world.robot
     rollouts = record_rollouts(engine, load_robot(robot, registry), world, episodes)
@@ -156,13 +150,11 @@ def _audit_reward(
         found = audit_reward(judged, other, rollouts, gamma)
     names = [choice.label for choice in rewards]
     if as_json:
-        import json
-
         from harness.audit.verdict import verdict_of
 
         setting = {"simulator": label, "robot": robot, "task": chosen.label, "episodes": episodes}
         shown = {"reward": names[0], "against": names[1], **setting, "verdict": verdict_of(found), **found.to_json()}
-        typer.echo(json.dumps(shown, indent=1, allow_nan=False))
+        say_json(shown)
         return
     from harness.audit.audit_table import audit_table
     from harness.cli.terminal import show

@@ -5,8 +5,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.cli.lines import say
-from harness.cli.options import ALGORITHMS, REWARDS, SIMULATORS, Names, PluginFiles, RobotName, TaskName
+from harness.cli.lines import say, say_json
+from harness.cli.options import (
+    ALGORITHMS,
+    REWARDS,
+    AsJson,
+    EvaluationEpisodes,
+    Names,
+    PluginFiles,
+    RobotName,
+    SimulatorNames,
+    TaskName,
+)
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -24,52 +34,58 @@ def bench(
     what: Annotated[
         list[str] | None,
         typer.Argument(
-            help="cells: where the time of a training goes. simulators, algorithms: beside the bare engine, the bare "
-            "library. peers: beside what others have.",
+            help="cells: where the time of a training goes. simulators: speed compared with the bare engine. "
+            "algorithms: speed compared with the bare library. peers: speed compared with other projects.",
             show_default="cells",
             metavar="WHAT",
         ),
     ] = None,
-    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
+    sim: SimulatorNames = None,
     algo: Annotated[
-        Names, typer.Option(help="Algorithms, as sac:net_arch=256x256.", metavar="NAME,...", autocompletion=ALGORITHMS)
+        Names,
+        typer.Option(
+            help="Algorithms to time, such as sac:net_arch=256x256.", metavar="NAME,...", autocompletion=ALGORITHMS
+        ),
     ] = None,
     reward: Annotated[
-        Names, typer.Option(help="Rewards.", show_default="baseline", metavar="NAME,...", autocompletion=REWARDS)
+        Names,
+        typer.Option(help="Rewards to time.", show_default="baseline", metavar="NAME,...", autocompletion=REWARDS),
     ] = None,
     task: TaskName = None,
     robot: RobotName = None,
     steps: Annotated[
         int | None,
         typer.Option(
-            help="Environment steps of each training.", show_default="2000; of algorithms and peers 256", metavar="N"
+            help="Environment steps of each training.", show_default="2000; for algorithms and peers 256", metavar="N"
         ),
     ] = None,
-    evaluation_episodes: Annotated[
-        int | None, typer.Option(help="Episodes of each evaluation.", show_default="100", metavar="N")
-    ] = None,
+    evaluation_episodes: EvaluationEpisodes = None,
     num_envs: Annotated[
-        str | None, typer.Option(help="Arms at once, of simulators.", show_default="1,64,1024", metavar="N,...")
+        str | None,
+        typer.Option(
+            help="For simulators: how many arms they move at once.", show_default="1,64,1024", metavar="N,..."
+        ),
     ] = None,
     rounds: Annotated[
         int | None,
         typer.Option(
-            help="How many processes time everything, in turns.",
-            show_default=f"{CELL_ROUNDS}; of simulators, algorithms and peers {SPEED_ROUNDS}",
+            help="How many processes, one after the other, time everything.",
+            show_default=f"{CELL_ROUNDS}; for simulators, algorithms and peers {SPEED_ROUNDS}",
             metavar="N",
         ),
     ] = None,
     compare: Annotated[
         Path | None,
         typer.Option(
-            help="Measure again what this file holds, and exit with 1 if something became slower.", metavar="OLD.json"
+            help="Measure again what this file holds. Ends with status 1 if something became slower.",
+            metavar="OLD.json",
         ),
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
     html: Annotated[Path | None, typer.Option(help="Write a page with a figure to this file.", metavar="FILE")] = None,
 ) -> int:
-    """Show where the time of a training goes, or how fast plugins are beside the bare engines and libraries."""
+    """Show where the time of a training goes, or how fast plugins are compared with bare engines and libraries."""
     if rounds is not None and rounds < 1:
         raise UsageError(f"--rounds {rounds}: must be at least 1")
     if compare is not None:
@@ -78,9 +94,7 @@ def bench(
         _refuse({**of_old, **others}, "--compare measures what OLD.json holds, as it was measured then")
         return _again(compare, rounds, plugin, as_json, html)
     if not what or what == ["cells"]:
-        _refuse(
-            {"--num-envs": num_envs, "--html": html}, "it belongs to 'harness bench simulators', and cells have none"
-        )
+        _refuse({"--num-envs": num_envs, "--html": html}, "only 'harness bench simulators' takes it")
         given = {
             "sim": sim, "algo": algo, **_rewards(reward), "task": task, "robot": robot, "seeds": [0],
             "steps": 2000 if steps is None else steps,
@@ -89,9 +103,9 @@ def bench(
         return _cells({key: value for key, value in given.items() if value is not None}, rounds, plugin, as_json)
     _check(what)
     if "cells" in what:
-        raise UsageError("cells: they are timed by themselves, give the others in another call")
+        raise UsageError("cells are timed alone: time the others with a second command")
     cells_alone = {"--reward": reward, "--evaluation-episodes": evaluation_episodes}
-    _refuse(cells_alone, "it belongs to 'harness bench cells'")
+    _refuse(cells_alone, "only 'harness bench cells' takes it")
     return _speeds(what, sim or [], algo or [], task, robot, steps, num_envs, rounds, plugin, as_json, html)
 
 
@@ -126,7 +140,7 @@ def _cells(given: dict[str, Any], rounds: int | None, plugin: Names, as_json: bo
     registry = load_registry(given=read_given(plugin))
     found = _measure(expand(experiment, registry), registry, rounds or CELL_ROUNDS)
     if as_json:
-        _print_json(found.to_json())
+        say_json(found.to_json())
     else:
         from harness.bench.bench_table import bench_table
         from harness.cli.terminal import show
@@ -187,7 +201,7 @@ def _again(path: Path, rounds: int | None, plugin: Names, as_json: bool, html: P
     times = old.rounds if rounds is None else rounds
     for number, whose in ((old.rounds, f"'{path}' has"), (times, "--rounds gives")):
         if number < FEWEST_ROUNDS:
-            raise UsageError(f"{whose} {number} rounds: noise is only known from {FEWEST_ROUNDS} on")
+            raise UsageError(f"{whose} {number} rounds: at least {FEWEST_ROUNDS} are needed to estimate the noise")
     found = measure_speeds(
         load_registry(given=read_given(plugin)), [speed.entry for speed in old.speeds], (), old.setting, times, _tell
     )
@@ -202,7 +216,7 @@ def _sizes(given: str) -> list[int]:
     except ValueError:
         sizes = []
     if not sizes or min(sizes) < 1:
-        raise UsageError(f"--num-envs {given}: give numbers from 1 on, as 1,64,1024")
+        raise UsageError(f"--num-envs {given}: give numbers from 1 on, such as 1,64,1024")
     return list(dict.fromkeys(sizes))
 
 
@@ -217,15 +231,9 @@ def _show(found: "Speeds", comparison: "Comparison | None", as_json: bool, html:
         write_speed_page(found, comparison, html)
         say(f"Page: {html}", err=True)
     if as_json:
-        _print_json({**found.to_json(), **({"comparison": comparison.to_json()} if comparison else {})})
+        say_json({**found.to_json(), **({"comparison": comparison.to_json()} if comparison else {})})
     else:
         from harness.bench.speed.speed_table import speed_table
         from harness.cli.terminal import show
 
         show(speed_table(found, comparison))
-
-
-def _print_json(data: dict[str, Any]) -> None:
-    import json
-
-    typer.echo(json.dumps(data, indent=1, allow_nan=False))

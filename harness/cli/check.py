@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.lines import say
-from harness.cli.options import ROBOT, PluginFiles
+from harness.cli.lines import say, say_json
+from harness.cli.options import ROBOT, AsJson, PluginFiles
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -21,12 +21,16 @@ NAME_WIDTH, VERDICT_WIDTH = 28, 9
 def check(
     name: Annotated[
         str | None,
-        typer.Argument(help="A plugin's name, as arp or sac:gamma=0.9; or a URDF.", show_default=False),
+        typer.Argument(
+            help="A plugin's name, such as arp or sac:gamma=0.9, or the path of a URDF.", show_default=False
+        ),
     ] = None,
     kind: Annotated[
         str | None,
         typer.Option(
-            help="The kind, such as reward, where several have this name.", metavar="KIND", show_default=False
+            help="The kind, such as reward, if several kinds have a plugin of this name.",
+            metavar="KIND",
+            show_default=False,
         ),
     ] = None,
     robot: Annotated[
@@ -38,11 +42,11 @@ def check(
     verbose: Annotated[
         bool, typer.Option("--verbose", help="Show the traceback of a plugin's error, on standard error.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
-    """Check that a plugin or robot keeps the rules of its kind, in sentences with numbers.
+    """Check whether a plugin or robot keeps the rules of its kind. Each result is a sentence with numbers.
 
-    Ends with status 1 if it breaks one.
+    Ends with status 1 if a rule is broken.
     """
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
@@ -50,7 +54,7 @@ def check(
 
     registry = load_registry(given=read_given(plugin))
     if name is None and robot is None:
-        raise UsageError("nothing to check: give a name, as harness check arp, or --robot with a robot's folder")
+        raise UsageError("nothing to check: type harness check NAME, or harness check --robot FOLDER")
     given, other = (robot or "", None) if name is None else (name, robot)
     chosen = "robots" if name is None else _kind_of(registry, name, kind)
     found: list[Finding] = []
@@ -107,10 +111,8 @@ def _conclude(kind: str, given: str, found: list["Finding"], as_json: bool) -> N
 
     numbers = {"ok": count(found, "ok"), "warnings": count(found, "warning"), "errors": count(found, "error")}
     if as_json:
-        import json
-
         checks = [{key: value for key, value in asdict(finding).items() if key != "story"} for finding in found]
-        typer.echo(json.dumps({"kind": NOUNS[kind], "name": given, **numbers, "checks": checks}, indent=1))
+        say_json({"kind": NOUNS[kind], "name": given, **numbers, "checks": checks})
         return
     told = ", ".join(f"{number} {noun.removesuffix('s') if number == 1 else noun}" for noun, number in numbers.items())
-    say(f"{NOUNS[kind]} {given}: {told}. {DOCS} says what each check holds.")
+    say(f"{NOUNS[kind]} {given}: {told}. {DOCS} explains every check.")

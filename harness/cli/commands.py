@@ -11,7 +11,7 @@ from harness.errors import HarnessError, PluginError
 from harness.registry.registry import Registry
 
 KIND = "commands"
-PANEL = "Of plugins"
+PANEL = "From plugins"
 PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Every argument goes to the plugin's function, ``--help`` included."""
 
@@ -43,8 +43,8 @@ def hidden_commands(registry: Registry, own: Collection[str]) -> list[str]:
         own: Names of our commands: what `harness.cli.app.main` hands every command as the object of its context.
     """
     return [
-        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.package}) is hidden by our own: "
-        f"write harness {spec.qualified}"
+        f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.package}) is hidden by a built-in command: "
+        f"type harness {spec.qualified}"
         for spec in registry.all_specs()
         if spec.kind == KIND and spec.name in own
     ]

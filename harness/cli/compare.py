@@ -1,12 +1,12 @@
 """``harness compare``: what changed from one experiment to another."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from harness.cli.lines import complain
+from harness.cli.lines import complain, say_json
+from harness.cli.options import AsJson
 
 REGRESSION = 1
 
@@ -14,11 +14,11 @@ REGRESSION = 1
 def compare(
     before: Annotated[Path, typer.Argument(help="The folder of the first experiment.", metavar="BEFORE")],
     after: Annotated[Path, typer.Argument(help="The folder of the second.", metavar="AFTER")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
-    """Compare two experiments that trained the same, for example before and after a plugin was edited.
+    """Compare two experiments that trained the same cells, for example before and after a plugin was edited.
 
-    Ends with status 1 if a test finds that policies of a proposed reward succeed less often than before.
+    Ends with status 1 if a statistical test finds that policies of a proposed reward succeed less often than before.
     """
     from harness.cli.terminal import show
     from harness.report.committed import refuse_committed
@@ -33,7 +33,7 @@ def compare(
         results.require_arm("harness compare")
     found = between(*both)
     if as_json:
-        typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
+        say_json(found.to_json())
     else:
         show(between_table(found))
     if found.regressions:

@@ -59,7 +59,7 @@ def demo(
         typer.Option(help="Leave the experiment in this folder.", show_default="a temporary one", metavar="DIR"),
     ] = None,
 ) -> None:
-    """Show in a few seconds how a number gets better while the robot does the same. Needs no extra."""
+    """Show in a few seconds how a number gets better while the robot does the same. Needs no optional library."""
     import tempfile
 
     from rich.text import Text

@@ -15,7 +15,8 @@ def describe(
     name: Annotated[
         str,
         typer.Argument(
-            help="Anything that `harness list` shows, as arp or arp:k2=2; or a URDF.", autocompletion=names_of(*KINDS)
+            help="A name that `harness list` shows, such as arp or arp:k2=2, or the path of a URDF.",
+            autocompletion=names_of(*KINDS),
         ),
     ],
     robot: Annotated[

@@ -23,7 +23,7 @@ BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 
 
 def doctor(context: typer.Context) -> int:
-    """Show versions, plugins, missing libraries and ways to draw. Ends with status 1 if a plugin is broken."""
+    """Show versions, plugins, missing libraries and ways to draw pictures. Ends with status 1 if a plugin is broken."""
     from harness.experiment.provenance import CHECKOUT, describe_machine, source_commit, versions_behind
 
     machine, registry = describe_machine(), load_registry()

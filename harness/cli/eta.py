@@ -1,39 +1,41 @@
 """``harness eta``: two groups of recorded runs compared, or all recorded trainings of a folder."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.lines import say
-from harness.cli.options import REWARDS, CurveKind, PluginFiles
+from harness.cli.lines import say, say_json
+from harness.cli.options import REWARDS, AsJson, CurveKind, PluginFiles, RecordedFolder
 from harness.cli.study import refuse_flags, show_study
 from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from harness.score.compare import Comparison
 
 Globs = list[str] | None
 
 
 def eta(
     context: typer.Context,
-    folder: Annotated[
-        Path | None,
-        typer.Argument(
-            help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
-        ),
-    ] = None,
+    folder: RecordedFolder = None,
     baseline: Annotated[
-        Globs, typer.Option(help="Runs of the baseline, as 'base/*.csv'.", metavar="GLOB", show_default=False)
+        Globs, typer.Option(help="Runs of the baseline, such as 'base/*.csv'.", metavar="GLOB", show_default=False)
     ] = None,
     proposed: Annotated[
         Globs,
-        typer.Option(help="Runs of the proposed reward; ** means any folders.", metavar="GLOB", show_default=False),
+        typer.Option(
+            help="Runs of the proposed reward. ** stands for any folders.", metavar="GLOB", show_default=False
+        ),
     ] = None,
     curve: CurveKind = "accumulated",
-    with_events: Annotated[bool, typer.Option("--with-events", help="Add the event terms to the reward.")] = False,
+    with_events: Annotated[
+        bool, typer.Option("--with-events", help="Add what the task pays for events to the reward.")
+    ] = False,
     baseline_reward: Annotated[
         str | None,
         typer.Option(
-            help="The reward that paid the baseline's runs.",
+            help="The reward that the baseline's runs were trained with.",
             show_default="found out",
             metavar="NAME",
             autocompletion=REWARDS,
@@ -42,20 +44,21 @@ def eta(
     proposed_reward: Annotated[
         str | None,
         typer.Option(
-            help="The reward that paid the proposed runs.",
+            help="The reward that the proposed runs were trained with.",
             show_default="found out",
             metavar="NAME",
             autocompletion=REWARDS,
         ),
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the curves into this .html file.", metavar="FILE")] = None,
 ) -> int:
     """Compare recorded trainings: anybody's CSV files with a column 'reward', or traces of this harness.
 
-    If the files have distances too, each eta is split into ruler and behaviour. Quote the patterns; a flag may be
-    repeated. In a FOLDER of recorded trainings every reward that trained is compared with every other one.
+    If the files have distances too, each eta is split into ruler and behaviour. Put patterns in quotes. --baseline and
+    --proposed may be given several times. In a FOLDER of recorded trainings, each reward that a policy was trained with
+    is compared with every other one.
     """
     groups = {"--baseline": baseline, "--proposed": proposed}
     loose = [*([] if folder is None or not any(groups.values()) else [str(folder)]), *context.args]
@@ -90,18 +93,20 @@ def eta(
         baseline_reward=baseline_reward,
         proposed_reward=proposed_reward,
     )
+    _show(comparison, plot, as_json)
+    return 0
+
+
+def _show(comparison: "Comparison", plot: Path | None, as_json: bool) -> None:
     if plot is not None:
         from harness.report.page.eta import write_eta_page
 
         write_eta_page(comparison, plot)
         say(f"Figure: {plot}", err=True)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(comparison.to_json(), indent=1, allow_nan=False))
+        say_json(comparison.to_json())
     else:
         from harness.cli.terminal import show
         from harness.report.tables.eta import eta_table
 
         show(eta_table(comparison))
-    return 0

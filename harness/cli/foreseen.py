@@ -16,9 +16,10 @@ SHOWN_SEEDS = LONGEST_MESSAGE // 10
 
 def foreseen_lines(found: "Foreseen") -> Iterator[str]:
     """The plan: where, how many, what is not run and why, what is, and what it takes."""
-    yield f"Folder: {found.folder} ({'new' if found.is_new else 'is there, goes on'})"
+    yield f"Folder: {found.folder} ({'new' if found.is_new else 'exists, the run goes on there'})"
     total = len(found.done) + len(found.to_do) + found.left + len(found.skipped)
-    counts = {"done": len(found.done), "to do": len(found.to_do), "left": found.left, "skipped": len(found.skipped)}
+    of_run = {"done": len(found.done), "to do": len(found.to_do)}
+    counts = {**of_run, "not in this run": found.left, "skipped": len(found.skipped)}
     yield f"{total} cells: " + ", ".join(f"{count} {noun}" for noun, count in counts.items() if count)
     for reason, count in Counter(reason for _, reason in found.skipped).items():
         yield f"skipped: {count}: {reason}"
@@ -44,7 +45,7 @@ def _by_combination(cells: Sequence["Cell"]) -> Iterator[str]:
 def _time(found: "Foreseen") -> str:
     if found.seconds is None:
         return f"not known: {found.unknown}"
-    return f"{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, as the done cells took"
+    return f"{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, estimated from the done cells"
 
 
 def about(seconds: float) -> str:

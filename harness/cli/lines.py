@@ -1,5 +1,7 @@
 """Lines for the terminal: no name in a file sends it a command."""
 
+from typing import Any
+
 import typer
 
 from harness.text import one_line_of, visible
@@ -13,3 +15,14 @@ def say(line: str, err: bool = False) -> None:
 def complain(message: str) -> None:
     """Say on standard error, in one line that is not long, what went wrong."""
     typer.echo(f"harness: {one_line_of(message)}", err=True)
+
+
+def say_json(data: Any) -> None:
+    """Print plain data as JSON on standard output.
+
+    Raises:
+        ValueError: It holds a number that JSON has not, NaN or infinity.
+    """
+    import json
+
+    typer.echo(json.dumps(data, indent=1, allow_nan=False))

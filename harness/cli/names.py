@@ -19,7 +19,7 @@ def list_names(
     ] = None,
     plugin: PluginFiles = None,
 ) -> None:
-    """List what can be named: simulators, algorithms, rewards, metrics, robots, tasks, environments and more."""
+    """List all simulators, algorithms, rewards, metrics, robots, tasks and other plugins."""
     if kind is not None and kind not in KINDS:
         raise UsageError(unknown_name("kind", kind, KINDS))
     registry = load_registry(given=read_given(plugin))

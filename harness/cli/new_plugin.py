@@ -34,7 +34,7 @@ def new_plugin(
             metavar="KIND",
         ),
     ],
-    name: Annotated[str, typer.Argument(help="What users will type, as my-reward.", metavar="NAME")],
+    name: Annotated[str, typer.Argument(help="The name that users will type, such as my-reward.", metavar="NAME")],
     into: Annotated[
         Path, typer.Option(help="The folder that the new package is made in.", show_default="here", metavar="DIR")
     ] = Path(),

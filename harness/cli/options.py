@@ -1,28 +1,39 @@
 """Flags that mean the same in several commands."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from harness.cli.completion import names_of
 
-ROBOT = "Robot: a name, a URDF, or a folder with robot.toml."
+ROBOT = "The robot: a name, the path of a URDF, or a folder with a robot.toml."
 
 Names = list[str] | None
 SIMULATORS, ALGORITHMS, REWARDS = names_of("simulators"), names_of("algorithms"), names_of("rewards")
 TASKS, ROBOTS, TRACKERS = names_of("tasks", "environments"), names_of("robots"), names_of("trackers")
 """What a shell offers behind these flags."""
 
+ExperimentFolder = Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")]
+RecordedFolder = Annotated[
+    Path | None,
+    typer.Argument(
+        help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
+    ),
+]
+SimulatorNames = Annotated[
+    Names, typer.Option(help="Simulators to use.", metavar="NAME,...", autocompletion=SIMULATORS)
+]
 RewardNames = Annotated[
     Names,
     typer.Option(
-        help="Proposed rewards, as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...", autocompletion=REWARDS
+        help="Proposed rewards, such as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...", autocompletion=REWARDS
     ),
 ]
 TaskName = Annotated[
     str | None,
     typer.Option(
-        help="What the robot is to do, as fd100-reach:epsilon=0.02; or an environment, as fetch-reach.",
+        help="The task, such as fd100-reach:epsilon=0.02, or an environment, such as fetch-reach.",
         show_default="fd100-reach",
         metavar="NAME",
         autocompletion=TASKS,
@@ -42,7 +53,7 @@ PluginFiles = Annotated[
     list[str] | None,
     typer.Option(
         "--plugin",
-        help="A Python file with plugins, besides those that are installed. May be given several times.",
+        help="A Python file with plugins, to use beside the installed ones. May be given several times.",
         metavar="FILE",
         show_default=False,
     ),
@@ -51,7 +62,7 @@ MetricNames = Annotated[
     Names,
     typer.Option(
         "--metric",
-        help="Metrics to show, besides those that decide.",
+        help="Metrics to show. Success and time to the target are always shown: they decide the verdict.",
         show_default="all",
         metavar="NAME,...",
         autocompletion=names_of("metrics"),
@@ -60,6 +71,14 @@ MetricNames = Annotated[
 CurveKind = Annotated[
     Literal["accumulated", "per-step"],
     typer.Option(
-        help="The curves behind I_N and I_P: summed up as published, or step by step (NOTE eq. 39-42 read literally)."
+        help="Compute I_N and I_P from the running sum of the rewards, as published, or from the reward of each step "
+        "(NOTE eq. 39-42 read literally)."
     ),
 ]
+EvaluationEpisodes = Annotated[
+    int | None, typer.Option(help="Episodes of each evaluation.", show_default="100", metavar="N")
+]
+Jobs = Annotated[
+    int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]

@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.lines import say
-from harness.cli.options import ROBOT, ROBOTS, SIMULATORS, PluginFiles
+from harness.cli.lines import say, say_json
+from harness.cli.options import ROBOT, ROBOTS, SIMULATORS, AsJson, PluginFiles
 from harness.errors import UsageError
 
 
@@ -14,7 +14,10 @@ def parity(
     sim: Annotated[
         list[str] | None,
         typer.Option(
-            help="Simulators, as mujoco:substeps=40.", show_default="all", metavar="NAME,...", autocompletion=SIMULATORS
+            help="Simulators, such as mujoco:substeps=40.",
+            show_default="all",
+            metavar="NAME,...",
+            autocompletion=SIMULATORS,
         ),
     ] = None,
     reference: Annotated[
@@ -28,11 +31,11 @@ def parity(
     ] = None,
     robot: Annotated[str, typer.Option(help=ROBOT, metavar="NAME", autocompletion=ROBOTS)] = "fd100",
     steps: Annotated[int, typer.Option(help="Control periods of each motion.", metavar="N")] = 200,
-    episodes: Annotated[int, typer.Option(help="How many motions, and how many dives.", metavar="N")] = 8,
+    episodes: Annotated[int, typer.Option(help="How many motions, and how many dives to the ground.", metavar="N")] = 8,
     seed: Annotated[int, typer.Option(help="The seed of the random motions.", metavar="S")] = 0,
     period: Annotated[float, typer.Option(help="Control period in seconds.", metavar="T")] = 0.1,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
     html: Annotated[Path | None, typer.Option(help="Write a page with figures to this file.", metavar="FILE")] = None,
 ) -> None:
     """Drive the same motions through several simulators and show how far they differ. Trains nothing."""
@@ -53,9 +56,7 @@ def parity(
         write_parity(found, html)
         say(f"Page: {html}", err=True)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(found.to_json(), indent=1, allow_nan=False))
+        say_json(found.to_json())
     else:
         from harness.cli.terminal import show
         from harness.parity.parity_table import parity_table

@@ -6,6 +6,8 @@ from typing import Annotated
 import typer
 
 from harness.cli.commands import hidden_commands
+from harness.cli.lines import say_json
+from harness.cli.options import AsJson
 from harness.registry.registry import load_registry
 from harness.registry.targets import examined, why_unfit
 
@@ -18,7 +20,7 @@ def plugins(
             "--check", help="Also import everything that plugins registered. Ends with status 1 if a plugin is broken."
         ),
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
     """Show every plugin, where it comes from, what it registered, and what is wrong with it."""
     registry = load_registry()
@@ -26,10 +28,8 @@ def plugins(
     status = 1 if check and any(plugin.is_at_fault for plugin in found) else 0
     conflicts = registry.conflicts() + hidden_commands(registry, context.obj) + registry.notes
     if as_json:
-        import json
-
         shown = {"plugins": [asdict(plugin) for plugin in found], "conflicts": conflicts}
-        typer.echo(json.dumps(shown, indent=1))
+        say_json(shown)
         return status
     for plugin in found:
         typer.echo(f"{plugin.name}  {plugin.status}  {plugin.distribution} {plugin.version}  ({plugin.module})")

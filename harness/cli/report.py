@@ -11,7 +11,7 @@ import typer
 from harness.cli.environments import show_environments
 from harness.cli.lines import complain, say
 from harness.cli.not_measured import complain_of_metrics
-from harness.cli.options import CurveKind, MetricNames, Names, PluginFiles
+from harness.cli.options import AsJson, CurveKind, MetricNames, Names, PluginFiles
 from harness.cli.study import holds_recordings, refuse_flags, show_study
 
 if TYPE_CHECKING:
@@ -24,16 +24,17 @@ def report(
     folders: Annotated[
         list[Path],
         typer.Argument(
-            help="The experiment's folder. Several folders are read as if one run had made them.", metavar="DIR..."
+            help="The folder of an experiment. Several folders are read as if one run had made them.", metavar="DIR..."
         ),
     ],
     curve: CurveKind = "accumulated",
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
     html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
     details: Annotated[
         bool,
         typer.Option(
-            "--details", help="Print every number of every comparison. Of many comparisons this fills many screens."
+            "--details",
+            help="Print every number of every comparison. With many comparisons this fills many screens.",
         ),
     ] = False,
     summary: Annotated[
@@ -46,9 +47,9 @@ def report(
     metric: MetricNames = None,
     plugin: PluginFiles = None,
 ) -> int:
-    """Show the results in the folder of an experiment, or in a folder of records. Trains nothing.
+    """Show the results of an experiment. Trains nothing.
 
-    A folder of trainings that harness.RecordRewards recorded, in any environment, is reported too.
+    DIR may also hold records that --summary wrote, or trainings that harness.RecordRewards recorded in any environment.
     """
     from harness.report.committed import is_committed
     from harness.results import load_results
@@ -63,7 +64,7 @@ def report(
         results = load_results(folders[0], curve, metric, plugin or ())
         _leave(results, folders, as_json, html, details, summary)
         if results.damaged:
-            complain(f"damaged cells: {len(results.damaged)}; harness verify '{folders[0]}' tells of them")
+            complain(f"damaged cells: {len(results.damaged)}; harness verify '{folders[0]}' says which files")
         return 1 if results.damaged else 0
     with ExitStack() as stack:
         together = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="harness-report-")))
@@ -107,7 +108,7 @@ def _leave(
     results: "Results", folders: Sequence[Path], as_json: bool, html: Path | None, details: bool, summary: Path | None
 ) -> None:
     """Write and print what is asked for; by default the table."""
-    command = f"harness report {' '.join(map(str, folders))} --details"
+    command = f"harness report {' '.join(map(str, folders))} --details{results.plugin_flags}"
     if results.is_in_environment:
         show_environments(results, command, as_json=as_json, html=html, details=details, summary=summary)
         return

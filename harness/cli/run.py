@@ -1,172 +1,142 @@
 """``harness run``: train every combination, compare, report."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from harness.cli import run_flags as flags
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import complain, say
+from harness.cli.lines import complain, say, say_json
 from harness.cli.options import (
-    ALGORITHMS,
-    REWARDS,
-    SIMULATORS,
-    TRACKERS,
     CurveKind,
+    EvaluationEpisodes,
     ExecutorName,
+    Jobs,
     MetricNames,
     Names,
     PluginFiles,
     RewardNames,
     RobotName,
+    SimulatorNames,
     TaskName,
 )
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.experiment.foresee import Foreseen
+    from harness.experiment.experiment import RunOptions
+    from harness.experiment.plan import Experiment
+    from harness.registry.given import Given
     from harness.results import Results
 
 
 def run(
-    experiment: Annotated[
-        Path | None, typer.Argument(help="Experiment file (TOML). Its keys are the flags below; a flag wins.")
-    ] = None,
-    sim: Annotated[Names, typer.Option(help="Simulators.", metavar="NAME,...", autocompletion=SIMULATORS)] = None,
-    algo: Annotated[
-        Names,
-        typer.Option(help="Algorithms, as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
-    ] = None,
+    experiment: flags.ExperimentFile = None,
+    sim: SimulatorNames = None,
+    algo: flags.AlgorithmNames = None,
     reward: RewardNames = None,
-    baseline: Annotated[
-        str | None,
-        typer.Option(
-            help="The reward that the others are compared with.",
-            show_default="baseline",
-            metavar="NAME",
-            autocompletion=REWARDS,
-        ),
-    ] = None,
+    baseline: flags.Baseline = None,
     task: TaskName = None,
     robot: RobotName = None,
-    seeds: Annotated[
-        str | None, typer.Option(help="How many seeds, or a list of them (3,7,11).", show_default="6", metavar="N")
-    ] = None,
-    steps: Annotated[
-        int | None, typer.Option(help="Environment steps of training per cell.", show_default="5000", metavar="N")
-    ] = None,
-    evaluation_episodes: Annotated[
-        int | None, typer.Option(help="Episodes of each evaluation.", show_default="100", metavar="N")
-    ] = None,
-    evaluate_every: Annotated[
-        int | None,
-        typer.Option(help="Steps from one evaluation to the next.", show_default="only at the end", metavar="N"),
-    ] = None,
-    deterministic: Annotated[
-        bool | None,
-        typer.Option(
-            "--deterministic/--stochastic",
-            help="Evaluate policies without chance, or let them draw their actions.",
-            show_default="deterministic",
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="The experiment's folder.", show_default="one under results/runs/", metavar="DIR"),
-    ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
-    ] = None,
+    seeds: flags.Seeds = None,
+    steps: flags.Steps = None,
+    evaluation_episodes: EvaluationEpisodes = None,
+    evaluate_every: flags.EvaluateEvery = None,
+    deterministic: flags.Deterministic = None,
+    out: flags.OutFolder = None,
+    jobs: Jobs = None,
     executor: ExecutorName = "processes",
-    checkpoint_every: Annotated[
-        int | None,
-        typer.Option(
-            help="Steps between checkpoints; a killed cell goes on from the last one. 0: none.",
-            show_default="every ten minutes",
-            metavar="N",
-        ),
-    ] = None,
-    tracker: Annotated[
-        Names,
-        typer.Option(
-            help="Also send the learning curves to a tracker, as wandb:mode=offline.",
-            show_default="nowhere",
-            metavar="NAME,...",
-            autocompletion=TRACKERS,
-        ),
-    ] = None,
-    tensorboard: Annotated[bool, typer.Option("--tensorboard", help="Short for --tracker tensorboard.")] = False,
-    wandb: Annotated[bool, typer.Option("--wandb", help="Short for --tracker wandb.")] = False,
-    mlflow: Annotated[bool, typer.Option("--mlflow", help="Short for --tracker mlflow.")] = False,
+    checkpoint_every: flags.CheckpointEvery = None,
+    tracker: flags.TrackerNames = None,
+    tensorboard: flags.Tensorboard = False,
+    wandb: flags.Wandb = False,
+    mlflow: flags.Mlflow = False,
     curve: CurveKind = "accumulated",
-    wait: Annotated[
-        bool, typer.Option("--wait/--no-wait", help="If another run is using the folder: wait for it, or give up.")
-    ] = True,
-    changed: Annotated[
-        Literal["refuse", "keep", "again"],
-        typer.Option(
-            help="If a plugin has changed since cells were done: do not run, keep these cells, or train them again."
-        ),
-    ] = "refuse",
-    only: Annotated[
-        str | None,
-        typer.Option(
-            help="Run only the cells with these names, as sac,seed=3.", show_default="all", metavar="NAME,..."
-        ),
-    ] = None,
-    limit: Annotated[
-        int | None, typer.Option(help="Run at most this many cells.", show_default="all", metavar="N")
-    ] = None,
-    retry_failed: Annotated[
-        int, typer.Option(help="How many times to try a failed cell again.", show_default="never", metavar="N")
-    ] = 0,
-    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="Stop at the first cell that fails.")] = False,
-    stall_after: Annotated[
-        float, typer.Option(help="End a cell that makes no progress for so many seconds. 0: never.", metavar="SECONDS")
-    ] = 1800.0,
-    cell_time: Annotated[
-        float, typer.Option(help="Most seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
-    ] = 0.0,
-    cell_memory: Annotated[
-        float, typer.Option(help="Most memory that a cell may use.", show_default="no limit", metavar="GIB")
-    ] = 0.0,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")] = False,
+    wait: flags.Wait = True,
+    changed: flags.Changed = "refuse",
+    only: flags.Only = None,
+    limit: flags.Limit = None,
+    retry_failed: flags.RetryFailed = 0,
+    fail_fast: flags.FailFast = False,
+    stall_after: flags.StallAfter = 1800.0,
+    cell_time: flags.CellTime = 0.0,
+    cell_memory: flags.CellMemory = 0.0,
+    fresh: flags.Fresh = False,
     metric: MetricNames = None,
     plugin: PluginFiles = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")] = False,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would be run, and how long it would take. Writes nothing.")
-    ] = False,
+    quiet: flags.Quiet = False,
+    as_json: flags.AsJson = False,
+    dry_run: flags.DryRun = False,
 ) -> int:
-    """Train with every reward, simulator, algorithm and seed, then compare the rewards.
+    """Train with every combination of reward, simulator, algorithm and seed, then compare the rewards.
 
     One such training is called a cell. A cell that is done is not run again: the same command goes on where it stopped.
     """
-    from harness.cli.progress import LiveProgress
-    from harness.cli.terminal import Terminal
-    from harness.experiment.experiment import RunOptions, check, prepare
-    from harness.experiment.foresee import foresee
+    from harness.experiment.experiment import RunOptions
     from harness.registry.given import read_given
 
-    short = {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow}
-    trackers = [*(tracker or ()), *(name for name, is_on in short.items() if is_on)]
+    trackers = _all_trackers(tracker, {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow})
     options = RunOptions(
         out, jobs, executor, checkpoint_every, trackers, curve, wait, changed, only, limit, retry_failed, fail_fast,
         stall_after, cell_time, cell_memory, fresh, metric,
     )  # fmt: skip
-    given = {
-        "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
-        "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
-        "evaluate_every": evaluate_every, "deterministic": deterministic,
-    }  # fmt: skip
-    flags = {key: value for key, value in given.items() if value is not None}
-    if experiment is None and not flags:
-        raise UsageError(_what_to_type())
-    asked, plugins = _read(experiment, flags), read_given(plugin)
+    asked = _read(
+        experiment,
+        {
+            "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
+            "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
+            "evaluate_every": evaluate_every, "deterministic": deterministic,
+        },
+    )  # fmt: skip
+    plugins = read_given(plugin)
     if dry_run:
-        _show_foreseen(foresee(check(asked, options, plugins)), as_json)
+        return _foresee(asked, options, plugins, as_json)
+    return _train(asked, options, plugins, quiet, as_json)
+
+
+def _read(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
+    """The experiment of a file, of flags, or of both.
+
+    Raises:
+        UsageError: There is none.
+    """
+    from harness.experiment.plan import check_experiment, read_experiment
+
+    told = {key: value for key, value in given.items() if value is not None}
+    if path is not None:
+        return read_experiment(path, told)
+    if not told:
+        raise UsageError(_what_to_type())
+    return check_experiment(told)
+
+
+def _all_trackers(named: Names, short: Mapping[str, bool]) -> list[str]:
+    """Those that are named, and those whose short flag is given."""
+    return [*(named or ()), *(name for name, is_on in short.items() if is_on)]
+
+
+def _foresee(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", as_json: bool) -> int:
+    """Say what would be run."""
+    from harness.cli.foreseen import foreseen_lines
+    from harness.experiment.experiment import check
+    from harness.experiment.foresee import foresee
+
+    found = foresee(check(asked, options, plugins))
+    if as_json:
+        say_json(found.to_json())
         return 0
+    for line in foreseen_lines(found):
+        say(line)
+    return 0
+
+
+def _train(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", quiet: bool, as_json: bool) -> int:
+    """Run what is not done, and show what came of it; status 1 where a cell failed."""
+    from harness.cli.progress import LiveProgress
+    from harness.cli.terminal import Terminal
+    from harness.experiment.experiment import prepare
+
     ready = prepare(asked, options, plugins)
     folder = ready.store.folder
     console = Terminal(stderr=True, quiet=quiet)
@@ -198,13 +168,6 @@ def _what_to_type() -> str:
     )
 
 
-def _read(path: Path | None, flags: dict[str, Any]) -> Any:
-    """The experiment of a file, of flags, or of both."""
-    from harness.experiment.plan import check_experiment, read_experiment
-
-    return check_experiment(flags) if path is None else read_experiment(path, flags)
-
-
 def _parse_seeds(text: str | None) -> int | list[int] | None:
     if text is None:
         return None
@@ -226,7 +189,7 @@ def _show(results: "Results", as_json: bool) -> None:
     from harness.report.document import report_text
     from harness.report.tables.overview import overview_table
 
-    command = f"harness report {results.folder} --details"
+    command = f"harness report {results.folder} --details{results.plugin_flags}"
     if results.is_in_environment:
         show_environments(results, command, as_json=as_json, html=None, details=False, summary=None)
     elif as_json:
@@ -235,15 +198,3 @@ def _show(results: "Results", as_json: bool) -> None:
         show(overview_table(results, command))
     complain_of_metrics(results)
     make_table_and_page(results, err=as_json)
-
-
-def _show_foreseen(found: "Foreseen", as_json: bool) -> None:
-    import json
-
-    from harness.cli.foreseen import foreseen_lines
-
-    if as_json:
-        typer.echo(json.dumps(found.to_json(), indent=1))
-        return
-    for line in foreseen_lines(found):
-        say(line)

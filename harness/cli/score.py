@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.lines import complain, say
-from harness.cli.options import REWARDS, PluginFiles
+from harness.cli.lines import complain, say, say_json
+from harness.cli.options import REWARDS, AsJson, PluginFiles
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def score(
     reward: Annotated[
         list[str] | None,
         typer.Option(
-            help="The rewards that pay the runs again, as arp:k2=2.", metavar="NAME,...", autocompletion=REWARDS
+            help="The rewards that pay the runs again, such as arp:k2=2.", metavar="NAME,...", autocompletion=REWARDS
         ),
     ] = None,
     every: Annotated[
@@ -36,7 +36,7 @@ def score(
         typer.Option(help="Folder for the scores of files.", show_default="beside each file", metavar="DIR"),
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
     """Compute exactly what other rewards would have paid for recorded runs. The recordings stay as they are."""
     from harness.registry.choice import choose, split_list
@@ -80,7 +80,7 @@ def _score_experiment(
         failed |= _write(open_recording(place / TRACE), rewards, place / SCORES, registry)
     matrices = score_matrices(results, rewards, registry)
     if as_json:
-        _print_json({"matrices": [matrix.to_json() for matrix in matrices]})
+        say_json({"matrices": [matrix.to_json() for matrix in matrices]})
     else:
         _print_table(matrices, results)
     return failed
@@ -96,7 +96,7 @@ def _score_files(
     places = [(out or recording.path.parent) / f"{recording.path.stem}.{SCORES}" for recording in recordings]
     if len(set(places)) < len(places):
         raise UsageError(
-            f"Several files of one name cannot all be scored into '{out}': leave --out, or name them apart"
+            f"Several files of one name cannot all be scored into '{out}': leave out --out, or rename the files"
         )
     written, failed = [], dict[str, str]()
     for recording, into in zip(recordings, places, strict=True):
@@ -104,7 +104,7 @@ def _score_files(
         paid = [item.label for item in scoring if item.label not in failed]
         written.append({"file": str(recording.path), "scores": str(into), "rewards": paid})
     if as_json:
-        _print_json({"files": written})
+        say_json({"files": written})
     else:
         for entry in written:
             say(f"{entry['file']} -> {entry['scores']}")
@@ -123,12 +123,6 @@ def _write(recording: "Recording", rewards: "Iterable[Choice]", into: Path, regi
         except HarnessError as error:
             gone[choice.label] = str(error)
     return {**gone, **rescore(recording, built, into)}
-
-
-def _print_json(data: object) -> None:
-    import json
-
-    typer.echo(json.dumps(data, indent=1, allow_nan=False))
 
 
 def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:

@@ -1,32 +1,29 @@
 """``harness status``: how far a run has come, asked from another shell."""
 
-import json
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from harness.cli.foreseen import about
 from harness.cli.learned import learned_texts
-from harness.cli.lines import say
+from harness.cli.lines import say, say_json
+from harness.cli.options import AsJson, ExperimentFolder
 
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
 
-KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "waiting")
+KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending")
 SHOWN = ("running", "interrupted", "failed", "damaged")
 
 
 def status(
-    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    folder: ExperimentFolder,
+    as_json: AsJson = False,
 ) -> None:
     """Say how many cells are done, what is running, and how long the rest will take. Changes nothing."""
     from harness.record.status import read_status
 
     found = read_status(folder)
     if as_json:
-        typer.echo(json.dumps(found.to_json(), indent=1))
+        say_json(found.to_json())
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))
@@ -41,11 +38,11 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
         return one.reason
     steps = f"{one.running.steps} of {one.cell.steps} steps"
     if one.status == "interrupted":
-        return f"{steps}; the same command goes on"
+        return f"{steps}; run the same command again to go on"
     seconds = max(one.running.told - one.running.started, 1e-3)
     learned = learned_texts(one.running.success, one.running.mean_return)
     speed = f"{one.running.steps / seconds:.0f} steps/s"
-    return ", ".join([steps, *learned, speed, f"last word {found.now - one.running.told:.0f} s ago"])
+    return ", ".join([steps, *learned, speed, f"last message {found.now - one.running.told:.0f} s ago"])
 
 
 def _time_left(seconds: float | None) -> str:

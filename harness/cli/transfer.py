@@ -1,32 +1,32 @@
 """``harness transfer``: policies trained in one simulator, evaluated in others."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.options import SIMULATORS, PluginFiles
+from harness.cli.lines import say_json
+from harness.cli.options import SIMULATORS, AsJson, ExperimentFolder, PluginFiles
 
 
 def transfer(
-    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    folder: ExperimentFolder,
     to: Annotated[
         list[str] | None,
         typer.Option(
-            help="Simulators to evaluate in, as mujoco:substeps=40.",
+            help="Simulators to evaluate in, such as mujoco:substeps=40.",
             show_default="those of the experiment and all that are installed",
             metavar="NAME,...",
             autocompletion=SIMULATORS,
         ),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option(help="Evaluations at once.", show_default="as many as cores", metavar="N")
+        int | None, typer.Option(help="How many evaluations run at once.", show_default="as many as cores", metavar="N")
     ] = None,
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
-    """Evaluate an experiment's policies in other simulators, and show how much of the success is left there.
+    """Evaluate an experiment's policies in other simulators, and show how much of their success is left.
 
     Trains nothing. What is evaluated already is not evaluated again.
     """
@@ -45,14 +45,12 @@ def transfer(
         run_transfers(plan, at_once, progress)
     transfers = load_transfers(results)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(transfers.to_json(), indent=1, allow_nan=False))
+        say_json(transfers.to_json())
     elif transfers.matrices:
         from harness.cli.terminal import show
         from harness.report.tables.transfer import transfer_table
 
         show(transfer_table(transfers))
     else:
-        typer.echo("Nothing to evaluate: the policies were trained in the only simulator that there is.")
+        typer.echo("Nothing to evaluate: the policies were trained in the only simulator that is installed.")
     return 1 if transfers.failed else 0

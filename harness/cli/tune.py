@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import say
+from harness.cli.lines import say, say_json
 from harness.cli.options import (
     ALGORITHMS,
     REWARDS,
     SIMULATORS,
+    AsJson,
     ExecutorName,
+    Jobs,
     Names,
     PluginFiles,
     RewardNames,
@@ -32,13 +34,14 @@ if TYPE_CHECKING:
 
 def tune(
     file: Annotated[
-        Path | None, typer.Argument(help="Tuning file (TOML). Its keys are the flags below; a flag wins.")
+        Path | None,
+        typer.Argument(help="Tuning file (TOML). Its keys are named like the flags; a flag overrides its key."),
     ] = None,
     sim: Annotated[Names, typer.Option(help="The simulator.", metavar="NAME", autocompletion=SIMULATORS)] = None,
     algo: Annotated[
         Names,
         typer.Option(
-            help="The algorithm, with parameters that stay fixed, as sac:tau=0.01.",
+            help="The algorithm, with parameters that stay fixed, such as sac:tau=0.01.",
             metavar="NAME",
             autocompletion=ALGORITHMS,
         ),
@@ -64,7 +67,7 @@ def tune(
         ),
     ] = None,
     trials: Annotated[
-        int | None, typer.Option(help="How many settings each search tries.", show_default="20", metavar="N")
+        int | None, typer.Option(help="How many settings (trials) each search tries.", show_default="20", metavar="N")
     ] = None,
     seeds: Annotated[
         int | None,
@@ -74,12 +77,16 @@ def tune(
         int | None, typer.Option(help="Environment steps of each training.", show_default="10000", metavar="N")
     ] = None,
     validation_episodes: Annotated[
-        int | None, typer.Option(help="How many episodes judge each policy.", show_default="100", metavar="N")
+        int | None,
+        typer.Option(help="Episodes of the validation that judges each policy.", show_default="100", metavar="N"),
     ] = None,
     per_reward: Annotated[
-        bool | None, typer.Option("--per-reward/--joint", help="A search for each reward, or one for all.")
+        bool | None, typer.Option("--per-reward/--joint", help="Search once for each reward, or once for all together.")
     ] = None,
-    pruner: Annotated[str | None, typer.Option(help="median or none.", show_default="median", metavar="NAME")] = None,
+    pruner: Annotated[
+        str | None,
+        typer.Option(help="What ends bad trials early: median or none.", show_default="median", metavar="NAME"),
+    ] = None,
     batch: Annotated[
         int | None,
         typer.Option(
@@ -87,21 +94,19 @@ def tune(
         ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(help="The seed of the draws from the search space.", show_default="0", metavar="S")
+        int | None, typer.Option(help="The seed for drawing settings from the ranges.", show_default="0", metavar="S")
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="The tuning's folder.", show_default="one under results/runs/", metavar="DIR")
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
-    ] = None,
+    jobs: Jobs = None,
     executor: ExecutorName = "processes",
     plugin: PluginFiles = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: AsJson = False,
 ) -> int:
     """Search the hyperparameters of one algorithm, with an equal budget for every reward.
 
-    Leaves DIR/tuned.toml, an experiment for harness run. The same command goes on where it stopped.
+    Writes DIR/tuned.toml, an experiment file for harness run. The same command goes on where it stopped.
     """
     from harness.experiment.experiment import RunOptions
     from harness.registry.given import read_given
@@ -174,6 +179,4 @@ def _show(tuned: "Tuned", as_json: bool) -> None:
     else:
         say(f"Tuned: {tuned.file} (next: harness run {tuned.file})", err=as_json)
     if as_json:
-        import json
-
-        typer.echo(json.dumps(tuned.to_json(), indent=1, allow_nan=False))
+        say_json(tuned.to_json())

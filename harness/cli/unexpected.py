@@ -10,7 +10,7 @@ from harness.errors import one_line
 
 def describe_unexpected(error: Exception) -> str:
     """A line that names the exception and the file with its traceback; see `leave_story`."""
-    return f"nobody foresaw {one_line(error)}. Please report it with {leave_story(error)}"
+    return f"unexpected error: {one_line(error)}. Please report it with {leave_story(error)}"
 
 
 def describe_fault(owner: str, error: Exception) -> str:
@@ -20,7 +20,7 @@ def describe_fault(owner: str, error: Exception) -> str:
         owner: Whose code it is, ``Command 'wave' of package waving 1.0``.
         error: What it raised.
     """
-    return f"{owner} raised {one_line(error)}. Its authors may want {leave_story(error)}"
+    return f"{owner} raised {one_line(error)}. Report it to its authors with {leave_story(error)}"
 
 
 def leave_story(error: Exception) -> str:

@@ -1,26 +1,18 @@
 """``harness verify`` and ``harness repair``: whether a folder still is what was written, and making it so."""
 
-import json
-from pathlib import Path
-from typing import Annotated
+from harness.cli.lines import say, say_json
+from harness.cli.options import AsJson, ExperimentFolder
 
-import typer
-
-from harness.cli.lines import say
-
-Folder = Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")]
 UNSOUND = 1
 
 
-def verify(
-    folder: Folder, as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False
-) -> int:
+def verify(folder: ExperimentFolder, as_json: AsJson = False) -> int:
     """Name every file in an experiment's folder that was damaged or changed since it was written. Changes nothing."""
     from harness.record.verify import verify as find_problems
 
     problems = find_problems(folder)
     if as_json:
-        typer.echo(json.dumps({"format": 1, "problems": [problem.to_json() for problem in problems]}, indent=1))
+        say_json({"format": 1, "problems": [problem.to_json() for problem in problems]})
     elif problems:
         for problem in problems:
             say(f"{problem.path}: {problem.what}. What to do: {problem.remedy}.")
@@ -30,8 +22,8 @@ def verify(
     return UNSOUND if problems else 0
 
 
-def repair(folder: Folder) -> None:
-    """Set aside the damaged files of an experiment, and mend its plan. `harness run` then trains what is missing."""
+def repair(folder: ExperimentFolder) -> None:
+    """Set aside the damaged files of an experiment, and repair its plan. `harness run` then trains what is missing."""
     from harness.record.verify import repair as mend
 
     actions = mend(folder)

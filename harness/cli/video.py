@@ -6,14 +6,14 @@ from typing import Annotated
 import typer
 
 from harness.cli.lines import say
-from harness.cli.options import PluginFiles
+from harness.cli.options import ExperimentFolder, PluginFiles
 from harness.errors import UsageError
 
 MOST_CELLS = 4
 
 
 def video(
-    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    folder: ExperimentFolder,
     cells: Annotated[
         list[str] | None,
         typer.Option(
@@ -28,7 +28,7 @@ def video(
 ) -> None:
     """Make a film of recorded episodes: the arm, its target, what it is paid. Needs no simulator and no screen.
 
-    In an environment the policies play their evaluations again. That needs the environment, which draws itself.
+    If the task is an environment, the policies play their evaluations again and the environment draws the pictures.
     """
     from harness.registry.choice import split_list
     from harness.results import load_results

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.lines import say
+from harness.cli.options import ExperimentFolder
 from harness.errors import HarnessError, UsageError, one_line
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ HOST = "127.0.0.1"
 
 
 def watch(
-    folder: Annotated[Path, typer.Argument(help="The experiment's folder.", metavar="DIR")],
+    folder: ExperimentFolder,
     port: Annotated[
         int, typer.Option(help="The port of the page. 0: any port that is free.", metavar="N", min=0, max=65535)
     ] = 0,

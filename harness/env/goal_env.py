@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from harness.arrays import Float
 from harness.conditions import conditions_of
 from harness.env.arm_observation import ArmObservation
+from harness.env.events import GROUND
 from harness.env.make import Given
 from harness.env.single_env import Action, ReachEnv
-from harness.env.vector_env import GROUND
 from harness.errors import UsageError
 from harness.registry.choice import build_defaults, choose
 from harness.registry.registry import Registry, load_registry
@@ -172,7 +172,7 @@ def _require_payable_again(given: Given, registry: Registry) -> None:
     if not forgets_the_way(choice.build(registry, "rewards")):
         allowed = [name for name, reward in build_defaults(registry, "rewards").items() if forgets_the_way(reward)]
         raise UsageError(
-            f"Reward '{choice.label}' depends on the whole way of an episode, as on the best distance so far: it "
+            f"Reward '{choice.label}' depends on earlier steps of the episode, such as the best distance so far: it "
             f"cannot be paid again for another goal. Allowed: {', '.join(allowed)}"
         )
 
@@ -183,8 +183,8 @@ def _require_one_goal(given: Given, registry: Registry) -> None:
         allowed = [name for name, task in build_defaults(registry, "tasks").items() if _has_one_goal(task)]
         raise UsageError(
             f"Task '{choice.label}' sets several goals in an episode, repeats an action for several steps, asks for "
-            "more than a point that stays, or has noise, delays, obstacles or varied arms: its steps cannot be paid "
-            f"again for another goal. Allowed: {', '.join(allowed)}"
+            "more than a point that does not move, or has noise, delays, obstacles or varied arms: its steps cannot be "
+            f"paid again for another goal. Allowed: {', '.join(allowed)}"
         )
 
 

@@ -83,7 +83,7 @@ class LoggedSimulation:
             self._reset_again(starts, begun == len(state["targets"]))
         for name, array in self.read()._asdict().items():
             if not np.array_equal(array, state[f"seen.{name}"], equal_nan=True):
-                raise SchemaError(f"the simulator does not do the same again: {name} differs after the same commands")
+                raise SchemaError(f"the simulator does not repeat itself: {name} differs after the same commands")
 
     def _reset_again(self, starts: Float, mask: Mask) -> None:
         if mask.any():

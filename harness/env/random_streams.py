@@ -79,7 +79,10 @@ class Streams:
             if self._error(qpos, end_effector, target, numbers) > self._task.epsilon:
                 return target, numbers
         unit = "m" if self._goal is None else self._goal.unit
-        raise UsageError(f"epsilon={self._task.epsilon} {unit} covers the targets from the start: choose less")
+        raise UsageError(
+            f"epsilon={self._task.epsilon} {unit} is too large: the arm reaches its targets at the start. "
+            "Choose a smaller one"
+        )
 
     def _draw(self, rng: np.random.Generator) -> list[tuple[Float, bool, Float]]:
         position, relative = self._task.draw_targets(self._robot, rng, AHEAD)

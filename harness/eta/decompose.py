@@ -13,20 +13,20 @@ says much: the sum I_N + I_P (NOTE eq. 38) is split by differences (Kitagawa 195
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve, mixtures, swapped
-from harness.eta.index import Index, Ratio
+from harness.eta.index import Ratio
 from harness.eta.interval import Jackknife, Sums, jackknife, spread_range, variance_of, why_no_interval
 from harness.eta.noise import noise_floor
 from harness.eta.scored_sums import BB, BK, KB, KK, Curves, Pair, ScoredSums, scored_sums
 from harness.eta.seed_mean import SeedMean
+from harness.eta.splits import Decomposition, Split, SplitPath, SumSplit
 from harness.eta.swaps import label_shares, p_of, swaps_of
 
 OWNER = {
@@ -47,186 +47,11 @@ NEAR_ZERO = 0.01
 Under another reward it may be small because the ruler is."""
 NEGLIGIBLE = 1e-4
 """So is an index below this share of the other index of its curve: published curves have an I_N of 0.003 of I_P."""
-DISAGREEMENT = 1.5
-"""Two answers to one question disagree where they differ by more than this factor."""
 ROUNDING = 1e-12
 """Two indices that differ by less than this share of theirs differ by the order of additions only."""
 UNLIKE = 1.0
 """Standard deviation of the logarithm of single seeds' indices beyond which a ruler's interval does not hold, by
 simulation. As few seeds know theirs only roughly, the largest likely one counts."""
-
-NOT_MEASURED = Ratio(None, notes=("not measured",))
-
-
-class SplitPath(NamedTuple):
-    """One of the two ways to split an eta."""
-
-    ruler: Ratio
-    behaviour: Ratio
-
-
-@dataclass(frozen=True)
-class Split:
-    """One index's eta, and what it is made of.
-
-    Attributes:
-        eta: Of the mean curves, as published.
-        per_seed: Geometric mean over seeds of the eta of each seed alone.
-        ruler: Geometric mean of both paths' rulers.
-        behaviour: Geometric mean of both paths' behaviours.
-        interaction: Ruler on the proposed runs over ruler on the baseline's.
-        paths: On the proposed runs, then on the baseline's; empty where the runs were not scored by both rewards.
-        noise: What runs of the baseline give against other runs of it; see `harness.eta.noise`.
-        p: That there is no difference between the two groups' curves, by an exact test; None where it cannot be told.
-        corrected: The same, such that it holds for all claims that are made together.
-        outcomes: The difference of the index, the names of the trainings swapped in all ways; see `harness.eta.swaps`.
-    """
-
-    eta: Ratio
-    per_seed: Ratio
-    ruler: Ratio
-    behaviour: Ratio
-    interaction: Ratio
-    paths: tuple[SplitPath, ...] = ()
-    noise: Ratio = NOT_MEASURED
-    p: float | None = None
-    corrected: float | None = None
-    outcomes: Float | None = field(default=None, repr=False, compare=False)
-
-    @property
-    def is_scored(self) -> bool:
-        """Whether each training was scored by the other's reward."""
-        return bool(self.paths)
-
-    @property
-    def opposition(self) -> str:
-        """That one path says the behaviour got better and the other that it got worse; empty where none does."""
-        parts = [path.behaviour for path in self.paths]
-        values = [part.value for part in parts if part.near_zero is None and part.value is not None]
-        if len(values) < 2 or (values[0] - 1.0) * (values[1] - 1.0) >= 0.0:
-            return ""
-        return (
-            f"the behaviour depends on who judges it: x {values[0]:.3g} under the baseline reward, x {values[1]:.3g} "
-            "under the proposed one"
-        )
-
-    @property
-    def averaging(self) -> str:
-        """That the mean curve says something else than the seeds do one by one; empty where it does not."""
-        whole, single = self.eta.value, self.per_seed.value
-        if whole is None or single is None or self.eta.near_zero is not None or min(whole, single) <= 0.0:
-            return ""
-        opposed = (whole - 1.0) * (single - 1.0) < 0.0
-        if not opposed and abs(math.log(whole / single)) < math.log(DISAGREEMENT):
-            return ""
-        return f"{whole:.3g} of the mean curve is not what seeds show one by one: their geometric mean is {single:.3g}"
-
-    @property
-    def flags(self) -> tuple[str, ...]:
-        """What stands in the way of one answer."""
-        return tuple(flag for flag in (self.averaging, self.opposition) if flag)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        parts = ("eta", "per_seed", "ruler", "behaviour", "interaction", "noise")
-        return {
-            **{name: getattr(self, name).to_json() for name in parts},
-            "paths": [{name: part.to_json() for name, part in path._asdict().items()} for path in self.paths],
-            "p": self.p,
-            "p_corrected": self.corrected,
-            "flags": list(self.flags),
-        }
-
-
-Splits: TypeAlias = Mapping[str, Split]
-"""By ``eta_N`` and ``eta_P``."""
-
-
-@dataclass(frozen=True)
-class SumSplit:
-    """The change of I_N + I_P, NOTE eq. 38, proposed - baseline: ruler + behaviour, each a mean over seeds.
-
-    Attributes:
-        change: All of it.
-        ruler: Of it the same runs scored by the other reward, mean of both paths.
-        behaviour: Of it the two trainings scored by one reward, mean of both paths.
-    """
-
-    change: SeedMean
-    ruler: SeedMean
-    behaviour: SeedMean
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {name: getattr(self, name).to_json() for name in ("change", "ruler", "behaviour")}
-
-
-@dataclass(frozen=True)
-class Decomposition:
-    """Both etas, split.
-
-    Attributes:
-        baseline: Index of the baseline's runs under the baseline.
-        proposed: Index of the proposed reward's runs under it.
-        negative: The split of eta_N.
-        positive: The split of eta_P.
-        total: The split of the change of I_N + I_P.
-    """
-
-    baseline: Index
-    proposed: Index
-    negative: Split
-    positive: Split
-    total: SumSplit
-
-    @property
-    def eta_n(self) -> Ratio:
-        """NOTE eq. 43; below 1 is called better."""
-        return self.negative.eta
-
-    @property
-    def eta_p(self) -> Ratio:
-        """NOTE eq. 44; above 1 is called better."""
-        return self.positive.eta
-
-    @property
-    def is_split(self) -> bool:
-        """Whether each training was scored by the other's reward."""
-        return self.negative.is_scored
-
-    @property
-    def splits(self) -> Splits:
-        """Both splits."""
-        return {"eta_N": self.negative, "eta_P": self.positive}
-
-    def with_corrected(self, negative: float | None, positive: float | None) -> "Decomposition":
-        """The same with p-values that hold for all claims that are made together."""
-        return replace(
-            self,
-            negative=replace(self.negative, corrected=negative),
-            positive=replace(self.positive, corrected=positive),
-        )
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "baseline": self.baseline.to_json(),
-            "proposed": self.proposed.to_json(),
-            **splits_to_json(self.splits),
-            "total": self.total.to_json(),
-        }
-
-
-def no_splits(reason: str) -> Splits:
-    """Where there is nothing to compare."""
-    nothing = Ratio(None, notes=(reason,))
-    empty = Split(nothing, nothing, nothing, nothing, nothing, noise=nothing)
-    return {"eta_N": empty, "eta_P": empty}
-
-
-def splits_to_json(given: Splits) -> dict[str, Any]:
-    """Plain data of eta_N's split and eta_P's."""
-    return {name: split.to_json() for name, split in given.items()}
 
 
 def decompose(

@@ -10,11 +10,11 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 from harness.eta.behaviour_change import Change
-from harness.eta.decompose import Decomposition, Split, Splits
 from harness.eta.index import Ratio
 from harness.eta.power import Range, seeds_to_tell
 from harness.eta.return_split import ReturnSplit
 from harness.eta.seed_mean import SeedMean
+from harness.eta.splits import Decomposition, Split, Splits
 from harness.eta.swaps import ALPHA, fewest_seeds
 
 SUCCESS, TIME = "success_rate", "time_to_target"

@@ -6,7 +6,7 @@ one seen (Fisher 1935). It assumes no distribution: seeds may be as skewed as th
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -103,6 +103,13 @@ def corrected_p(outcomes: Sequence[Float]) -> list[float]:
         so_far = max(so_far, float(np.mean(_reaches(largest[rank], scaled[claim, 0]))))
         corrected[claim] = so_far
     return corrected
+
+
+def corrected_where_known(outcomes: Iterable[Float | None]) -> list[float | None]:
+    """The same of the claims whose outcomes are known; None for the others."""
+    claims = list(outcomes)
+    corrected = iter(corrected_p([claim for claim in claims if claim is not None]))
+    return [None if claim is None else next(corrected) for claim in claims]
 
 
 def label_shares(baseline: int, proposed: int) -> Float:

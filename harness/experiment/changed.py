@@ -18,7 +18,7 @@ CHANGED: tuple[Changed, ...] = ("refuse", "keep", "again")
 Sources: TypeAlias = Mapping[str, str]
 """SHA-256 of the files of each plugin that made a cell, by kind; see `harness.experiment.provenance`."""
 REMEDY = (
-    "--changed keep goes on beside them, and reports say so; --changed again does them again; "
+    "--changed keep keeps these cells, and reports say so; --changed again trains them again; "
     "another --out leaves them alone"
 )
 NAMED = 2

@@ -107,9 +107,9 @@ class RunOptions:
         if self.limit is not None and self.limit < 1:
             raise UsageError(f"limit={self.limit}: must be at least 1")
         if self.curve not in KINDS:
-            raise UsageError(f"curve='{self.curve}': there is {' and '.join(KINDS)}")
+            raise UsageError(f"curve='{self.curve}': allowed are {' and '.join(KINDS)}")
         if self.changed not in CHANGED:
-            raise UsageError(f"changed='{self.changed}': there is {', '.join(CHANGED)}")
+            raise UsageError(f"changed='{self.changed}': allowed are {', '.join(CHANGED)}")
 
     @property
     def at_once(self) -> int:

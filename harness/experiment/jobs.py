@@ -1,9 +1,9 @@
-"""What authors of executors build with: a job done in this process, or in processes of this machine.
+"""Building blocks for authors of executors: they do a job in this process, or in processes of this machine.
 
-An executor for another machine sends `Job.to_json` there, calls `run_jobs` on it with that one job (`events_of`, where
-one process is to do several jobs), and hands the events on. An executor that starts processes itself writes
-`order_of(job).line()` to the standard input of ``python -m harness.experiment.workers.worker``. That module describes
-the answers.
+An executor for another machine sends `Job.to_json` there, calls `run_jobs` there with that one job, and passes on the
+events. If one process is to do several jobs, it calls `events_of` instead. An executor that starts processes itself
+writes `order_of(job).line()` to the standard input of ``python -m harness.experiment.workers.worker``. That module
+describes the answers.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,22 +16,22 @@ from harness.record.manifest import Manifest
 
 
 def order_of(job: Job) -> Order:
-    """The job as a worker is told to do it."""
+    """The order that tells a worker process to do the job."""
     return Order(job.folder, TrainCell(job.cell, job.options), job.options.limits, job.options.fresh)
 
 
 def run_job(job: Job, report: Report = lambda word: None) -> Manifest:
     """Do a job in this process, and leave its folder.
 
-    What a plugin raises makes a failed cell. A plugin that crashes or hangs takes this process with it, and the job's
-    limits are not watched: `run_jobs` does both.
+    If a plugin raises an error, the cell counts as failed. If a plugin crashes or hangs, this process does too, and the
+    job's limits are not enforced. `run_jobs` protects against both.
 
     Args:
         job: What to do.
-        report: Told how far it is.
+        report: Called with each report of progress.
 
     Returns:
-        What the manifest in the folder says.
+        The manifest in the folder.
     """
     return run_cell(job.cell, job.folder, report, job.options)
 
@@ -44,9 +44,9 @@ def run_jobs(jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
 
 
 def events_of(jobs: Sequence[Job], at_once: int, pool: Pool) -> Iterator[Event]:
-    """Do jobs in the processes of a pool, which may do other jobs before and after; tells what happens as it does.
+    """Do jobs in the processes of a pool, and yield each event when it happens.
 
-    When the caller stops asking, the cells run on until the pool ends.
+    The pool may do other jobs before and after. If the caller stops iterating, the cells run on until the pool ends.
     """
     cells = {job.folder: job.cell for job in jobs}
     for news in pool.run([order_of(job) for job in jobs], at_once):

@@ -68,12 +68,12 @@ class Experiment:
     """
 
     sim: Annotated[
-        list[Given], Field(max_length=MOST_NAMES, description="simulators; none where the task is an environment")
+        list[Given], Field(max_length=MOST_NAMES, description="simulators; none if the task is an environment")
     ] = Field(default_factory=list)
     algo: Annotated[Names, Field(description="algorithms")]
     reward: Annotated[
         Annotated[list[Given], Field(max_length=MOST_NAMES)] | None,
-        Field(description="proposed rewards; an empty list: the baseline is trained alone"),
+        Field(description="proposed rewards; with an empty list only the baseline is trained"),
     ] = None
     baseline: Annotated[Given | None, Field(description="the reward that the others are compared with")] = None
     task: Annotated[Given, Field(description="the task, or an environment")] = DEFAULT_TASK
@@ -82,14 +82,14 @@ class Experiment:
     ] = None
     seeds: Annotated[
         SeedCount | Annotated[list[Seed], Field(min_length=1, max_length=MOST_SEEDS)],
-        Field(description="how many seeds (0, 1, ...), or a list"),
+        Field(description="how many seeds, counted from 0, or a list of seeds"),
     ] = 6
     steps: Annotated[Steps, Field(description="environment steps of training per cell")] = 5_000
     evaluation_episodes: Annotated[Episodes, Field(description="episodes of an evaluation")] = 100
     evaluate_every: Annotated[
-        Interval, Field(description="environment steps from one evaluation to the next; 0: at the end alone")
+        Interval, Field(description="environment steps from one evaluation to the next; 0: only at the end")
     ] = 0
-    deterministic: Annotated[bool, Field(description="whether evaluated policies draw no actions")] = True
+    deterministic: Annotated[bool, Field(description="whether policies are evaluated without randomness")] = True
     plugins: Annotated[
         list[Given], Field(max_length=MOST_NAMES, description="plugins that have to be given by hand, with --plugin")
     ] = Field(default_factory=list)

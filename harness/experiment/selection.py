@@ -22,7 +22,7 @@ def select(cells: Sequence[Cell], text: str) -> tuple[Cell, ...]:
     for word in split_list(text):
         kinds = [kind for kind in KINDS if any(word in _names(cell)[kind] for cell in cells)]
         if not kinds:
-            raise UsageError(f"--only: no cell of this experiment has '{word}'. There is {_offer(cells)}")
+            raise UsageError(f"--only: no cell of this experiment has '{word}'. Allowed are {_offer(cells)}")
         asked.setdefault(kinds[0], set()).add(word)
     return tuple(cell for cell in cells if all(words & set(_names(cell)[kind]) for kind, words in asked.items()))
 

@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 
 from harness.files.bounded import read_bytes
-from harness.files.whole_file import write_whole
+from harness.files.whole_file import whole_files
 
 
 def write_keyed(path: Path, key: str, content: bytes) -> None:
@@ -15,7 +15,8 @@ def write_keyed(path: Path, key: str, content: bytes) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    write_whole(path, with_key(key, content), synced=False)
+    with whole_files(path.parent, [path.name], is_lasting=False) as (partial,):
+        partial.write_bytes(with_key(key, content))
 
 
 def read_keyed(path: Path, key: str, most: int) -> bytes | None:

@@ -1,7 +1,7 @@
 """Files that are there completely or not at all, whatever happens to the process that writes them."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -10,36 +10,52 @@ PARTIAL = ".partial"
 
 
 @contextmanager
-def whole_file(path: Path, *, synced: bool = True) -> Iterator[Path]:
+def whole_file(path: Path) -> Iterator[Path]:
     """A place beside `path` to write to; what is written there takes the place of `path` when the block ends.
 
     A reader finds the old file or the new one, whole. When an exception passes, the old one stays. A link at `path` is
     replaced, not followed.
 
-    Args:
-        path: The file.
-        synced: Whether to wait for the disk. A machine that stops may leave a file empty that was not synced.
-
     Raises:
         OSError: The file cannot take its place.
     """
-    partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
-    partial.unlink(missing_ok=True)  # of a killed process with this number, or a link that somebody laid there
-    try:
+    with whole_files(path.parent, [path.name]) as (partial,):
         yield partial
-        if synced:
-            sync(partial)
-        os.replace(partial, path)
-        if synced:
-            sync(path.parent)
+
+
+@contextmanager
+def whole_files(folder: Path, names: Sequence[str], is_lasting: bool = True) -> Iterator[list[Path]]:
+    """The same for several files of one folder. They take their places in this order, and all are written by then.
+
+    Args:
+        folder: Where they belong.
+        names: Of the files.
+        is_lasting: They also survive a machine that stops. That takes the disk some milliseconds for each file.
+
+    Raises:
+        OSError: One of them cannot take its place; those before it have.
+    """
+    partials = [folder / f".{name}.{os.getpid()}{PARTIAL}" for name in names]
+    for partial in partials:
+        partial.unlink(missing_ok=True)  # of a killed process with this number, or a link that somebody laid there
+    try:
+        yield partials
+        if is_lasting:
+            for partial in partials:
+                sync(partial)  # else a machine that stops could leave the new name on an empty file
+        for partial, name in zip(partials, names, strict=True):
+            os.replace(partial, folder / name)
+        if is_lasting:
+            sync(folder)
     finally:
-        with suppress(OSError):  # gone if it took its place, never there if it could not be written
-            partial.unlink()
+        for partial in partials:
+            with suppress(OSError):  # gone if it took its place, never there if it could not be written
+                partial.unlink()
 
 
-def write_whole(path: Path, content: str | bytes, *, synced: bool = True) -> None:
+def write_whole(path: Path, content: str | bytes) -> None:
     """Write a file, text as UTF-8; see `whole_file`."""
-    with whole_file(path, synced=synced) as partial:
+    with whole_file(path) as partial:
         partial.write_bytes(content.encode() if isinstance(content, str) else content)
 
 

@@ -26,7 +26,7 @@ class Setting:
     acceleration: float = 1.0
 
     def limits(self, parts: int = 1) -> JointLimits:
-        """The joints' limits for periods of which `parts` make a control period."""
+        """The joints' limits for periods that are `parts` times shorter than the control period."""
         period = self.period / parts
         change = self.acceleration * self.robot.max_acceleration * period
         return JointLimits(self.robot.lower, self.robot.upper, self.speed * self.robot.max_speed, change, period)
@@ -40,7 +40,7 @@ class Move(NamedTuple):
     qvel: Float
     """Constant speeds that lead to the last of them, (num_envs, dof), [rad/s]."""
     held: Mask | None = None
-    """Where the arm was held because the motion asked for cannot be done, (num_envs,); None where all can."""
+    """Which arms were held still because they cannot do the motion, (num_envs,); None if all can."""
 
 
 class Motion(Protocol):
@@ -48,7 +48,7 @@ class Motion(Protocol):
 
     @property
     def action_size(self) -> int:
-        """Numbers in an action."""
+        """How many numbers an action has."""
 
     @property
     def jumps(self) -> bool:
@@ -70,4 +70,4 @@ class Motion(Protocol):
         """Actions that keep arms where they are, (num_envs, action_size), for joint targets `qpos`."""
 
     def increments(self) -> Float:
-        """The elementary actions of the mode, (count, action_size): what plus one means for a discrete choice."""
+        """The elementary actions of the mode, (count, action_size). A discrete choice is plus or minus one of them."""

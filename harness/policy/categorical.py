@@ -14,7 +14,7 @@ Choice: TypeAlias = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Categorical(ChoosingNetwork):
-    """The likeliest choice, or a draw; the head ``logits`` holds unnormalised logarithms of the probabilities."""
+    """Takes the likeliest choice, or draws one. The head ``logits`` has logarithms of unnormalised probabilities."""
 
     kind: ClassVar[str] = "categorical"
     heads: ClassVar[tuple[str, ...]] = ("logits",)

@@ -16,7 +16,7 @@ class Deterministic(ContinuousNetwork):
     """One action for each state, NOTE eq. 36, the head ``mean`` squashed by tanh into the action box.
 
     Attributes:
-        noise: Standard deviation of what a draw adds, as a share of half the box.
+        noise: Standard deviation of the noise that a draw adds, as a share of half the width of the box.
     """
 
     kind: ClassVar[str] = "deterministic"

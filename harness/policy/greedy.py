@@ -15,10 +15,10 @@ Choice: TypeAlias = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Greedy(ChoosingNetwork):
-    """The choice of the highest value, the head ``value``.
+    """Takes the choice with the highest value, by the head ``value``.
 
     Attributes:
-        epsilon: Share of the draws that are uniform among all choices.
+        epsilon: The share of draws that take any choice with equal chance.
     """
 
     kind: ClassVar[str] = "greedy"

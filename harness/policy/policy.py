@@ -15,14 +15,14 @@ Action = NDArray[Any]
 
 
 class Policy(ABC):
-    """Turns observations into actions, NOTE definition 3; each kind is a frozen dataclass.
+    """Turns observations into actions, NOTE definition 3. Each kind is a frozen dataclass.
 
-    Arrays are kept as they are given: do not change them once the policy acts.
+    A policy keeps the arrays that it gets: do not change them afterwards.
 
     Attributes:
         kind: Its name on the card of a saved policy; see `harness.policy.kinds`.
         weights: Its arrays by name, float32.
-        algorithm: What trained it, for the reader of the card.
+        algorithm: The name of what trained it, shown to readers of the card.
     """
 
     kind: ClassVar[str]
@@ -35,15 +35,16 @@ class Policy(ABC):
 
         Args:
             observation: (num_envs, observation_size).
-            rng: Draws the actions, NOTE eq. 35; None takes the one action of each observation, NOTE eq. 36.
+            rng: Draws the actions at random, NOTE eq. 35. None: the actions without randomness, NOTE eq. 36.
 
         Returns:
-            (num_envs, action_size) of float32 in the action box, or (num_envs,) of int64 below the number of choices.
+            Continuous actions: (num_envs, action_size) of float32, in the action box. Discrete ones: (num_envs,) of
+            int64, from 0 to the number of choices minus 1.
         """
 
     @abstractmethod
     def floor(self) -> "Policy":
-        """The policy for the same actions that chooses among them uniformly."""
+        """A policy that draws the same kind of actions uniformly at random."""
 
     @abstractmethod
     def card(self) -> dict[str, Any]:
@@ -56,15 +57,15 @@ class Policy(ABC):
 
         Raises:
             KeyError: The card or the weights lack something that `act` needs.
-            ValueError: Something there cannot be, or does not fit the rest.
+            ValueError: A value is not possible, or does not fit the others.
         """
 
     def save(self, folder: Path, cell: Mapping[str, Any] | None = None) -> None:
-        """Write the weights and the card into `folder`, which is made.
+        """Make `folder` and write the weights and the card into it.
 
         Args:
-            folder: Where to.
-            cell: The training cell, `harness.record.cell.Cell.to_json`, for the reader of the card.
+            folder: The folder to make.
+            cell: The training cell, `harness.record.cell.Cell.to_json`, shown to readers of the card.
         """
         own = {"kind": self.kind, "algorithm": self.algorithm, **self.card()}
         write_folder(folder, {**own, "cell": cell}, self.weights)

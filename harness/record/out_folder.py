@@ -61,7 +61,7 @@ def storage_errors(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise StorageError(
             f"'{folder}' cannot be written: {error.strerror or error}. "
-            "What is done is kept; mend that, and the same command goes on from there"
+            "What is done is kept. Solve that, then run the same command to go on"
         ) from error
 
 

@@ -117,7 +117,7 @@ def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredP
     baseline = _label(experiment.get("baseline", "baseline"), known)
     if baseline not in labels:
         raise SchemaError(
-            f"{damage}. The cells tell of the rewards {', '.join(sorted(labels)) or '(none)'}, and "
+            f"{damage}. The cells have the rewards {', '.join(sorted(labels)) or '(none)'}, and "
             f"{EXPERIMENT} does not say which of them is the baseline: run the same command as before"
         )
     rewards = [_label(reward, known) for reward in experiment.get("reward", [])]

@@ -20,7 +20,7 @@ class Progress:
     Attributes:
         cell: Which.
         status: ``done``, ``failed``, ``skipped``, ``damaged``, ``running``, ``interrupted`` (a run was killed while it
-            did it) or ``waiting``.
+            did it) or ``pending``.
         reason: Why it is not done, of one that failed, was skipped or is damaged.
         running: How far it is, of one that is running, or was when its run was killed.
         seconds: What it took, of one that is done.
@@ -62,7 +62,7 @@ class FolderStatus:
             return None
         per_step = sum(one.seconds for one in done) / sum(one.cell.steps for one in done)
         begun = sum(one.running.steps for one in running if one.running)
-        left = sum(one.cell.steps for one in self.cells if one.status in {"running", "waiting"}) - begun
+        left = sum(one.cell.steps for one in self.cells if one.status in {"running", "pending"}) - begun
         return per_step * left / len(running)
 
     def to_json(self) -> dict[str, Any]:
@@ -108,7 +108,7 @@ def _progress(cell: Cell, store: Store, is_in_use: bool, running: Running | None
         return Progress(cell, "running" if is_in_use else "interrupted", running=running)
     folder = store.cell_folder(cell)
     if not folder.exists():
-        return Progress(cell, "waiting")
+        return Progress(cell, "pending")
     try:
         return _ended(cell, read_manifest(folder))
     except NewerFormat:

@@ -315,5 +315,5 @@ def _to_numpy(column: pa.ChunkedArray, noun: str) -> NDArray[Any]:
     else:
         flat = np.asarray(column.to_numpy())
     if column.null_count or (flat.dtype.kind == "f" and not np.isfinite(flat).all()):
-        raise SchemaError(f"{noun} holds what is no finite number")
+        raise SchemaError(f"{noun} holds a value that is not a finite number")
     return flat

@@ -146,6 +146,8 @@ def as_number(value: object) -> float:
         ValueError: It is of another shape, or not finite.
         TypeError: It is no number.
     """
+    if isinstance(value, np.float64):  # what most envs pay: no array is made of it
+        return as_number(value.item())
     if type(value) is not float:
         array = np.asarray(value)
         if array.shape != ():

@@ -7,10 +7,10 @@ from typing import Any
 import gymnasium
 
 from harness.errors import UsageError
+from harness.recorder.asked import OnError
 from harness.recorder.column import Given
 from harness.recorder.env_facts import LEARNERS
 from harness.recorder.record_rewards import RecordRewards
-from harness.recorder.recorder import OnError
 
 EPISODES = 100
 FIRST_SEED = 1_000_000_007

@@ -3,15 +3,16 @@
 import math
 import os
 import weakref
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
-from harness.recorder.column import Column, Given, Untold, as_number
+from harness.recorder.asked import Asked, OnError
+from harness.recorder.column import Column, Given, Measure, Untold, as_number
 from harness.recorder.env_facts import LEARNERS
-from harness.recorder.recorder import OnError, Recorder, differs, kept
+from harness.recorder.recorder import Recorder, differs, kept
 
 Observation = TypeVar("Observation")
 Action = TypeVar("Action")
@@ -84,24 +85,13 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             StorageError: The folder cannot be written.
         """
         super().__init__(env)
-        self._recorder = Recorder(
-            env,
-            path,
-            trained_with=trained_with,
-            rewards=rewards,
-            behaviour=behaviour or {},
-            lower_is_better=lower_is_better,
-            seed=seed,
-            evaluation=evaluation,
-            pay=pay,
-            num_envs=1,
-            number=number,
-            resume=resume,
-            on_error=on_error,
-            learners=learners,
-        )
+        asked = Asked(
+            path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
+            on_error, learners=learners,
+        )  # fmt: skip
+        self._recorder = Recorder(env, asked, num_envs=1)
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
-        self._looks = any(column.measures for column in self._recorder.columns)
+        self._looks = self._recorder.looks
         self._before: Any = None
         self._numbers: list[float] = []
         self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
@@ -166,10 +156,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         after = kept(observation) if self._looks else None
         row: list[float] = [self._time, 0, self._episode, self._step]
         for column, measure in self._columns:
-            value = NAN
+            value: Any = NAN
             if not column.given_up:
                 try:
-                    value = measure(self._before, action, after, info, paid)
+                    value = paid if measure is None else measure(self._before, action, after, info)
                     if type(value) is not float or not math.isfinite(value):  # else a call less
                         value = as_number(value)
                 except Exception as error:  # whatever rewards of users raise
@@ -180,21 +170,20 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         trained = self._recorder.trained
         if trained is not None and differs(row[4 + trained], paid):
             self._recorder.tell_paid_otherwise(row[4 + trained], float(paid), 0, self._episode, self._step)
-        self._recorder.write([[*row, terminated, truncated]])
+        self._recorder.add([*row, terminated, truncated])
         self._before, self._time, self._step = after, self._time + 1, self._step + 1
         return row[4:]
 
 
-def _measure_of(column: Column) -> Callable[[Any, Any, Any, Any, Any], Any]:
-    """How a column is measured, of (observation, action, next observation, info, payment)."""
+def _measure_of(column: Column) -> Measure | None:
+    """How a column is measured; None for what the env pays."""
     if column.is_own:
-        return lambda before, action, after, info, paid: paid
+        return None
     if column.key is None:
-        measure = column.measures[0]
-        return lambda before, action, after, info, paid: measure(before, action, after, info)
+        return column.measures[0]
     key = column.key
 
-    def told(before: Any, action: Any, after: Any, info: Any, paid: Any) -> Any:
+    def told(observation: Any, action: Any, next_observation: Any, info: Any, /) -> Any:
         if key not in info:
             raise Untold(key, [*info])
         return info[key]

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.recorder.asked import Asked, OnError
 from harness.recorder.batch import BatchStep, Mask
 from harness.recorder.column import Column, Given, Untold, as_number
-from harness.recorder.recorder import OnError, Recorder, differs, kept
+from harness.recorder.recorder import Recorder, differs, kept
 
 Array = NDArray[Any]
 
@@ -74,29 +75,13 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             StorageError: The folder cannot be written.
         """
         super().__init__(env)
-        self._mode = env.metadata.get("autoreset_mode")
-        if not isinstance(self._mode, AutoresetMode):
-            raise UsageError(
-                f"{env} does not tell how it starts episodes: its metadata need 'autoreset_mode', one of "
-                f"{', '.join(f'AutoresetMode.{mode.name}' for mode in AutoresetMode)}"
-            )
-        self._recorder = Recorder(
-            env,
-            path,
-            trained_with=trained_with,
-            rewards=rewards,
-            behaviour=behaviour or {},
-            lower_is_better=lower_is_better,
-            seed=seed,
-            evaluation=evaluation,
-            pay=pay,
-            num_envs=env.num_envs,
-            number=number,
-            resume=resume,
-            on_error=on_error,
-            batched=batched,
-        )
-        self._looks = any(column.measures for column in self._recorder.columns)
+        self._mode = _autoreset_mode(env)
+        asked = Asked(
+            path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
+            on_error, batched,
+        )  # fmt: skip
+        self._recorder = Recorder(env, asked, env.num_envs)
+        self._looks = self._recorder.looks
         self._before: Any = None
         self._time = self._recorder.next_time
         self._episodes = self._recorder.next_episodes.copy()
@@ -236,3 +221,13 @@ def _ways_to_measure(column: Column, step: BatchStep) -> tuple[Float, Mask, Call
         return measure(step.each_before[env], step.each_action[env], step.each_after[env], step.info(env))
 
     return np.zeros(count), np.zeros(count, bool), call
+
+
+def _autoreset_mode(env: VectorEnv[Any, Any, Any]) -> AutoresetMode:
+    mode = env.metadata.get("autoreset_mode")
+    if isinstance(mode, AutoresetMode):
+        return mode
+    raise UsageError(
+        f"{env} does not tell how it starts episodes: its metadata need 'autoreset_mode', one of "
+        f"{', '.join(f'AutoresetMode.{each.name}' for each in AutoresetMode)}"
+    )

@@ -3,20 +3,18 @@
 import copy
 import os
 import warnings
-from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from harness.errors import StorageError, UsageError, one_line
 from harness.record.recording.facts import REWARD, Failure, TrainingFacts
 from harness.record.recording.recording_writer import RecordingWriter, Rows
-from harness.recorder.column import OWN, Column, Given, columns_of, source_of
-from harness.recorder.env_facts import LEARNERS, env_facts, versions_of
-
-OnError = Literal["warn", "raise"]
+from harness.recorder.asked import Asked
+from harness.recorder.column import OWN, Column, columns_of, source_of
+from harness.recorder.env_facts import env_facts, versions_of
 
 
 class Recorder:
@@ -26,68 +24,43 @@ class Recorder:
         columns: The numbers of a row, in order.
         pays: Index of the column that the learner is paid; None where it is paid by the env.
         trained: Index of the column that the env should pay; None where the column is what the env pays, or differed.
+        looks: Whether a function measures: it is given the observations.
+        next_time: Of the next step.
+        next_episodes: Numbers of the next episodes, (num_envs,).
     """
 
-    def __init__(
-        self,
-        env: Any,
-        path: str | os.PathLike[str],
-        *,
-        trained_with: str,
-        rewards: Mapping[str, Given],
-        behaviour: Mapping[str, Given],
-        lower_is_better: Collection[str],
-        seed: int | None,
-        evaluation: bool,
-        pay: bool,
-        num_envs: int,
-        number: int,
-        resume: bool,
-        on_error: OnError,
-        batched: Collection[str] = (),
-        learners: Collection[str] = LEARNERS,
-    ) -> None:
-        """Check what was given, then start the files; see `harness.recorder.record_rewards.RecordRewards`.
+    def __init__(self, env: Any, asked: Asked, num_envs: int) -> None:
+        """Start the files.
 
         Raises:
-            UsageError: What was given cannot be used.
+            UsageError: What was asked for cannot be recorded, or the files hold another recording.
+            SchemaError: The recording to go on with is damaged.
             StorageError: The files cannot be written.
         """
-        if on_error not in {"warn", "raise"}:
-            raise UsageError(f"on_error={on_error!r}: it is 'warn' or 'raise'")
-        if not isinstance(number, int) or number < 0:
-            raise UsageError(f"number={number!r}: recorders of one training are numbered 0, 1, 2 ...")
-        for name in lower_is_better:
-            if name not in behaviour:
-                raise UsageError(f"lower_is_better names {name!r}, which is none of the measures {sorted(behaviour)}")
-        rewards = _with_own(rewards, trained_with)
-        self.columns = columns_of(rewards, behaviour, num_envs, frozenset(batched))
-        index = [column.name for column in self.columns].index(f"{REWARD}{trained_with}")
-        self.trained = None if evaluation or pay or self.columns[index].is_own else index
-        self.pays = index if pay else None
-        self._path, self._on_error, self._stopped = Path(path), on_error, False
+        rewards = asked.all_rewards
+        self.columns = columns_of(rewards, asked.behaviour, num_envs, frozenset(asked.batched))
+        index = [column.name for column in self.columns].index(f"{REWARD}{asked.trained_with}")
+        self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
+        self.pays = index if asked.pay else None
+        self.looks = any(column.measures for column in self.columns)
+        self._path, self._on_error, self._stopped = Path(asked.path), asked.on_error, False
         facts = TrainingFacts(
             rewards=tuple(rewards),
-            trained_with=trained_with,
-            behaviour=tuple(behaviour),
-            lower_is_better=tuple(name for name in behaviour if name in lower_is_better),
-            evaluation=evaluation,
-            seed=seed,
+            trained_with=asked.trained_with,
+            behaviour=tuple(asked.behaviour),
+            lower_is_better=tuple(name for name in asked.behaviour if name in asked.lower_is_better),
+            evaluation=asked.evaluation,
+            seed=asked.seed,
             num_envs=num_envs,
             env=env_facts(env),
-            versions=versions_of(env, learners),
+            versions=versions_of(env, asked.learners),
             sources={column.name: source_of(column.given) for column in self.columns},
         )
         try:
-            self._writer = RecordingWriter(self._path, facts, number, resume)
+            self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
         except OSError as error:
-            raise StorageError(f"'{path}' cannot be written: {error.strerror or error}") from error
-        failed = {failure.column for failure in self._writer.facts.failures}
-        for column in self.columns:
-            column.given_up = column.name in failed
-            if column.given_up and pay and column is self.columns[index]:
-                self._writer.close()
-                raise UsageError(f"'{path}': {column.noun} failed before, and pays the learner: name another path")
+            raise StorageError(f"'{asked.path}' cannot be written: {error.strerror or error}") from error
+        self._note_given_up(asked.path)
         self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
 
     def note_seed(self, seed: Any) -> None:
@@ -125,6 +98,20 @@ class Recorder:
             f'What it is paid can be recorded too: rewards={{..., "{OWN}": "{OWN}"}}, trained_with="{OWN}"',
         )
 
+    def add(self, row: list[float]) -> None:
+        """Write a row, which is the recorder's from now on.
+
+        Raises:
+            StorageError: It cannot be written, and the user wants errors raised.
+        """
+        if self._stopped:
+            return
+        try:
+            self._writer.add(row)
+        except OSError as error:
+            self._stopped = True
+            self._tell(*self._unwritten(error))
+
     def write(self, rows: Rows) -> None:
         """Write rows.
 
@@ -137,36 +124,38 @@ class Recorder:
             self._writer.append(rows)
         except OSError as error:
             self._stopped = True
-            self._tell(
-                f"'{self._path}' cannot be written: {error.strerror or error}", "Nothing more is recorded", error
-            )
+            self._tell(*self._unwritten(error))
 
     def close(self) -> None:
         """Write what is left; what comes later is not recorded.
 
         Raises:
-            OSError: It cannot be written.
+            OSError: It cannot be written, and that was not told before.
         """
-        self._stopped = True
-        self._writer.close()
+        was_stopped, self._stopped = self._stopped, True
+        try:
+            self._writer.close()
+        except OSError:
+            if not was_stopped:
+                raise
+
+    def _unwritten(self, error: OSError) -> tuple[str, str, OSError]:
+        return f"'{self._path}' cannot be written: {error.strerror or error}", "Nothing more is recorded", error
+
+    def _note_given_up(self, path: str | os.PathLike[str]) -> None:
+        """What had failed when the recording was left stays given up."""
+        failed = {failure.column for failure in self._writer.facts.failures}
+        for index, column in enumerate(self.columns):
+            column.given_up = column.name in failed
+            if column.given_up and index == self.pays:
+                self._writer.close()
+                raise UsageError(f"'{path}': {column.noun} failed before, and pays the learner: name another path")
 
     def _tell(self, problem: str, rest: str, error: Exception | None = None) -> None:
         if self._on_error == "raise":
             kind = StorageError if isinstance(error, OSError) else UsageError
             raise kind(problem) from error
         warnings.warn(f"{problem}. {rest}", stacklevel=5)
-
-
-def _with_own(rewards: Mapping[str, Given], trained_with: str) -> dict[str, Given]:
-    """The rewards, and under the name ``own`` what the env pays where the learner is trained with that."""
-    if trained_with in rewards:
-        return dict(rewards)
-    if trained_with == OWN:
-        return {**rewards, OWN: OWN}
-    raise UsageError(
-        f"trained_with={trained_with!r} is none of the rewards {sorted(rewards)}: name one of them, or record what the "
-        f'env pays under this name, rewards={{..., "{trained_with}": "{OWN}"}}'
-    )
 
 
 def differs(value: Any, paid: Any) -> Any:

@@ -9,6 +9,7 @@ import importlib.util
 import inspect
 import os
 import re
+import shlex
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
@@ -253,13 +254,31 @@ def require_given(needs: Sequence[str | Mapping[str, Any]], given: Sequence[Give
     """
     names = {it.name for it in given}
     for need in needs:
-        told = {"path": need} if isinstance(need, str) else need
-        what, digest = str(told.get("path") or told.get("target") or ""), str(told.get("sha256", ""))
+        what, digest = _what_to_give(need), "" if isinstance(need, str) else str(need.get("sha256", ""))
         if not what:
             raise UsageError(f"plugins: {need!r} names nothing: write the path of a file, or {{path = '...'}}")
         if Path(what).name not in names:
             which = f" (SHA-256 {digest[:8]})" if digest else ""
-            raise UsageError(f"The experiment needs the plugin {Path(what).name}{which}: give --plugin {what}")
+            raise UsageError(f"The experiment needs the plugin {Path(what).name}{which}: give{plugin_flags([need])}")
+
+
+def plugin_flags(needs: Any) -> str:
+    """The ``--plugin`` flags that give what an experiment file names, quoted for a shell: `` --plugin my_reward.py``.
+
+    Each flag follows a blank, so that the text can be appended to a command. The text is empty if nothing is named.
+
+    Args:
+        needs: The key ``plugins`` of an experiment. Other people's files may hold anything there: what names no plugin
+            is left out.
+    """
+    named = [need for need in needs if isinstance(need, str | dict)] if isinstance(needs, list) else []
+    return "".join(f" --plugin {shlex.quote(what)}" for what in map(_what_to_give, named) if what)
+
+
+def _what_to_give(need: str | Mapping[str, Any]) -> str:
+    """What ``--plugin`` has to name: the path of a file, or ``module:Class``; empty if the table names neither."""
+    told = {"path": need} if isinstance(need, str) else need
+    return str(told.get("path") or told.get("target") or "")
 
 
 def _copy_of(file: PluginFile) -> Path:

@@ -43,7 +43,7 @@ class RatioForm(TypedDict):
 
 @with_config(OPEN)
 class SplitForm(TypedDict):
-    """See `harness.eta.decompose.Split`."""
+    """See `harness.eta.splits.Split`."""
 
     eta: RatioForm
     ruler: RatioForm
@@ -198,7 +198,7 @@ def refuse_committed(folder: Path, flag: str) -> None:
         UsageError: The folder holds records alone.
     """
     if is_committed(folder):
-        raise UsageError(f"{flag} needs cells, and '{folder}' holds committed records alone. {_more(folder)}")
+        raise UsageError(f"{flag} needs cells, and '{folder}' holds only records. {_more(folder)}")
 
 
 def _read(folder: Path) -> tuple[RecordForm | None, EnvironmentsForm | None]:

@@ -8,10 +8,10 @@ from typing import Any, Literal, NamedTuple
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change
 from harness.eta.curve import GroupCurve
-from harness.eta.decompose import Decomposition, Splits, no_splits, splits_to_json
 from harness.eta.headline import SUCCESS, Answer, Headline, Names, headline_of
 from harness.eta.index import Index, Ratio
 from harness.eta.scored_sums import Pair
+from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
 from harness.eta.swaps import smallest_p
 from harness.record.cell import Cell
 from harness.registry.choice import Choice

@@ -10,7 +10,7 @@ from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
 from harness.eta.headline import DECIDING
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
-from harness.eta.swaps import Swaps, corrected_p, swaps_of
+from harness.eta.swaps import Swaps, corrected_where_known, swaps_of
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.results.combination import Combination, Group, StepChange
@@ -227,11 +227,9 @@ def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:
 
 def _correct(family: Sequence[Combination]) -> list[Combination]:
     """Combinations with p-values that hold for all of their claims together."""
-    claims = [outcomes for combination in family for outcomes in combination.outcomes]
-    corrected = iter(corrected_p([outcomes for outcomes in claims if outcomes is not None]))
-    p_values = iter([None if outcomes is None else next(corrected) for outcomes in claims])
-    count = sum(outcomes is not None for outcomes in claims)
-    return [replace(_corrected(combination, p_values), claims=count) for combination in family]
+    p_values = corrected_where_known(outcomes for combination in family for outcomes in combination.outcomes)
+    left, count = iter(p_values), sum(p is not None for p in p_values)
+    return [replace(_corrected(combination, left), claims=count) for combination in family]
 
 
 def _corrected(combination: Combination, p_values: Iterator[float | None]) -> Combination:

@@ -90,5 +90,5 @@ def _usable(registry: Registry, name: str) -> Metric:
 def _build(registry: Registry, name: str) -> Metric:
     metric: Metric = Choice(name).build(registry, "metrics")
     if metric.better not in BETTER:
-        raise Unmeasured(f"its 'better' is {metric.better!r}: there is {' and '.join(BETTER)}")
+        raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are {' and '.join(BETTER)}")
     return metric

@@ -15,6 +15,7 @@ from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
 from harness.record.trace import Trace
 from harness.registry.choice import Choice
+from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
 from harness.results.cell_results import CellResults
 from harness.results.combination import Group
@@ -119,6 +120,11 @@ class Records:
             return self.plan.experiment_text
         with reading(path, "experiment file"):
             return read_text(path)
+
+    @property
+    def plugin_flags(self) -> str:
+        """The ``--plugin`` flags that the newest experiment needs, to be appended to a command; often empty."""
+        return plugin_flags(self.plan.experiment.get("plugins"))
 
     @property
     def done(self) -> list[Manifest]:

@@ -227,7 +227,8 @@ def find_done(results: Results, name: str) -> Cell:
     if len(found) != 1:
         told = "several" if found else "none"
         raise UsageError(
-            f"--cells {name}: of the done cells {told} begin so. Ids stand in results.parquet, and on the page"
+            f"--cells {name}: {told} of the done cells have an id that begins so. "
+            "results.parquet and the report page list the ids"
         )
     return found[0]
 

@@ -10,9 +10,10 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind
-from harness.eta.decompose import Decomposition, decompose
+from harness.eta.decompose import decompose
 from harness.eta.headline import Names, number_sentence
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
+from harness.eta.splits import Decomposition
 from harness.eta.swaps import corrected_p
 from harness.registry.choice import choose
 from harness.registry.registry import Registry

@@ -1,4 +1,4 @@
-"""The contract kit: what plugins must satisfy, of every kind that has a contract.
+"""The contract kit: checks that plugins have to pass, for every kind of plugin that has a contract.
 
 In the tests of a plugin::
 
@@ -7,9 +7,9 @@ In the tests of a plugin::
     def test_reward_keeps_the_contract():
         check_reward(MyReward())
 
-raises `harness.errors.ContractViolation`, with the name of the check and what is wrong, where it does not. Each check
-is also a function of its own, so that a test can be parametrised over ``REWARD_CHECKS``; `violations` runs on after the
-first one that fails. `IdealSimulator` is a simulator for tests that need none of an engine.
+If a check fails, it raises `harness.errors.ContractViolation` with the name of the check and what is wrong. Each check
+is also a function of its own, so that a test can be parametrised over ``REWARD_CHECKS``. `violations` does not stop at
+the first check that fails. `IdealSimulator` is a simulator for tests that need no engine.
 """
 
 from harness.testing.algorithms.checks import ALGORITHM_CHECKS, check_algorithm

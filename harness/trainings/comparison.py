@@ -8,11 +8,12 @@ from typing import Any
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve, Kind, stream_curve
-from harness.eta.decompose import Decomposition, Splits, decompose
+from harness.eta.decompose import decompose
 from harness.eta.headline import Headline, Names, judge, number_sentence, return_sentence
 from harness.eta.index import Index
 from harness.eta.return_split import Returns, ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
+from harness.eta.splits import Decomposition, Splits
 from harness.eta.swaps import Swaps, smallest_p
 from harness.record.recording.facts import REWARD
 from harness.trainings.episodes import Part

@@ -8,7 +8,7 @@ from typing import Any
 
 from harness.eta.curve import Kind
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.eta.swaps import corrected_p, swaps_of
+from harness.eta.swaps import corrected_where_known, swaps_of
 from harness.trainings.comparison import Comparison, compare
 from harness.trainings.runs import MANNERS, Runs, read_runs
 
@@ -88,11 +88,9 @@ def load_study(
 
 def _corrected(family: list[Comparison]) -> tuple[Comparison, ...]:
     """With p-values that hold for all of their claims together."""
-    claims = [outcomes for comparison in family for outcomes in comparison.outcomes]
-    corrected = iter(corrected_p([outcomes for outcomes in claims if outcomes is not None]))
-    p_values = iter([None if outcomes is None else next(corrected) for outcomes in claims])
-    count = sum(outcomes is not None for outcomes in claims)
-    return tuple(comparison.with_corrected(p_values, count) for comparison in family)
+    p_values = corrected_where_known(outcomes for comparison in family for outcomes in comparison.outcomes)
+    left, count = iter(p_values), sum(p is not None for p in p_values)
+    return tuple(comparison.with_corrected(left, count) for comparison in family)
 
 
 def _tables(runs: Runs) -> dict[str, Table]:

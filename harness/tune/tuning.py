@@ -51,7 +51,9 @@ class Tuning:
     """A search; each field is a key of a tuning file and a flag of ``harness tune``."""
 
     sim: Annotated[Names, Field(description="the simulator")]
-    algo: Annotated[Names, Field(description="the algorithm, with what is not searched and where to begin")]
+    algo: Annotated[
+        Names, Field(description="the algorithm, with the parameters that stay fixed and the values to begin with")
+    ]
     reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=_arp)
     baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
     task: Annotated[Given, Field(description="the task")] = "fd100-reach"
@@ -60,15 +62,19 @@ class Tuning:
         dict[str, str | list[Any]], Field(description="by parameter: LOW..HIGH, LOW..HIGH:log, A|B|C or a list")
     ] = Field(default_factory=dict)
     trials: Annotated[Trials, Field(description="settings to try, in each search")] = 20
-    seeds: Annotated[SeedCount, Field(description="trainings of each setting under each reward")] = 2
+    seeds: Annotated[SeedCount, Field(description="how often each setting is trained with each reward")] = 2
     steps: Annotated[Steps, Field(description="environment steps of each training")] = 10_000
-    validation_episodes: Annotated[Episodes, Field(description="episodes that each policy is judged by")] = 100
-    per_reward: Annotated[bool, Field(description="one search for each reward, instead of one for all")] = False
+    validation_episodes: Annotated[
+        Episodes, Field(description="episodes of the validation that judges each policy")
+    ] = 100
+    per_reward: Annotated[
+        bool, Field(description="whether each reward has a search of its own, instead of one for all")
+    ] = False
     pruner: Annotated[
-        Literal["median", "none"], Field(description="median: a trial below the median so far gets no more seeds")
+        Literal["median", "none"], Field(description="median: a trial below the median of the finished ones ends early")
     ] = "median"
-    batch: Annotated[Trials, Field(description="trials drawn at once, which can run at once")] = 1
-    seed: Annotated[Seed, Field(description="of what is drawn from the search space")] = 0
+    batch: Annotated[Trials, Field(description="trials that are drawn together, so that they can run at once")] = 1
+    seed: Annotated[Seed, Field(description="the seed for drawing settings from the ranges")] = 0
 
 
 @dataclass(frozen=True)

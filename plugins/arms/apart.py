@@ -7,10 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.record.scene import Scene
 from harness.robot import Robot
-from harness.scene.picture import draw_still
-from harness.scene.scene import scene_of
+from harness.scene.still import StillFrames
 from harness.simulator import State
 
 
@@ -34,21 +32,33 @@ class Arm(ArmAlone, Protocol):
 AnyArm = TypeVar("AnyArm", bound=ArmAlone)
 
 
-class Arms(Generic[AnyArm]):
-    """All of `harness.simulator.Simulation` but `drive`. Frames are drawn by the harness, not by the engine."""
+class Frames(Protocol):
+    """Pictures of such an arm."""
 
-    def __init__(self, robot: Robot, num_envs: int, build_arm: Callable[[], AnyArm]) -> None:
+    def frame(self, qpos: Float, target: Float, width: int, height: int) -> NDArray[np.uint8]:
+        """The arm at `qpos`, (dof,), and a marker at `target`, (3,), [m]; RGB, (height, width, 3)."""
+
+    def close(self) -> None:
+        """Give back what the pictures need, and all that belongs to the arms' worlds; more than once does nothing."""
+
+
+class Arms(Generic[AnyArm]):
+    """All of `harness.simulator.Simulation` but `drive`."""
+
+    def __init__(
+        self, robot: Robot, num_envs: int, build_arm: Callable[[], AnyArm], frames: Frames | None = None
+    ) -> None:
         """Build the arms and put them at home.
 
         Args:
             robot: The arm.
             num_envs: How many.
             build_arm: Makes one, in a new world.
+            frames: Pictures of it; by default the harness draws them.
         """
         self.arms = [build_arm() for _ in range(num_envs)]
-        self._robot = robot
+        self._frames = frames or StillFrames(robot)
         self._awake = np.ones(num_envs, bool)
-        self._scene: Scene | None = None
         joints = (num_envs, robot.dof)
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
         self.place(np.tile(robot.home, (num_envs, 1)))
@@ -74,14 +84,13 @@ class Arms(Generic[AnyArm]):
         return self._state
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
-        """See `harness.simulator.Simulation`; drawn without the engine."""
-        if self._scene is None:
-            self._scene = scene_of(self._robot)
-        return np.array(draw_still(self._scene, self._state.qpos[env], target, width, height))
+        """See `harness.simulator.Simulation`."""
+        return self._frames.frame(self._state.qpos[env], target, width, height)
 
     def close(self) -> None:
         """See `harness.simulator.Simulation`."""
         self.arms = []
+        self._frames.close()
 
 
 class ArmsApart(Arms[Arm]):

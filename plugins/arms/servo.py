@@ -11,7 +11,7 @@ from harness.authoring.substeps import Substeps
 from harness.robot import Robot
 from harness.simulator import State
 
-from .apart import ArmAlone, Arms
+from .apart import ArmAlone, Arms, Frames
 
 
 class ServoArm(ArmAlone, Protocol):
@@ -24,7 +24,14 @@ class ServoArm(ArmAlone, Protocol):
 class ServoArms(Arms[ServoArm]):
     """See `harness.simulator.Simulation`: each physics step the drives follow a reference of their own."""
 
-    def __init__(self, robot: Robot, num_envs: int, substeps: Substeps, build_arm: Callable[[], ServoArm]) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        num_envs: int,
+        substeps: Substeps,
+        build_arm: Callable[[], ServoArm],
+        frames: Frames | None = None,
+    ) -> None:
         """Build the arms and put them at home.
 
         Args:
@@ -32,13 +39,14 @@ class ServoArms(Arms[ServoArm]):
             num_envs: How many.
             substeps: Of a control period.
             build_arm: Makes one, in a new world.
+            frames: Pictures of it; by default the harness draws them.
 
         Raises:
             UsageError: The robot.toml describes no drives.
         """
         self._substeps = substeps
         self.track = ServoTrack(servo_of(robot), num_envs, substeps.period / substeps.count)
-        super().__init__(robot, num_envs, build_arm)
+        super().__init__(robot, num_envs, build_arm, frames)
 
     def reset(self, qpos: Float, mask: Mask) -> State:
         """See `harness.simulator.Simulation`."""

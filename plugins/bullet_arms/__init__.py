@@ -1,9 +1,9 @@
 """Arms in Bullet's worlds, and frames of them: what the simulator `pybullet` is made of."""
 
 from .arm import Arm, turn_alone
+from .clients import Clients
 from .free_arm import FreeArm
-from .scene import Scene
 from .servo_arm import ServoArm
-from .world import connect, exact_timestep, set_steps
+from .world import exact_timestep
 
-__all__ = ["Arm", "FreeArm", "Scene", "ServoArm", "connect", "exact_timestep", "set_steps", "turn_alone"]
+__all__ = ["Arm", "Clients", "FreeArm", "ServoArm", "exact_timestep", "turn_alone"]

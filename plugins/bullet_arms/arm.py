@@ -3,10 +3,22 @@
 import pybullet
 
 from harness.arrays import Float
+from harness.authoring.substeps import Substeps
 from harness.robot import Robot
 from harness.simulator import State
 
-from .world import BASE, LOAD_FLAGS, add_ground, load_body, numbers, part_neighbours, set_joints, set_options
+from .world import (
+    BASE,
+    LOAD_FLAGS,
+    add_ground,
+    exact_timestep,
+    load_body,
+    numbers,
+    part_neighbours,
+    set_joints,
+    set_options,
+    set_steps,
+)
 
 FORCE = 1e6
 """Of a motor at most, [N m] or [N]: drives are strong enough, whatever a URDF has as effort."""
@@ -18,10 +30,11 @@ class Arm:
     """One arm on the ground in the world of one client."""
 
     def __init__(
-        self, client: int, robot: Robot, period: float, substeps: int, iterations: int, self_collision: bool = False
+        self, client: int, robot: Robot, substeps: Substeps, iterations: int, self_collision: bool = False
     ) -> None:
-        self.client = client
-        set_options(client, period, substeps, iterations)
+        self.client, self._substeps = client, substeps
+        self._timestep, self._duration = exact_timestep(substeps.period, substeps.count), substeps.period
+        set_options(client, self._timestep, substeps.count, iterations)
         flags = pybullet.URDF_USE_SELF_COLLISION if self_collision else 0
         self.body = load_body(client, robot, LOAD_FLAGS | pybullet.URDF_IGNORE_VISUAL_SHAPES | flags)
         links, self.joints = numbers(client, self.body, robot)
@@ -32,23 +45,29 @@ class Arm:
         self.ground = add_ground(client, self.body, self.joints)
         pybullet.changeDynamics(self.body, BASE, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
         self._new = pybullet.saveState(physicsClientId=client)
+        self._has_moved = False
 
     def put(self, qpos: Float) -> None:
         """At rest at `qpos`, (dof,), as if the world were new, contacts included."""
         pybullet.restoreState(self._new, physicsClientId=self.client)
         set_joints(self.client, self.body, self.joints, qpos)
+        self._has_moved = False
 
-    def turn(self, speeds: list[float]) -> None:
-        """Turn the joints at constant `speeds`, (dof,), for one control period."""
+    def turn(self, speeds: Float, duration: float) -> None:
+        """See `harness_plugins.arms.apart.Arm`."""
+        if duration != self._duration:
+            set_steps(self.client, self._timestep, self._substeps.within(duration))
+            self._duration = duration
         pybullet.setJointMotorControlArray(
             self.body, self.joints, pybullet.VELOCITY_CONTROL,
-            targetVelocities=speeds, forces=self.forces, physicsClientId=self.client,
+            targetVelocities=speeds.tolist(), forces=self.forces, physicsClientId=self.client,
         )  # fmt: skip
         pybullet.stepSimulation(physicsClientId=self.client)
+        self._has_moved = True
 
-    def read(self, state: State, env: int, placed: bool = False) -> None:
-        """Write what holds now into row `env` of `state`; an arm that was `placed` has not moved since."""
-        client = self.client
+    def read(self, state: State, env: int) -> None:
+        """See `harness_plugins.arms.apart.ArmAlone`."""
+        client, has_moved = self.client, self._has_moved
         joints = pybullet.getJointStates(self.body, self.joints, physicsClientId=client)
         state.qpos[env] = [joint[0] for joint in joints]
         state.qvel[env] = [joint[1] for joint in joints]
@@ -58,7 +77,7 @@ class Arm:
         points = pybullet.getContactPoints(self.body, self.ground, physicsClientId=client)
         state.ground_contact[env] = any(
             # Bullet also tells near misses. One that bears a load is a contact; a placed arm's load is of before.
-            point[DISTANCE] <= 0.0 or (point[NORMAL_FORCE] > 0.0 and not placed)
+            point[DISTANCE] <= 0.0 or (has_moved and point[NORMAL_FORCE] > 0.0)
             for point in points
         )
 

@@ -4,13 +4,14 @@ import numpy as np
 import pybullet
 
 from harness.arrays import Float
+from harness.authoring.substeps import Substeps
 from harness.robot import Robot
 from harness.robot.servo import Servo
 
 from ..arms.dry_friction import DryFriction
 from .arm import Arm
 from .free_arm import FreeArm, add_armature
-from .world import exact_timestep, set_steps
+from .world import set_steps
 
 
 class ServoArm(Arm):
@@ -25,11 +26,11 @@ class ServoArm(Arm):
 
     def __init__(
         self, client: int, robot: Robot, servo: Servo, free: FreeArm,
-        period: float, substeps: int, iterations: int, self_collision: bool,
+        substeps: Substeps, iterations: int, self_collision: bool,
     ) -> None:  # fmt: skip
-        self._servo, self._free, self._timestep = servo, free, exact_timestep(period, substeps)
+        super().__init__(client, robot, substeps, iterations, self_collision)
+        self._servo, self._free = servo, free
         self._friction = DryFriction(servo.dry_friction * self._timestep)
-        super().__init__(client, robot, period, substeps, iterations, self_collision)
         set_steps(client, self._timestep, 1)
         nothing = [0.0] * robot.dof
         pybullet.setJointMotorControlArray(
@@ -54,6 +55,7 @@ class ServoArm(Arm):
                 body, joints, pybullet.TORQUE_CONTROL, forces=torque.tolist(), physicsClientId=client
             )
             pybullet.stepSimulation(physicsClientId=client)
+        self._has_moved = True
 
     def _torque(self, qpos: list[float], qvel: list[float], qpos_ref: Float, qvel_ref: Float) -> Float:
         """What accelerates Bullet's links as the drives accelerate the arm, (dof,)."""

@@ -23,18 +23,6 @@ BASE = -1
 """Bullet's number of the root link."""
 
 
-def connect() -> int:
-    """A new client without a window.
-
-    Raises:
-        UsageError: This process has as many as it can have.
-    """
-    try:
-        return int(pybullet.connect(pybullet.DIRECT))
-    except pybullet.error as error:
-        raise UsageError(f"PyBullet opens no more clients ({error}): take fewer envs, or another simulator") from error
-
-
 def load_body(client: int, robot: Robot, flags: int) -> int:
     """The robot's URDF as a body with a fixed base at the origin, links not touching one another.
 
@@ -60,13 +48,13 @@ def exact_timestep(period: float, substeps: int) -> float:
     return float(np.float32(period / substeps))
 
 
-def set_options(client: int, period: float, substeps: int, iterations: int) -> None:
-    """Gravity, solver and physics steps of a world; `stepSimulation` does `substeps` in a `period` [s]."""
+def set_options(client: int, timestep: float, substeps: int, iterations: int) -> None:
+    """Gravity, solver and physics steps of a world; `stepSimulation` does `substeps` of `timestep` [s]."""
     pybullet.setGravity(0.0, 0.0, GRAVITY, physicsClientId=client)
     pybullet.setPhysicsEngineParameter(
         numSolverIterations=iterations, deterministicOverlappingPairs=1, physicsClientId=client
     )
-    set_steps(client, exact_timestep(period, substeps), substeps)
+    set_steps(client, timestep, substeps)
 
 
 def set_steps(client: int, timestep: float, steps: int) -> None:

@@ -1,7 +1,6 @@
 """No dynamics: joints are exactly where they are driven, and ground contact is that of the links' shapes."""
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -9,12 +8,10 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
-from harness.record.scene import Scene
 from harness.robot import Robot
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import link_frames
-from harness.scene.picture import draw_still
-from harness.scene.scene import scene_of
+from harness.scene.still import StillFrames
 from harness.simulator import State
 
 
@@ -53,7 +50,7 @@ class KinematicSimulation:
     """See `harness.simulator.Simulation`."""
 
     def __init__(self, robot: Robot, num_envs: int) -> None:
-        self._robot, self._chain = robot, robot.chain
+        self._frames, self._chain = StillFrames(robot), robot.chain
         self._solids = build_solids(robot.joint_shapes)
         joints = (num_envs, robot.dof)
         self._state = State(np.zeros(joints), np.zeros(joints), np.zeros((num_envs, 3)), np.zeros(num_envs, bool))
@@ -89,14 +86,10 @@ class KinematicSimulation:
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """See `harness.simulator.Simulation`; drawn without an engine."""
-        return np.array(draw_still(self._scene, self._state.qpos[env], target, width, height))
+        return self._frames.frame(self._state.qpos[env], target, width, height)
 
     def close(self) -> None:
         """Does nothing: there is no engine."""
-
-    @cached_property
-    def _scene(self) -> Scene:
-        return scene_of(self._robot)
 
     def _place_links(self, qpos: Float) -> tuple[Float, Mask]:
         """End effectors, (n, 3), [m], and ground contacts, (n,), of arms at `qpos`, (n, dof)."""

@@ -2,7 +2,6 @@
 
 import warnings
 from contextlib import redirect_stdout
-from functools import cached_property
 from io import StringIO
 from typing import Annotated, Any, ClassVar, NamedTuple
 
@@ -16,10 +15,8 @@ from harness.arrays import Float, Mask
 from harness.authoring.ground_contact import GroundContact
 from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
-from harness.record.scene import Scene
 from harness.robot import Robot
-from harness.scene.picture import draw_still
-from harness.scene.scene import scene_of
+from harness.scene.still import StillFrames
 from harness.simulator import State
 
 from ..mujoco_model import build_model, mujoco
@@ -71,7 +68,7 @@ class MjxSimulation:
     """See `harness.simulator.Simulation`."""
 
     def __init__(self, settings: Mjx, robot: Robot, num_envs: int, control_period: float) -> None:
-        self._robot, self._touches = robot, GroundContact(robot)
+        self._robot, self._touches, self._frames = robot, GroundContact(robot), StillFrames(robot)
         self._substeps = Substeps(settings.substeps, control_period)
         self._model = _put_model(robot, control_period / settings.substeps, settings.bandwidth)
         self._at_once = settings.at_once or (1 if jax.default_backend() == "cpu" else num_envs)
@@ -130,15 +127,11 @@ class MjxSimulation:
 
     def render(self, env: int, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """See `harness.simulator.Simulation`; drawn without the engine."""
-        return np.array(draw_still(self._scene, self._state.qpos[env], target, width, height))
+        return self._frames.frame(self._state.qpos[env], target, width, height)
 
     def close(self) -> None:
         """See `harness.simulator.Simulation`; what was compiled stays for the next one."""
         self._model = None
-
-    @cached_property
-    def _scene(self) -> Scene:
-        return scene_of(self._robot)
 
 
 def advance(model: Any, motion: Motion, speeds: Array, steps: Array) -> Motion:

@@ -82,7 +82,7 @@ def test_what_the_system_refuses_is_one_line(harness, monkeypatch):
     monkeypatch.setattr(app, "_run", full)
     answer = harness("doctor")
     assert answer.status == 1
-    assert "No space left on device: 'page.html'. Mend that, and call the same command again" in answer.err
+    assert "No space left on device: 'page.html'. Solve that, then run the same command again" in answer.err
 
 
 def test_reader_that_has_enough_is_no_error():

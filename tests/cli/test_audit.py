@@ -27,8 +27,8 @@ def test_the_verdict_is_in_plain_words(harness):
 
 
 def test_it_says_that_no_engine_was_used(harness):
-    """Without --sim joints move exactly as told."""
-    assert "no simulator: joints move exactly as told" in harness("audit", "--reward", "baseline", *FEW).out
+    """Without --sim joints move exactly as commanded."""
+    assert "no simulator: joints move exactly as commanded" in harness("audit", "--reward", "baseline", *FEW).out
 
 
 def test_properties_and_distance_are_shown(harness):
@@ -181,7 +181,7 @@ def test_damaged_recording_is_status_1(harness, recordings):
         (("runs", "--episodes", "100"), "--episodes does not go with"),
         (("nowhere",), "'nowhere' holds no recorded training"),
         (("runs", "--random", "nowhere"), "'nowhere' holds no recorded training"),
-        (("--random", "random"), "--random goes with a FOLDER"),
+        (("--random", "random"), "--random needs a FOLDER"),
     ],
 )
 def test_usage_errors_of_folders_are_one_line(harness, recordings, arguments, text):

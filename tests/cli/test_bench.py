@@ -91,11 +91,14 @@ def test_what_cannot_work_is_told_with_its_reason(harness):
         (("--sim", "ideal", "--algo", "wander", "--steps", "0"), "greater than 0"),
         (("--sim", "ideal", "--algo", "wander", "--rounds", "0"), "--rounds 0: must be at least 1"),
         (("--sim", "ideal", "--algo", "wander", "--rounds", "some"), "valid integer"),
-        (("--sim", "ideal", "--algo", "wander", "--num-envs", "3"), "--num-envs: it belongs to"),
+        (
+            ("--sim", "ideal", "--algo", "wander", "--num-envs", "3"),
+            "--num-envs: only 'harness bench simulators' takes it",
+        ),
         (("simulator",), "Did you mean 'simulators'?"),
-        (("cells", "simulators"), "timed by themselves"),
+        (("cells", "simulators"), "timed alone"),
         (("simulators", "--sim", "ideall"), "Did you mean 'ideal'?"),
-        (("simulators", "--reward", "arp"), "--reward: it belongs to 'harness bench cells'"),
+        (("simulators", "--reward", "arp"), "--reward: only 'harness bench cells' takes it"),
         (("simulators", "--num-envs", "1,x"), "--num-envs 1,x: give numbers from 1 on"),
         (("simulators", "--num-envs", "0"), "--num-envs 0: give numbers from 1 on"),
         (("algorithms", "--steps", "0"), "--steps 0: must be at least 1"),
@@ -207,7 +210,7 @@ def test_a_run_of_two_rounds_cannot_be_compared(harness, timed, tmp_path):
     """It says how many it takes, before anything is measured."""
     answer = harness("bench", "--compare", _keep(harness, tmp_path, "--rounds", 2))
     assert (answer.status, answer.out) == (2, "")
-    assert "'old.json' has 2 rounds: noise is only known from 3 on" in answer.err
+    assert "'old.json' has 2 rounds: at least 3 are needed to estimate the noise" in answer.err
 
 
 def test_a_file_of_cells_cannot_be_compared(harness, tmp_path):

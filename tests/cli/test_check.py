@@ -176,7 +176,7 @@ def test_a_name_of_two_kinds_takes_the_kind(harness):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "nothing to check: give a name"),
+        ([], "nothing to check: type harness check NAME"),
         (["arpp"], "Did you mean 'arp'?"),
         (["arp", "--kind", "rewrd"], "Did you mean 'reward'?"),
         (["arp", "--kind", "metric"], "No metric 'arp'"),

@@ -102,7 +102,9 @@ def test_our_own_command_is_not_replaced(harness, add_commands, rendering):
     """A plugin's command of the same name is hidden, and `plugins` and `doctor` say so."""
     rendering("true")
     add_commands("eta", "wave")
-    hidden = "Command 'eta' of the plugin 'waving' (waving 1.0) is hidden by our own: write harness waving/eta"
+    hidden = (
+        "Command 'eta' of the plugin 'waving' (waving 1.0) is hidden by a built-in command: type harness waving/eta"
+    )
     assert "recorded" in harness("eta", "--help").out
     assert json.loads(harness("plugins", "--json").out)["conflicts"] == [hidden]
     assert hidden in harness("doctor").out

@@ -154,7 +154,10 @@ def test_command_that_raises_is_its_package_s_fault(harness, odd):
     """With a log for its authors; a wrong option is the user's."""
     answer = harness("trip")
     assert answer.status == 1
-    assert "Command 'trip' of package odd 1.0 raised LookupError: a cable. Its authors may want the log, " in answer.err
+    assert (
+        "Command 'trip' of package odd 1.0 raised LookupError: a cable. Report it to its authors with the log, "
+        in answer.err
+    )
     assert harness("trip", "--near", "2").status == 2
 
 

@@ -67,6 +67,12 @@ def test_report_stands_without_the_file(harness, ran, file):
     assert "No reward" not in json.dumps(there)
 
 
+def test_commands_that_a_report_suggests_give_the_file(harness, ran, file, tmp_path):
+    """The command that shows all numbers runs as it is printed."""
+    told = harness("report", ran, "--plugin", file).out.split()
+    assert told[-3:] == ["--details", "--plugin", str(tmp_path / file)]
+
+
 def test_other_commands_take_the_file_too(harness, ran, file, transferred_here):
     """List, describe, score, audit, transfer."""
     assert "my_reward         Pays the way" in harness("list", "rewards", "--plugin", file).out

@@ -96,7 +96,7 @@ def test_a_damaged_cell_is_told_in_one_line(harness, experiment, tmp_path):
     trace.write_bytes(trace.read_bytes()[:100])
     answer = harness("report", experiment)
     assert answer.status == 1
-    assert answer.err == f"harness: damaged cells: 1; harness verify '{experiment}' tells of them\n"
+    assert answer.err == f"harness: damaged cells: 1; harness verify '{experiment}' says which files\n"
     told = " ".join(answer.out.split())
     assert "1 damaged" in told
     assert "trace.parquet is not what was written: its SHA-256 differs; run again to replace it" in told

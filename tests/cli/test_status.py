@@ -31,7 +31,7 @@ def test_failed_cells_are_named_with_their_reason(harness, quick):
         "here",
     )
     out = harness("status", "here").out
-    assert "4 cells: 1 failed, 3 waiting" in out
+    assert "4 cells: 1 failed, 3 pending" in out
     assert "RuntimeError: the arm fell off" in out
 
 
@@ -52,7 +52,7 @@ def test_status_as_json(harness, quick):
     """For programs."""
     harness("run", *quick, "--seeds", "1", "--limit", "1", "--out", "here")
     told = json.loads(harness("status", "here", "--json").out)
-    assert [cell["status"] for cell in told["cells"]] == ["done", "waiting"]
+    assert [cell["status"] for cell in told["cells"]] == ["done", "pending"]
     assert not told["is_in_use"]
 
 

@@ -28,7 +28,7 @@ def test_named_cells_are_shown(harness, experiment, tmp_path):
 
 @pytest.mark.parametrize(
     ("flags", "problem"),
-    [(("--cells", "zz"), "of the done cells none begin so"), (("--out", "a.webm"), ".gif or .mp4")],
+    [(("--cells", "zz"), "none of the done cells have an id that begins so"), (("--out", "a.webm"), ".gif or .mp4")],
 )
 def test_what_cannot_be_filmed_is_refused(harness, experiment, flags, problem):
     """One line, status 2."""

@@ -42,7 +42,7 @@ from harness.testing.algorithms.checks import (
     the_policy_acts_as_it_trained,
     the_return_rises,
 )
-from harness.testing.simulators.checks import frames_show_the_target, render_gives_a_frame_or_says_why_not
+from harness.testing.simulators.frames import frames_show_the_target, render_gives_a_frame_or_says_why_not
 from harness.testing.tasks.checks import (
     draws_depend_on_the_stream_alone,
     episodes_are_alike_where_it_says_so,

@@ -195,5 +195,5 @@ def test_simulator_that_does_something_else_is_noticed():
     )
     env.reset(seed=0)
     env.step(np.ones((2, 6), np.float32))
-    with pytest.raises(SchemaError, match="the simulator does not do the same again: qpos differs"):
+    with pytest.raises(SchemaError, match="the simulator does not repeat itself: qpos differs"):
         again.restore(env.state())

@@ -111,7 +111,7 @@ def test_noise_has_its_standard_deviation(make: Call):
     differences: dict[str, list[np.ndarray]] = {name: [] for name in ("qpos", "qvel", "qvel_change", "target")}
     for _ in range(100):
         env.step(np.zeros((40, DOF), np.float32))
-        seen = env._around.senses.look()
+        seen = env._decisions.around.senses.look()
         for name, found in differences.items():
             found.append(getattr(seen, name) - getattr(env.episodes, name))
         np.testing.assert_allclose(seen.end_effector, ROBOT.end_effector(seen.qpos), atol=1e-12)
@@ -136,9 +136,9 @@ def test_action_noise_has_its_standard_deviation(make: Call):
     asked, done = np.full((50, DOF), 0.25), []
     for step in range(60):
         env.episodes.step[:] = step
-        done.append(env._around.senses.act(asked, None) - 0.25)
+        done.append(env._decisions.around.senses.act(asked, None) - 0.25)
     assert np.std(done) == pytest.approx(0.1, rel=0.02)
-    assert env._around.senses.act(np.ones((50, DOF)), None).max() <= 1.0
+    assert env._decisions.around.senses.act(np.ones((50, DOF)), None).max() <= 1.0
     env.step(asked.astype(np.float32))
     np.testing.assert_array_equal(env.episodes.action, 0.25)
 
@@ -198,7 +198,7 @@ def test_an_obstacle_on_the_way_is_touched(make: Call):
     """Also where the arm is past it when the period ends."""
     env = make(1, ReachTask(horizon=60, obstacles="0.75x0x0.2x0.01", start_noise=0.0))
     env.reset(seed=0)
-    episodes, around = env.episodes, env._around
+    episodes, around = env.episodes, env._decisions.around
     tip = ROBOT.end_effector(episodes.qpos)[0]
     episodes.extra("obstacles")[0, :3] = tip
     aside = np.array([0.6, 0.0, 0.0, 0.0, 0.0, 0.0])

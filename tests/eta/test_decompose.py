@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from harness.eta.curve import GroupCurve, Kind, curve_of
-from harness.eta.decompose import NEAR_ZERO, NEGLIGIBLE, Decomposition, Split, SumSplit, decompose, no_splits
+from harness.eta.decompose import NEAR_ZERO, NEGLIGIBLE, decompose
 from harness.eta.index import Ratio
 from harness.eta.noise import noise_floor
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
+from harness.eta.splits import Decomposition, Split, SumSplit, no_splits
 from harness.eta.swaps import p_of, swaps_of
 
 Curves = dict[Pair, GroupCurve]

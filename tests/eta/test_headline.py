@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve, curve_of
-from harness.eta.decompose import Decomposition, decompose
+from harness.eta.decompose import decompose
 from harness.eta.headline import Answer, Headline, Names, headline_of, judge, margin_of
 from harness.eta.power import seeds_to_tell
 from harness.eta.scored_sums import BB, BK, KB, KK
+from harness.eta.splits import Decomposition
 from harness.eta.swaps import swaps_of
 
 Sums = tuple[float, float]

@@ -14,6 +14,7 @@ from harness.eta.swaps import (
     ALL_UP_TO,
     DRAWN,
     corrected_p,
+    corrected_where_known,
     fewest_seeds,
     label_shares,
     p_of,
@@ -190,6 +191,13 @@ def test_unlike_claims_cost():
     clear = outcomes_of(0.7 + 0.9 * rng.normal(size=10))
     others = [outcomes_of(rng.normal(size=10)) for _ in range(30)]
     assert corrected_p([clear, *others])[0] > p_of(clear)
+
+
+def test_claims_of_which_nothing_is_known_are_left_out():
+    """They have no p-value, and the others have those that they have without them."""
+    one, other = outcomes_of([1.0] * 8), outcomes_of([1.0, -0.5] * 4)
+    first, second = corrected_p([one, other])
+    assert corrected_where_known([None, one, None, other]) == [None, first, None, second]
 
 
 def test_claim_without_a_difference_is_never_shown():

@@ -119,8 +119,8 @@ def test_message_names_cells_plugin_hashes_and_choices(make_cell: MakeCell):
     with pytest.raises(UsageError) as refused:
         refuse_changed(cells)
     assert str(refused.value) == (
-        "2 done cells were made by another cem (9340a572, now f96dd784): --changed keep goes on beside them, and "
-        "reports say so; --changed again does them again; another --out leaves them alone"
+        "2 done cells were made by another cem (9340a572, now f96dd784): --changed keep keeps these cells, and "
+        "reports say so; --changed again trains them again; another --out leaves them alone"
     )
 
 
@@ -200,7 +200,7 @@ def test_cell_that_was_lost_while_it_was_done_again_has_failed(store: Store, one
 
 def test_other_choices_are_refused():
     """However they were given."""
-    with pytest.raises(UsageError, match="changed='ask': there is refuse, keep, again"):
+    with pytest.raises(UsageError, match="changed='ask': allowed are refuse, keep, again"):
         RunOptions(changed="ask")  # type: ignore[arg-type]
 
 

@@ -202,7 +202,7 @@ def test_setting_that_an_executor_does_not_have_is_refused(toys: Registry, tmp_p
         ({"stall_after": float("nan")}, "stall_after=nan: must be a number above 0, or 0 for never"),
         ({"cell_memory": -0.5}, "cell_memory=-0.5: must be a number above 0, or 0 for no limit"),
         ({"limit": 0}, "limit=0: must be at least 1"),
-        ({"curve": "steep"}, "curve='steep': there is accumulated and per-step"),
+        ({"curve": "steep"}, "curve='steep': allowed are accumulated and per-step"),
     ],
 )
 def test_options_out_of_range_are_refused(options: dict[str, Any], message: str):

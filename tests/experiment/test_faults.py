@@ -81,7 +81,7 @@ def test_full_disk_is_told_in_one_line(run_here: RunHere, plan: Plan, tmp_path: 
         run_here(plan, folder)
     assert str(told.value) == (
         f"'{folder}' cannot be written: No space left on device. "
-        "What is done is kept; mend that, and the same command goes on from there"
+        "What is done is kept. Solve that, then run the same command to go on"
     )
 
 

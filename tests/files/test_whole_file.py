@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.files.whole_file import is_partial, whole_file, write_whole
+import harness.files.whole_file
+from harness.files.whole_file import is_partial, whole_file, whole_files, write_whole
 
 
 def test_file_takes_the_place_of_the_old_one(tmp_path: Path):
@@ -41,15 +42,60 @@ def test_half_written_file_is_known_by_its_name(tmp_path: Path):
     assert not is_partial(tmp_path / "plan.json")
 
 
-@pytest.mark.parametrize("synced", [True, False])
 def test_bytes_are_on_the_disk_before_the_name_and_the_name_before_it_ends(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, synced: bool
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """A machine that stops leaves the old file or the new one; a file that is not synced waits for no disk."""
+    """A machine that stops leaves the old file or the new one."""
     done: list[object] = []
     replace = os.replace
     monkeypatch.setattr(os, "fsync", lambda number: done.append(os.fstat(number).st_ino))
     monkeypatch.setattr(os, "replace", lambda old, new: (done.append("renamed"), replace(old, new)))
     path = tmp_path / "plan.json"
-    write_whole(path, "new", synced=synced)
-    assert done == ([path.stat().st_ino, "renamed", tmp_path.stat().st_ino] if synced else ["renamed"])
+    write_whole(path, "new")
+    assert done == [path.stat().st_ino, "renamed", tmp_path.stat().st_ino]
+
+
+@pytest.fixture
+def synced(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of the files and folders that the disk was asked for, in order."""
+    names: list[str] = []
+    monkeypatch.setattr(harness.files.whole_file, "sync", lambda path: names.append(path.name))
+    return names
+
+
+def write_both(folder: Path, is_lasting: bool = True) -> None:
+    """Two files at once."""
+    with whole_files(folder, ["a", "b"], is_lasting) as partials:
+        for partial in partials:
+            partial.write_text("new")
+
+
+def test_several_files_take_their_places(tmp_path: Path, synced: list[str]):
+    """All of them are on the disk before the first has its name, and the folder is asked for once."""
+    write_both(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]
+    assert len(synced) == 3
+    assert all(is_partial(Path(name)) for name in synced[:2])
+    assert synced[2] == tmp_path.name
+
+
+def test_no_file_takes_its_place_before_all_are_written(tmp_path: Path):
+    """An exception leaves the old ones, and nothing beside them."""
+    (tmp_path / "a").write_text("old")
+
+    def write() -> None:
+        with whole_files(tmp_path, ["a", "b"]) as (first, _):
+            first.write_text("new")
+            raise OSError
+
+    with pytest.raises(OSError):  # noqa: PT011 (which one is no matter)
+        write()
+    assert (tmp_path / "a").read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+def test_what_need_not_last_does_not_wait_for_the_disk(tmp_path: Path, synced: list[str]):
+    """It is whole nevertheless."""
+    write_both(tmp_path, is_lasting=False)
+    assert not synced
+    assert (tmp_path / "b").read_text() == "new"

@@ -12,17 +12,17 @@ from harness.record.store import Store
 
 
 def test_every_cell_has_its_status(ran: Path):
-    """One is done, one waits, one is damaged, one is running."""
+    """One is done, one is pending, one is damaged, one is running."""
     store = Store.open(ran)
-    _, waiting, damaged, running = store.read_plan().cells
-    shutil.rmtree(store.cell_folder(waiting))
+    _, pending, damaged, running = store.read_plan().cells
+    shutil.rmtree(store.cell_folder(pending))
     (store.cell_folder(damaged) / MANIFEST).write_text("{")
     shutil.rmtree(store.cell_folder(running))
     write_running(ran, {running.id: Running(100.0, 6, 103.0)})
     with store.locked():
         found = read_status(ran, lambda: 104.0)
     assert found.is_in_use
-    assert [one.status for one in found.cells] == ["done", "waiting", "damaged", "running"]
+    assert [one.status for one in found.cells] == ["done", "pending", "damaged", "running"]
 
 
 def test_a_killed_run_leaves_interrupted_cells(ran: Path):

@@ -352,18 +352,20 @@ def test_steps_after_close_are_not_recorded(record: Callable[..., Any], tmp_path
 def test_full_disk_ends_the_recording_and_not_the_training(
     record: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """One warning; what was written stays."""
+    """One warning, and closing the env says no more; what was written stays."""
 
     def refuse(*given: Any) -> None:
         raise OSError(28, "No space left on device")
 
+    monkeypatch.setattr("harness.record.recording.recording_writer.WRITE_EVERY", 0.0)
     env = record()
-    monkeypatch.setattr("harness.record.recording.recording_writer.RecordingWriter.append", refuse)
+    monkeypatch.setattr("harness.record.recording.recording_writer.RecordingWriter._write_part", refuse)
     with pytest.warns(
         UserWarning, match=r"cannot be written: No space left on device\. Nothing more is recorded"
     ) as told:
         _act(env, 3)
-    assert len(told) == 1
+    env.close()
+    assert [warning.filename for warning in told] == [__file__]
     assert len(read_recording(tmp_path / "run")) == 0
 
 

@@ -16,6 +16,7 @@ from harness.registry.given import (
     class_given,
     given_from_json,
     given_to_json,
+    plugin_flags,
     read_given,
     require_given,
 )
@@ -240,6 +241,15 @@ def test_what_an_experiment_names_has_to_be_given(lay: Lay):
         require_given([{"target": "a:B"}], given)
     with pytest.raises(UsageError, match="names nothing: write the path of a file"):
         require_given([{"name": "my_reward"}], given)
+
+
+def test_flags_give_what_an_experiment_names(lay: Lay):
+    """Files by their path, quoted for a shell; classes by module and name; nothing for what is no name."""
+    (given,) = read_given([lay()])
+    assert plugin_flags([given.need]) == f" --plugin {given.path}"
+    assert plugin_flags(["my rewards/a.py", {"target": "a:B"}]) == " --plugin 'my rewards/a.py' --plugin a:B"
+    assert plugin_flags(["a.py; rm x"]) == " --plugin 'a.py; rm x'"
+    assert plugin_flags(None) == plugin_flags([5, {}]) == plugin_flags(5) == ""
 
 
 def test_same_text_is_one_module(lay: Lay):

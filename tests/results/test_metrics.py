@@ -69,7 +69,7 @@ REASONS = {
     "leaves": "SystemExit: 3",
     "nan": "it returned nan",
     "text": "TypeError: ",
-    "vague": "its 'better' is 'more': there is higher and lower",
+    "vague": "its 'better' is 'more': allowed are higher and lower",
     "half": "Metric 'half' of package odd 1.0 cannot be called as it has to be: __call__ takes 1 argument beside self",
     "gone": "Plugin 'odd' (odd 1.0): ",
     "far": "Metric 'far' needs no_such_library: pip install no_such_library",

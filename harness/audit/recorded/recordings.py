@@ -81,8 +81,8 @@ def audit_recordings(folder: Path, random: Path | None = None) -> RecordedAudit:
     rewards = tuple(dict.fromkeys(name for run in compared for name in run.facts.rewards))
     if len(rewards) < 2:
         raise UsageError(
-            f"'{folder}' has nothing to compare: its recordings know one reward, {rewards[0]!r}. Record another one "
-            "beside it, see docs/your-environment.md"
+            f"'{folder}' has nothing to compare: its recordings have only one reward, {rewards[0]!r}. Record another "
+            "one beside it, see docs/your-environment.md"
         )
     notes += [f"'{run.path}' is left out: it has no steps" for run in found if not run.steps]
     pairs, told = _pairs(folder, [run for run in compared if run.steps], rewards)

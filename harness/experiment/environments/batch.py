@@ -140,7 +140,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
                     self.step(actions)
                     tell(self.environment_steps)
         except Exception as error:  # whatever people's envs raise
-            raise SchemaError(f"the environment, told the same again, fails: {one_line(error)}") from error
+            raise SchemaError(f"the environment fails when the same actions are repeated: {one_line(error)}") from error
         self._log.require_same(state)
 
     def close_extras(self, **kwargs: Any) -> None:

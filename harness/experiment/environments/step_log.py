@@ -71,8 +71,8 @@ class StepLog:
         """
         if self._digest.digest() != np.asarray(state["digest"]).tobytes():
             raise SchemaError(
-                "the environment, told the same again, did something else: what it does depends on more than the seed "
-                "that it is reset with"
+                "the environment did something else when the same actions were repeated: it depends on more than the "
+                "seed that it is reset with"
             )
 
 

@@ -20,6 +20,8 @@ from harness.experiment.checkpoints.left_checkpoints import LeftCheckpoints
 from harness.experiment.draft import Draft
 from harness.experiment.environments.acting import Acting
 from harness.experiment.environments.batch import EnvironmentBatch
+from harness.experiment.progress.beat import Beat
+from harness.experiment.progress.learning_so_far import TELL_EVERY
 from harness.experiment.provenance import describe_environment
 from harness.experiment.watch import Watch
 from harness.experiment.workers.order import Report
@@ -32,9 +34,6 @@ from harness.recorder.evaluate_policy import evaluate_policy
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
-
-TELL_EVERY = 1.0
-"""Seconds."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ class EnvironmentTraining:
                     shutil.rmtree(folder / name)
             batch = self._open(environment, algorithm, folder / TRAINING_RECORDING)
             try:
-                batch.do_again(state, self._seeds[0], _Told(self.report))
+                batch.do_again(state, self._seeds[0], Beat(self.report))
             except BaseException:
                 batch.close()
                 raise
@@ -204,27 +203,12 @@ class TrainingProgress(Progress):
         return found
 
 
-class _Told:
-    """Says now and then how many steps were done again."""
-
-    def __init__(self, report: Report) -> None:
-        self._report, self._told = report, time.monotonic()
-
-    def __call__(self, steps: int) -> None:
-        if time.monotonic() >= self._told + TELL_EVERY:
-            self._told = time.monotonic()
-            self._report(Word(steps))
-
-
 class _Act:
     """Acts, and says now and then that the evaluation gets on."""
 
     def __init__(self, act: Acting, cell: Cell, report: Report) -> None:
-        self._act, self._cell, self._report = act, cell, report
-        self._told = time.monotonic()
+        self._act, self._cell, self._beat = act, cell, Beat(report)
 
     def __call__(self, observation: Any) -> Any:
-        if time.monotonic() >= self._told + TELL_EVERY:
-            self._told = time.monotonic()
-            self._report(Word(self._cell.steps))
+        self._beat(self._cell.steps)
         return self._act(observation)

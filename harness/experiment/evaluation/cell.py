@@ -9,6 +9,7 @@ from harness.env.make import World
 from harness.executor import Word
 from harness.experiment.checkpoints.attempt import Attempt
 from harness.experiment.evaluation.evaluator import Evaluator
+from harness.experiment.progress.beat import Beat
 from harness.experiment.workers.order import Report
 from harness.policy import Policy
 from harness.record.cell import Cell
@@ -18,8 +19,6 @@ from harness.record.trace import Trace, read_trace
 from harness.registry.registry import Registry
 
 SECTION = "Evaluation"
-BEAT_EVERY = 1.0
-"""Seconds from one word of an evaluation to the next."""
 
 
 class CellEvaluations:
@@ -42,9 +41,10 @@ class CellEvaluations:
             tracked: Whether the results are passed on.
             report: Told that an evaluation goes on, and its results.
         """
-        self._report, self._steps, self._told = report, attempt.begun_from, time.monotonic()
+        self._report, self._steps = report, attempt.begun_from
         self._cell, self._registry, self._tracked = cell, registry, tracked
-        self._evaluator = Evaluator(world, cell.evaluation_episodes, self._beat)
+        beat = Beat(report)
+        self._evaluator = Evaluator(world, cell.evaluation_episodes, lambda: beat(self._steps))
         self._folder = attempt.folder
         self.seconds = 0.0
         self._due = cell.evaluate_every
@@ -76,12 +76,6 @@ class CellEvaluations:
         self._evaluator.record(policy, not deterministic, self._folder / other_manner(deterministic))
         if floor:
             self._evaluator.record_random(policy, self._folder / RANDOM)
-
-    def _beat(self) -> None:
-        """The evaluation gets on: who watches the cell should not take it for one that hangs."""
-        if time.monotonic() >= self._told + BEAT_EVERY:
-            self._told = time.monotonic()
-            self._report(Word(self._steps))
 
     def _next_after(self, steps: int) -> int:
         every = self._cell.evaluate_every

@@ -10,7 +10,6 @@ from typing_extensions import TypedDict
 
 from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal
-from harness.files.whole_file import write_whole
 from harness.record.forms import EXACT, Digest, Line, Name, Whole, require_form
 
 FORMAT = 1
@@ -102,12 +101,12 @@ class TrainingFacts:
         )
 
     def write(self, path: Path) -> None:
-        """Write them, in place of what was there.
+        """Write them into a file of their own; the writer of the recording puts it in its place whole.
 
         Raises:
             OSError: The file cannot be written.
         """
-        write_whole(path, seal({"format": FORMAT, **asdict(self)}))
+        path.write_bytes(seal({"format": FORMAT, **asdict(self)}))
 
     @classmethod
     def read(cls, path: Path) -> Self:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
-from harness.eta.decompose import Split
+from harness.eta.splits import Split
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Word
 from harness.report.figures.ratio_axis import interval_ends, is_drawable, named_ticks, ratio_range
 from harness.report.figures.split_rows import SplitRow, has_parts, split_rows

@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from harness.eta.decompose import Split
 from harness.eta.index import Ratio
+from harness.eta.splits import Split
 from harness.report.figures.chart import Shape
 from harness.report.figures.ratio_axis import is_drawable
 from harness.report.rows.comparison import ratio_text

@@ -6,10 +6,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from harness.eta.curve import Kind
-from harness.eta.decompose import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.headline import Headline, count_seeds
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
+from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import smallest_p
 from harness.record.forms import Status
 from harness.record.plan_file import EXPERIMENT
@@ -72,7 +72,7 @@ def advice(results: Results, combination: Combination) -> str:
         return ""
     more = next(count for count in needed if count > len(seeds))
     folder = results.folder
-    return f"More seeds: harness run {folder / EXPERIMENT} --out {folder} --seeds {more}"
+    return f"More seeds: harness run {folder / EXPERIMENT} --out {folder} --seeds {more}{results.plugin_flags}"
 
 
 def claims_text(combination: Combination) -> str:

@@ -27,8 +27,8 @@ Audits = Mapping[tuple[str, str, str], Payoffs]
 
 TITLE = "What the rewards pay for"
 EXPLANATION = (
-    "Scripted policies in place of a learner, on joints that move exactly as told: what an episode of each earns. A "
-    "reward that pays more for something else than finishing teaches something else."
+    "Scripted policies take the place of a learner, and their joints move exactly as commanded. The numbers say what "
+    "an episode of each policy earns. A reward that pays more for something else than finishing teaches something else."
 )
 
 

@@ -1,10 +1,10 @@
 """A study of recorded trainings as text: sentences and small grids that the terminal and the page share."""
 
 from harness.eta.behaviour_change import Change
-from harness.eta.decompose import Split
 from harness.eta.headline import count_seeds
 from harness.eta.scored_sums import BB, KK
 from harness.eta.seed_mean import SeedMean
+from harness.eta.splits import Split
 from harness.eta.swaps import smallest_p
 from harness.report.rows.behaviour import Text, behaviour_row, percentage
 from harness.report.rows.comparison import Grid, format_number, mean_interval_text

@@ -1,8 +1,4 @@
-"""Whether each env of a simulation is its own: in its own place of the arrays, with its own ground contact."""
-
-import inspect
-from collections.abc import Callable, Mapping
-from typing import Any
+"""Whether each env of a simulation is its own: in its own place of the arrays, whatever the others do."""
 
 import numpy as np
 
@@ -14,40 +10,20 @@ from harness.testing.simulators.simulations import (
     PERIOD,
     copied,
     opened,
-    poses_near_home,
+    part,
+    ramps,
+    same,
     start_at_home,
     turns,
-    way_into_the_ground,
 )
 from harness.testing.violations import check, require
 
-METHODS: Mapping[str, tuple[str, ...]] = {
-    "reset": ("qpos", "mask"),
-    "drive": ("qpos", "duration"),
-    "place": ("qpos",),
-    "read": (),
-    "render": ("env", "target", "width", "height"),
-    "close": (),
-}
-"""Of a simulation, with the names of their arguments."""
 SHARES = np.array([1.0, 0.4, 0.7])
 """How far each env goes, as a share of the first one's way."""
 MOVE = 0.2
 """The first env's way, as a share of what its joints can do in a period."""
 TOLERANCE = 0.1
 """Of a way, as a share of it."""
-
-
-@check("sim-methods")
-def a_simulation_has_its_methods(simulator: Simulator, robot: Robot) -> None:
-    """What `open` returns has `reset`, `drive`, `place`, `read`, `render` and `close`, with the right arguments."""
-    with opened(simulator, robot, 1) as simulation:
-        for name, arguments in METHODS.items():
-            method = getattr(simulation, name, None)
-            require(callable(method), f"{type(simulation).__name__} has no method {name}()")
-            taken = list(inspect.signature(method).parameters) if method else []
-            fits = _takes(method, arguments)
-            require(fits, f"{name}({', '.join(taken)}) cannot be called as {name}({', '.join(arguments)}): rename them")
 
 
 @check("sim-batch-order")
@@ -70,50 +46,62 @@ def every_env_does_what_it_was_told(simulator: Simulator, robot: Robot) -> None:
             )
 
 
-@check("sim-contact-per-env")
-def ground_contact_is_the_envs_own(simulator: Simulator, robot: Robot) -> None:
-    """If one arm is in the ground, only its own env reports contact: the envs that stay at home touch nothing."""
+@check("sim-batch-as-alone")
+def an_env_in_a_batch_is_as_one_alone(simulator: Simulator, robot: Robot) -> None:
+    """Each env of a batch has the same states, bit for bit, as an env alone that gets the same calls."""
+    batch, alone = _driven_alike(simulator, robot, NUM_ENVS), _driven_alike(simulator, robot, 1)
+    for env in range(NUM_ENVS):
+        one = [part(state, np.array([env])) for state in batch]
+        require(same(one, alone), f"env {env} of {NUM_ENVS} moves differently than one env alone")
+
+
+@check("sim-env-isolation")
+def envs_do_not_touch_one_another(simulator: Simulator, robot: Robot) -> None:
+    """What an env does is the same, bit for bit, whatever commands the other envs get."""
+    runs = [_driven_beside(simulator, robot, share) for share in (1.0, 0.5)]
+    require(same(*runs), "env 1 moves differently when the others do")
+
+
+@check("sim-rest")
+def resting_arms_change_nothing(simulator: Simulator, robot: Robot) -> None:
+    """If the simulation has `rest`, the other arms move as they do without it, and a reset wakes an arm."""
     with opened(simulator, robot) as simulation:
-        home = start_at_home(simulation, robot)
-        targets = home.qpos.copy()
-        for qpos in way_into_the_ground(robot):
-            targets[0] = qpos
-            state = copied(simulation.drive(targets, PERIOD))
-            contact, stays = state.ground_contact, (np.abs(state.qpos - home.qpos) < TOLERANCE).all(axis=1)
-            new = contact & ~home.ground_contact & stays  # who left home was told so: another check says it
-            told = f"env 0 alone goes into the ground, and ground_contact goes from {home.ground_contact.tolist()} to "
-            require(not new[1:].any(), f"{told}{contact.tolist()}: the others stand at home")
-
-
-@check("sim-state-owned")
-def states_are_not_the_callers_arrays(simulator: Simulator, robot: Robot) -> None:
-    """A state holds the engine's own values: none of its arrays is one that the caller passed in."""
-    with opened(simulator, robot) as simulation:
-        qpos = poses_near_home(robot, NUM_ENVS)
-        calls: dict[str, Callable[[Float], State]] = {
-            "reset": lambda given: simulation.reset(given, np.ones(NUM_ENVS, bool)),
-            "place": simulation.place,
-            "drive": lambda given: simulation.drive(given, PERIOD),
-        }
-        for name, call in calls.items():
-            given = qpos.copy()
-            state = call(given)
-            for field, array in state._asdict().items():
-                require(not np.shares_memory(array, given), f"{name}(qpos) returns the caller's own qpos as {field}")
-
-
-def _takes(method: Any, arguments: tuple[str, ...]) -> bool:
-    """Whether a method can be called with these arguments, by position and by name."""
-    if not callable(method):
-        return False
-    signature = inspect.signature(method)
-    try:
-        signature.bind(*arguments)
-        signature.bind(**dict.fromkeys(arguments))
-    except TypeError:
-        return False
-    return True
+        if getattr(simulation, "rest", None) is None:
+            return
+    alone, beside = (_driven_with_rest(simulator, robot, rests) for rests in (False, True))
+    require(same(alone[0], beside[0]), "an arm moves in another way while others rest")
+    require(same(alone[1], beside[1]), "an arm that has rested and is reset does not move as one that has not")
 
 
 def _is_near(told: Float, wanted: Float) -> bool:
     return bool((np.abs(told - wanted) <= TOLERANCE * np.abs(wanted)).all())
+
+
+def _driven_alike(simulator: Simulator, robot: Robot, num_envs: int) -> list[State]:
+    """The states of envs that are all told the same."""
+    with opened(simulator, robot, num_envs) as simulation:
+        start_at_home(simulation, robot, num_envs)
+        targets = [np.repeat(target, num_envs, axis=0) for target in ramps(robot, 1)]
+        return [copied(simulation.drive(target, PERIOD)) for target in targets]
+
+
+def _driven_beside(simulator: Simulator, robot: Robot, share: float) -> list[State]:
+    """The states of env 1 while the others go only a share of their way."""
+    shares = np.where(np.arange(NUM_ENVS) == 1, 1.0, share)[:, None]
+    with opened(simulator, robot) as simulation:
+        home = start_at_home(simulation, robot).qpos
+        targets = [home + shares * (target - home) for target in ramps(robot, NUM_ENVS)]
+        return [part(copied(simulation.drive(target, PERIOD)), np.array([1])) for target in targets]
+
+
+def _driven_with_rest(simulator: Simulator, robot: Robot, rests: bool) -> tuple[list[State], list[State]]:
+    """The states of env 1 while the others may rest, then of all envs after a reset of those others."""
+    one = np.arange(NUM_ENVS) == 1
+    with opened(simulator, robot) as simulation:
+        home = start_at_home(simulation, robot).qpos.copy()
+        if rests:
+            simulation.rest(~one)  # type: ignore[attr-defined]
+        targets = ramps(robot, NUM_ENVS)
+        beside = [part(copied(simulation.drive(target, PERIOD)), np.array([1])) for target in targets]
+        simulation.reset(home, ~one)
+        return beside, [part(copied(simulation.drive(target, PERIOD)), ~one) for target in targets]

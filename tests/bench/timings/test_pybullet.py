@@ -49,7 +49,7 @@ def recorded(arm: Arm, run: Callable[[], None]) -> tuple[dict[int, np.ndarray], 
     """What `run` tells an arm: the starts by the number of the period, and the speeds of each period."""
     starts, speeds, put, turn = {}, [], arm.put, arm.turn
     arm.put = lambda qpos: (starts.update({len(speeds): qpos.copy()}), put(qpos))
-    arm.turn = lambda speed: (speeds.append(speed), turn(speed))
+    arm.turn = lambda speed, duration: (speeds.append(speed.tolist()), turn(speed, duration))
     run()
     arm.put, arm.turn = put, turn
     return starts, speeds

@@ -51,11 +51,11 @@ def test_checkpoint_that_the_simulator_does_not_come_back_to_is_of_no_use(make_c
     _leave_checkpoint(tmp_path, make_cell())
 
     def refuse(state: object) -> None:
-        raise SchemaError("the simulator does not do the same again")
+        raise SchemaError("the simulator does not repeat itself")
 
     attempt = _begin(make_cell(), tmp_path, refuse)
     assert attempt.begun_from == 0
-    assert attempt.note.endswith("is of no use: the simulator does not do the same again")
+    assert attempt.note.endswith("is of no use: the simulator does not repeat itself")
     assert [path.name for path in tmp_path.iterdir()] == [LOG]
 
 

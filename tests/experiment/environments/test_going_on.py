@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from harness.executor import CellOptions, Word
-from harness.experiment.environments import training
 from harness.experiment.plan import check_experiment, expand
+from harness.experiment.progress import beat
 from harness.experiment.run_cell import run_cell
 from harness.record.cell import Cell
 from harness.record.folder import (
@@ -102,7 +102,7 @@ def test_a_cell_that_is_killed_in_its_evaluation_goes_on(
     registry: Registry, given: tuple[Given, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """What it had evaluated is thrown away, with the policy: they come to be again."""
-    monkeypatch.setattr(training, "TELL_EVERY", 0.0)
+    monkeypatch.setattr(beat, "EVERY", 0.0)
     cell, whole, killed = _cell(registry, LEARNERS["random, 2 envs"]), tmp_path / "whole", tmp_path / "killed"
 
     def report(word: Word) -> None:
@@ -154,7 +154,7 @@ def test_an_env_that_fails_when_it_does_it_again_starts_over(
     monkeypatch.setattr(toy, "make", fails_at_first)
     manifest = _go_on(cell, tmp_path / "killed", given)
     assert manifest.status == "done"
-    assert "fails: ZeroDivisionError" in manifest.note
+    assert "are repeated: ZeroDivisionError" in manifest.note
 
 
 def test_nothing_of_a_checkpoint_is_left(registry: Registry, given: tuple[Given, ...], tmp_path: Path):

@@ -190,7 +190,7 @@ def test_close_gives_all_clients_back(render: bool, open_arms: Call):
     simulation = open_arms(2)
     if render:
         simulation.render(0, np.zeros(3), 32, 24)
-    clients = list(simulation._clients)
+    clients = list(simulation._frames.numbers)
     assert len(clients) == 2 + render
     simulation.close()
     simulation.close()
@@ -200,6 +200,6 @@ def test_close_gives_all_clients_back(render: bool, open_arms: Call):
 def test_simulation_that_nothing_holds_is_closed(open_arms: Call):
     """Without `close`, the clients go with the simulation."""
     simulation = open_arms(1)
-    (client,) = simulation._clients
+    (client,) = simulation._frames.numbers
     del simulation
     assert not pybullet.isConnected(physicsClientId=client)

@@ -259,3 +259,15 @@ def test_million_steps_take_30_megabytes(tmp_path: Path):
     )
     write_recording(tmp_path, training)
     assert sum(path.stat().st_size for path in tmp_path.iterdir()) <= 3_000_000
+
+
+def test_only_steps_wait_for_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A training begins at once; what it has recorded at its end also survives a machine that stops."""
+    waited: list[Path] = []
+    monkeypatch.setattr("harness.files.whole_file.sync", waited.append)
+    training = _training(3)
+    writer = RecordingWriter(tmp_path / "it", FACTS)
+    assert not waited
+    writer.append(np.zeros((len(training), 9)))
+    writer.close()
+    assert len(waited) == 3  # facts, steps, and the folder that holds both

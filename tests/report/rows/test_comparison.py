@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta.decompose import Split, SplitPath
 from harness.eta.index import Ratio
+from harness.eta.splits import Split, SplitPath
 from harness.report.rows.comparison import (
     advice,
     claims_text,
@@ -192,6 +192,13 @@ def test_advice_is_a_command_that_adds_seeds(build):
     results = build()
     folder = results.folder
     assert advised(results) == f"More seeds: harness run {folder / 'experiment.toml'} --out {folder} --seeds 8"
+
+
+def test_advice_gives_the_plugins_of_the_experiment(build):
+    """Without them the command would be refused."""
+    results = build()
+    results.plan = replace(results.plan, experiment={"plugins": [{"path": "/mine/my_reward.py", "sha256": "0"}]})
+    assert advised(results).endswith(" --seeds 8 --plugin /mine/my_reward.py")
 
 
 def test_advice_names_the_upper_end_where_the_lower_one_is_reached(build):

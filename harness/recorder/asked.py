@@ -1,0 +1,56 @@
+"""What to record, as it is given to `harness.RecordRewards` and `harness.RecordVectorRewards`."""
+
+import os
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from harness.errors import UsageError
+from harness.recorder.column import OWN, Given
+from harness.recorder.env_facts import LEARNERS
+
+OnError = Literal["warn", "raise"]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Their arguments; `harness.recorder.record_rewards.RecordRewards` says what each one is.
+
+    Raises:
+        UsageError: One of them cannot be used.
+    """
+
+    path: str | os.PathLike[str]
+    trained_with: str
+    rewards: Mapping[str, Given]
+    behaviour: Mapping[str, Given]
+    lower_is_better: Collection[str]
+    seed: int | None
+    evaluation: bool
+    pay: bool
+    number: int
+    resume: bool
+    on_error: OnError
+    batched: Collection[str] = ()
+    learners: Collection[str] = LEARNERS
+
+    def __post_init__(self) -> None:
+        if self.on_error not in {"warn", "raise"}:
+            raise UsageError(f"on_error={self.on_error!r}: it is 'warn' or 'raise'")
+        if not isinstance(self.number, int) or self.number < 0:
+            raise UsageError(f"number={self.number!r}: recorders of one training are numbered 0, 1, 2 ...")
+        for name in self.lower_is_better:
+            if name not in self.behaviour:
+                measures = sorted(self.behaviour)
+                raise UsageError(f"lower_is_better names {name!r}, which is none of the measures {measures}")
+        if self.trained_with not in {*self.rewards, OWN}:
+            raise UsageError(
+                f"trained_with={self.trained_with!r} is none of the rewards {sorted(self.rewards)}: name one of them, "
+                f'or record what the env pays under this name, rewards={{..., "{self.trained_with}": "{OWN}"}}'
+            )
+
+    @property
+    def all_rewards(self) -> dict[str, Given]:
+        """Those given, and under the name ``own`` what the env pays where the learner is trained with that."""
+        own = {} if self.trained_with in self.rewards else {OWN: OWN}
+        return {**self.rewards, **own}
