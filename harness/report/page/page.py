@@ -18,7 +18,8 @@ def render_page(template: Path, noun: str, **values: Any) -> str:
         import jinja2
     except ImportError as error:
         raise UsageError(f"{noun} needs {error.name}: pip install 'fd100-harness[report]'") from error
-    return _environment(template.parent, jinja2).get_template(template.name).render(**values)
+    page: str = _environment(template.parent, jinja2).get_template(template.name).render(**values)
+    return page
 
 
 @lru_cache(maxsize=8)
