@@ -5,9 +5,12 @@ import importlib.util
 import re
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer.main
 
+from harness.cli.app import build_app
 from harness.errors import UsageError
 from harness.record.trace import SCALARS
 from harness.registry.choice import choose
@@ -75,11 +78,16 @@ def _leads_somewhere(name: str) -> bool:
 
 
 def _is_command(line: str) -> bool:
-    _, command, *words = line.split()
-    module = ROOT / "harness" / "cli" / f"{command}.py"
-    text = module.read_text(encoding="utf-8") if module.is_file() else ""
-    options = [word.removeprefix("--").replace("-", "_") for word in words if word.startswith("--")]
-    return bool(text) and all(re.search(rf"\b{option}\b", text) for option in options)
+    _, name, *words = line.split()
+    command = _commands().get(name)
+    flags = {flag for it in (command.params if command else ()) for flag in (*it.opts, *it.secondary_opts)}
+    return command is not None and all(word in flags for word in words if word.startswith("--"))
+
+
+@cache
+def _commands() -> dict[str, Any]:
+    found: dict[str, Any] = typer.main.get_command(build_app()).commands
+    return found
 
 
 def _is_ours(name: str) -> bool:
