@@ -52,13 +52,14 @@ def interruptible() -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def unsynced() -> Iterator[None]:
+def unsynced(request: pytest.FixtureRequest) -> Iterator[None]:
     """Nothing that this process writes waits for the disk: what a stopped machine would lose is lost to no test.
 
-    That files are synced, and in which order, `tests/files` says.
+    That files are synced, and in which order, `tests/files` says. Timings do wait, as users do.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(os, "fsync", lambda number: None)
+        if request.config.getoption("markexpr") != "bench":
+            patch.setattr(os, "fsync", lambda number: None)
         yield
 
 
