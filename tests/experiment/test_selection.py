@@ -51,5 +51,5 @@ def test_the_order_of_the_plan_stays(cells: list[Cell]):
 
 def test_a_word_that_names_nothing_is_refused(cells: list[Cell]):
     """The message says what there is."""
-    with pytest.raises(UsageError, match=r"has 'td3'\. There is ideal, sac, ppo:gamma=0\.9, baseline, arp, seed=0"):
+    with pytest.raises(UsageError, match=r"has 'td3'\. Allowed are ideal, sac, ppo:gamma=0\.9, baseline, arp, seed=0"):
         select(cells, "sac,td3")

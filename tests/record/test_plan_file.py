@@ -66,7 +66,7 @@ def test_baseline_is_found_by_its_parameters(make_cell: MakeCell, tmp_path: Path
 def test_unknown_baseline_is_an_error(make_cell: MakeCell, tmp_path: Path):
     """Nothing is guessed: the line says what there is, two rewards of one name apart, and what to do."""
     cells = [make_cell(reward=Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")), make_cell(reward=ARP)]
-    told = r"^damaged\. The cells tell of the rewards arp, arp:k2=2, and experiment\.toml does"
+    told = r"^damaged\. The cells have the rewards arp, arp:k2=2, and experiment\.toml does"
     with pytest.raises(SchemaError, match=told):
         plan_from_cells(tmp_path, cells, "damaged")
 
