@@ -40,19 +40,18 @@ reference: dev $(BESIDE)
 	$(HARNESS) report $(CELLS) --summary $(RECORDS)
 	! grep ',pending,' $(RECORDS)/cells.csv
 
-# Two processes, one thread each. Each takes one half of the tests, in order, so that the fixtures of most files are made
-# once; who is done first takes over a part of the other's. Compiled modules are kept whatever the surroundings say: each
-# of the many processes that tests start would compile all of them again.
+# Two processes, one thread each. Compiled modules are kept whatever the surroundings say: each of the many processes
+# that tests start would compile all of them again.
 test coverage: export PYTHONDONTWRITEBYTECODE =
 test: dev
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal --benchmark-disable
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --benchmark-disable
 
 # The same tests, and which lines and branches they ran, in the processes that they start too; pages into build/coverage.
 # A room of which less than 90 % of the branches are run is an error. One room: make coverage TESTS=tests/eta.
 coverage: TESTS =
 coverage: dev
 	mkdir -p build/coverage
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal --benchmark-disable --cov --cov-report=term \
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --benchmark-disable --cov --cov-report=term \
 		--cov-report=html:build/coverage/pages --cov-report=json:build/coverage/coverage.json $(TESTS)
 	$(BIN)/python -m tests.rooms_covered build/coverage/coverage.json $(TESTS)
 
