@@ -17,6 +17,8 @@ RECORDS: dict[str, dict[str, Any]] = {
 }
 PARITY: dict[str, Any] = json.loads((FOLDER / "parity.json").read_text())
 SERVO = ":drive=servo"
+TRANSFER: dict[str, Any] = json.loads((FOLDER / "transfer.json").read_text())
+MOVED_TO = ("mujoco:drive=servo", "physx:drive=servo")
 PROSE = " ".join(PAGE.split())
 REWARDS = ("arp", "dense")
 EACH = pytest.mark.parametrize("name", RECORDS)
@@ -196,3 +198,59 @@ def test_eta_n_puts_dense_last_everywhere(name: str):
     assert {max(values, key=values.get) for values in etas} == {"dense"}
     assert {f"{it['eta_N']['p_corrected']:.3f}" for it in combinations(name, "dense")} == {"0.002"}
     assert {round(it["eta_N"]["eta"]["value"]) for it in combinations(name, "dense")} == {2}
+
+
+def moved(matrix: dict[str, Any], row: int, there: str) -> str:
+    """Success of policies in another simulator, and the drop from where they were trained, with its interval."""
+    column = matrix["evaluated_in"].index(there)
+    if matrix["trained_in"][row] == there:
+        return "at home"
+    drop = {name: 100 * matrix["drop"][row][column][name] for name in ("mean", "low", "high")}
+    success = share(matrix["success"][row][column]["mean"])
+    mean = round(drop["mean"], 1) + 0.0  # no -0.0
+    return f"{success}, {mean:+.1f} [{drop['low']:.1f}, {drop['high']:.1f}]"
+
+
+@pytest.mark.parametrize("matrix", TRANSFER["combinations"], ids=lambda it: it["reward"])
+def test_page_says_what_moved_policies_do(matrix: dict[str, Any]):
+    """Of each reward and simulator, in both that they were moved to."""
+    missing = []
+    for row, trained_in in enumerate(matrix["trained_in"]):
+        home = share(matrix["success"][row][matrix["evaluated_in"].index(trained_in)]["mean"])
+        there = " | ".join(moved(matrix, row, it) for it in MOVED_TO)
+        line = f"| {matrix['reward']} | `{trained_in}` | {home} | {there} |"
+        missing += [line] if line not in PAGE else []
+    assert missing == []
+
+
+def test_every_policy_was_moved():
+    """Ten seeds of each, and no evaluation failed."""
+    columns = [TRANSFER["combinations"][0]["evaluated_in"].index(it) for it in MOVED_TO]
+    assert {row[at]["seeds"] for it in TRANSFER["combinations"] for row in it["success"] for at in columns} == {10}
+    assert {it["reward"] for it in TRANSFER["combinations"]} == {"baseline", *REWARDS}
+    assert TRANSFER["failed"] == []
+
+
+def test_page_says_how_little_is_lost():
+    """The largest mean drop, and that no interval leaves 0 out."""
+    drops = [
+        row[it["evaluated_in"].index(there)]
+        for it in TRANSFER["combinations"]
+        for trained_in, row in zip(it["trained_in"], it["drop"], strict=True)
+        for there in MOVED_TO
+        if there != trained_in
+    ]
+    assert f"The largest mean drop is {100 * max(it['mean'] for it in drops):.1f} points" in PROSE
+    assert all(it["low"] < 0.0 < it["high"] for it in drops)
+
+
+def test_page_says_who_succeeds_less():
+    """Policies that learned with servo drives, each beside those of the same reward and engine with ideal ones."""
+    homes = {
+        (it["reward"], trained_in): row[it["evaluated_in"].index(trained_in)]["mean"]
+        for it in TRANSFER["combinations"]
+        for trained_in, row in zip(it["trained_in"], it["success"], strict=True)
+    }
+    less = [homes[reward, it + SERVO] < success for (reward, it), success in homes.items() if SERVO not in it]
+    assert all(less)
+    assert f"in all {len(less)} pairs of reward and engine" in PROSE
