@@ -271,3 +271,21 @@ def test_only_steps_wait_for_the_disk(tmp_path: Path, monkeypatch: pytest.Monkey
     writer.append(np.zeros((len(training), 9)))
     writer.close()
     assert len(waited) == 3  # facts, steps, and the folder that holds both
+
+
+@pytest.mark.parametrize("count", [1, 255, 256, 257, 600])
+@pytest.mark.usefixtures("small_parts")
+def test_single_rows_are_those_of_a_batch(tmp_path: Path, count: int):
+    """However many wait, and however many parts they fill."""
+    rows = np.arange(9.0 * count).reshape(count, 9) % 2
+    rows[:, 0] = np.arange(count)
+    for name, take in (("one", RecordingWriter.add), ("all", RecordingWriter.append)):
+        writer = RecordingWriter(tmp_path / name, FACTS)
+        for given in rows.tolist() if name == "one" else [rows]:
+            take(writer, given)
+        writer.close()
+    parts = [
+        {path.name: pq.read_table(path) for path in (tmp_path / name).glob("*.parquet")} for name in ("one", "all")
+    ]
+    assert parts[0] == parts[1]
+    assert sum(len(table) for table in parts[0].values()) == count
