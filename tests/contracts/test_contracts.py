@@ -198,11 +198,10 @@ def test_metric(check: Callable[..., None], name: str):
 
 
 @registered("executors", EXECUTOR_CHECKS)
-def test_executor(check: Callable[..., None], name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_executor(check: Callable[..., None], name: str, tmp_path: Path):
     """Every registered executor keeps the contract, where the library that it needs is installed."""
     if name in NEED_A_CLUSTER:
         pytest.skip("needs a cluster")
-    monkeypatch.setattr("harness.testing.executors.checks.STALL_AFTER", 2.0)  # of the cell that hangs alone
     check(build("executors", name), tmp_path)
 
 
