@@ -61,7 +61,7 @@ def named_ticks(low: float, high: float) -> tuple[tuple[float, str], ...]:
 
 
 def _touch(left: float, right: float, span: float) -> bool:
-    """Whether the names of two ticks have less than a character between them, on an axis of which `span` is high over low."""
+    """Whether the names of two ticks are less than a character apart, on an axis of which `span` is high over low."""
     apart = ROOM * math.log(right / left) / math.log(span)
     return apart < (len(_name(left)) + len(_name(right))) / 2 + 1
 
