@@ -59,9 +59,9 @@ class Commands:
         return state, ground
 
     def state(self) -> dict[str, Any]:
-        """All that `restore` needs."""
+        """Everything that `restore` needs."""
         return {"command": self.qpos.copy(), "command_speed": self._qvel.copy()}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self.qpos, self._qvel = state["command"].copy(), state["command_speed"].copy()

@@ -75,11 +75,11 @@ class Events:
         self.marked = False
 
     def state(self) -> dict[str, Any]:
-        """All that `restore` needs beside the episodes' matrix."""
+        """Everything that `restore` needs beside the episodes' matrix."""
         return {"inside": self._inside.copy(), "until_horizon": self._until_horizon, "events": self.marked}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self._inside, self._until_horizon = state["inside"].copy(), int(state["until_horizon"])
         self.marked = bool(state["events"])
 

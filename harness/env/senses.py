@@ -103,11 +103,11 @@ class Senses:
         return seen
 
     def state(self) -> TrainingState:
-        """All that `restore` needs; noise follows from the streams."""
+        """Everything that `restore` needs; noise follows from the streams."""
         return as_state({"history": self._history.copy(), "queue": self._queue.copy()})
 
     def restore(self, state: TrainingState) -> None:
-        """Go on where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self._history[...], self._queue[...] = state["history"], state["queue"]
         self._blocks[:] = -1
 

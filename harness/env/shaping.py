@@ -42,7 +42,7 @@ class Shaping:
         self.carry = replace_where(~mask, self.carry, carry)
 
     def state(self) -> TrainingState:
-        """All that `restore` needs."""
+        """Everything that `restore` needs."""
         return prefixed(NAME, dict(_leaves(self.carry)))
 
     def restore(self, state: Mapping[str, Any], begin_distance: Float) -> None:

@@ -77,11 +77,11 @@ class Starts:
         return rows
 
     def state(self) -> dict[str, Any]:
-        """All that `restore` needs beside the episodes' matrix."""
+        """Everything that `restore` needs beside the episodes' matrix."""
         return {"streams": self._streams.pack(), "started": self._fresh.copy(), "starting": self.waiting}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self._streams.unpack(state["streams"])
         self._fresh, self.waiting = state["started"].copy(), bool(state["starting"])
 

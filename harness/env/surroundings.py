@@ -123,7 +123,7 @@ class Surroundings:
         return struck
 
     def state(self) -> TrainingState:
-        """All that `restore` needs beside the episodes' matrix."""
+        """Everything that `restore` needs beside the episodes' matrix."""
         stood = {"rngs": [rng.bit_generator.state for rng in self._rngs], "keys": self._keys}
         streams = np.frombuffer(json.dumps(stood).encode(), np.uint8)
         own = as_state({"streams": streams, "before": self._before.copy()})

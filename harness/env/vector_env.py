@@ -158,7 +158,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._decisions.rest(mask)
 
     def state(self) -> TrainingState:
-        """All that `restore` needs, between two steps.
+        """Everything that `restore` needs, between two steps.
 
         Raises:
             UsageError: The env was opened without ``resumable=True``.
