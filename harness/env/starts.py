@@ -16,7 +16,7 @@ from harness.task import Task
 
 
 class Starts:
-    """Draws them, and writes them down.
+    """Draws starts and targets, and writes them down.
 
     Attributes:
         waiting: Whether episodes have begun whose first step has not followed yet.
