@@ -39,32 +39,38 @@ class ReachTask(Conditions):
     The defaults are those of the FD100 (`fd100-reach`). For another arm the box of targets is scaled by its reach.
     """
 
-    epsilon: Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")] = (
+    epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
         0.05
     )
-    horizon: Annotated[int, Field(gt=0, description="an episode is truncated after so many steps")] = 100
+    horizon: Annotated[int, Field(gt=0, description="steps after which an episode is truncated")] = 100
     control_period: Annotated[Positive, Field(description="duration of one step [s]")] = 0.1
     action: Annotated[
         str,
-        Field(description="movej, movej-absolute, movel, movea, set-joints or discrete, NOTE Table II"),
+        Field(description="action mode: movej, movej-absolute, movel, movea, set-joints or discrete, NOTE Table II"),
     ] = "movej"
     target_center: Annotated[
         Metres3 | None,
-        Field(description="centre of the box of targets, world frame [m]; for the FD100 0.85x0x0.7, scaled by reach"),
+        Field(
+            description="centre of the targets' box, world frame [m]; None: in fd100-reach 0.85x0x0.7, scaled by reach"
+        ),
     ] = None
     target_half_extent: Annotated[
-        Extents | None, Field(description="half the edges of that box [m]; for the FD100 0.2x0.3x0.3, scaled by reach")
+        Extents | None,
+        Field(description="half the edges of the targets' box [m]; None: in fd100-reach 0.2x0.3x0.3, scaled by reach"),
     ] = None
     start_noise: Annotated[
-        float, Field(ge=0, description="a joint starts within +- this of the robot's home pose [rad]")
+        float, Field(ge=0, description="largest distance of a joint from the robot's home pose at the start, +- [rad]")
     ] = math.radians(6)
     speed: Annotated[
         float, Field(gt=0, le=1, description="fraction of a joint's maximum speed that may be used, NOTE Table I")
     ] = 0.8
-    acceleration: Annotated[float, Field(gt=0, le=1, description="the same for the acceleration, NOTE Table I")] = 0.6
-    ground_reward: Annotated[float, Field(description="paid when the arm touches the ground, NOTE eq. 18")] = -1.0
-    target_reward: Annotated[float, Field(description="paid when the target is reached, NOTE eq. 19")] = 1.0
-    step_reward: Annotated[float, Field(description="paid on every step, the baseline's step penalty")] = -0.0001
+    acceleration: Annotated[
+        float,
+        Field(gt=0, le=1, description="fraction of a joint's maximum acceleration that may be used, NOTE Table I"),
+    ] = 0.6
+    ground_reward: Annotated[float, Field(description="reward for touching the ground, NOTE eq. 18")] = -1.0
+    target_reward: Annotated[float, Field(description="reward for reaching the target, NOTE eq. 19")] = 1.0
+    step_reward: Annotated[float, Field(description="reward on every step: the baseline's step penalty")] = -0.0001
 
     robot: ClassVar[str] = "fd100"
     ends_at_target: ClassVar[bool] = True

@@ -5,19 +5,22 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field
 
 LearningRate: TypeAlias = Annotated[float, Field(gt=0, description="step size of the optimiser")]
-Gamma: TypeAlias = Annotated[float, Field(ge=0, le=1, description="discount, NOTE eq. 12")]
+Gamma: TypeAlias = Annotated[float, Field(ge=0, le=1, description="discount factor per decision, 0 to 1, NOTE eq. 12")]
 Layers: TypeAlias = Annotated[
-    tuple[Annotated[int, Field(gt=0)], ...], Field(min_length=1, description="hidden layers of each network")
+    tuple[Annotated[int, Field(gt=0)], ...],
+    Field(min_length=1, description="sizes of each network's hidden layers"),
 ]
-BatchSize: TypeAlias = Annotated[int, Field(gt=0, description="transitions per update")]
-BufferSize: TypeAlias = Annotated[int, Field(gt=0, description="transitions kept for replay")]
+BatchSize: TypeAlias = Annotated[int, Field(gt=0, description="transitions per gradient step")]
+BufferSize: TypeAlias = Annotated[int, Field(gt=0, description="most transitions that the replay buffer keeps")]
 LearningStarts: TypeAlias = Annotated[
     int, Field(ge=0, description="decisions with random actions before the first update")
 ]
-TrainFreq: TypeAlias = Annotated[int, Field(gt=0, description="decisions of each env between updates")]
+TrainFreq: TypeAlias = Annotated[int, Field(gt=0, description="decisions in each environment between updates")]
 GradientSteps: TypeAlias = Annotated[
-    int, Field(ge=-1, description="updates each time; -1: as many as transitions gained")
+    int, Field(ge=-1, description="gradient steps per update; -1: as many as new transitions since the last one")
 ]
-Tau: TypeAlias = Annotated[float, Field(gt=0, le=1, description="share of the new weights in the target networks")]
-Activation: TypeAlias = Annotated[Literal["relu", "tanh"], Field(description="between the layers")]
-NumEnvs: TypeAlias = Annotated[int, Field(gt=0, description="envs that are trained on at once")]
+Tau: TypeAlias = Annotated[
+    float, Field(gt=0, le=1, description="share of the learned weights mixed into the target networks each time")
+]
+Activation: TypeAlias = Annotated[Literal["relu", "tanh"], Field(description="activation function between the layers")]
+NumEnvs: TypeAlias = Annotated[int, Field(gt=0, description="environments that run side by side in training")]

@@ -23,7 +23,7 @@ class SoftActorCritic(OffPolicy):
         str,
         Field(
             pattern=r"^(auto|auto_(0*[1-9]\d*\.?\d*|\d*\.0*[1-9]\d*)|\d*\.?\d+)$",
-            description="entropy coefficient: a number, or auto_X to learn it from X on (auto: from 1)",
+            description="entropy coefficient: a fixed number, or auto_X: learned, starting at X (auto: at 1)",
         ),
     ] = "auto_0.1"
 

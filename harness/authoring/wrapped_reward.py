@@ -23,7 +23,7 @@ class WrappedReward:
 
     registered_name: ClassVar[str]
 
-    reward: Annotated[str, Field(description="the reward inside, name or name:key=value")] = "baseline"
+    reward: Annotated[str, Field(description="the reward to build on, as name or name:key=value")] = "baseline"
 
     @model_validator(mode="after")
     def _build_what_is_named(self, info: ValidationInfo) -> Self:

@@ -27,43 +27,48 @@ def _ordered(sizes: tuple[float, float]) -> tuple[float, float]:
 
 JointNoise = Annotated[
     Deviation,
-    Field(description="standard deviation of the joint angles that are seen, and so of the end effector [rad]"),
+    Field(description="standard deviation of noise on observed joint angles; the end effector follows from them [rad]"),
 ]
 SpeedNoise = Annotated[
-    Deviation, Field(description="the same of the joint speeds [rad/s]; of their changes 1.41 times as much")
+    Deviation,
+    Field(description="standard deviation of noise on observed joint speeds [rad/s]; 1.41 times that on their changes"),
 ]
-TargetNoise = Annotated[Deviation, Field(description="the same of each coordinate of the target [m]")]
-ActionNoise = Annotated[
-    Deviation, Field(description="standard deviation of what is added to actions; a full action is 1")
+TargetNoise = Annotated[
+    Deviation, Field(description="standard deviation of noise on each observed coordinate of the target [m]")
 ]
-ObservationDelay = Annotated[Periods, Field(description="what is seen is so many control periods old")]
-ActionDelay = Annotated[Periods, Field(description="an action works so many control periods later")]
+ActionNoise = Annotated[Deviation, Field(description="standard deviation of noise on actions; a full action is 1")]
+ObservationDelay = Annotated[Periods, Field(description="age of what the learner observes [control periods]")]
+ActionDelay = Annotated[Periods, Field(description="delay before an action takes effect [control periods]")]
 Obstacles = Annotated[
     str,
     AfterValidator(_checked),
-    Field(description="fixed ones, joined by +: XxYxZxRADIUS is a sphere, XxYxZxAxBxC a box with these edges [m]"),
+    Field(description="fixed obstacles joined by +: sphere XxYxZxRADIUS, or box XxYxZxAxBxC with edges A, B, C [m]"),
 ]
-ObstacleCount = Annotated[int, Field(ge=0, le=20, description="drawn anew for each episode, at most so many")]
+ObstacleCount = Annotated[
+    int, Field(ge=0, le=20, description="most random obstacles, drawn anew in each episode; 0 to 20")
+]
 ObstacleSize = Annotated[
     tuple[Size, Size],
     AfterValidator(_ordered),
-    Field(description="smallest and largest radius, or half edge, of those that are drawn [m]"),
+    Field(description="smallest and largest radius, or half edge, of a random obstacle [m]"),
 ]
-ObstacleClearance = Annotated[Metres, Field(description="an arm that comes so near to an obstacle has touched it [m]")]
-ObstacleReward = Annotated[float, Field(description="paid when the arm touches an obstacle, which ends it")]
-ObstaclesSeen = Annotated[int, Field(ge=1, le=20, description="the learner sees so many obstacles, the nearest first")]
+ObstacleClearance = Annotated[
+    Metres, Field(description="distance within which the arm counts as touching an obstacle [m]")
+]
+ObstacleReward = Annotated[float, Field(description="reward for touching an obstacle, which ends the episode")]
+ObstaclesSeen = Annotated[
+    int, Field(ge=1, le=20, description="obstacles that the learner observes, the nearest first; 1 to 20")
+]
 MassVariation = Annotated[
-    Share, Field(description="masses of the moving links differ by up to this share; 0.2 is +- 20 %")
+    Share, Field(description="largest relative change of the moving links' masses; 0.2 is +- 20 %")
 ]
 LengthVariation = Annotated[
-    Share, Field(description="sizes of the moving links differ by up to this share; the learner does not see it")
+    Share, Field(description="largest relative change of the moving links' sizes, which the learner does not see")
 ]
 FrictionVariation = Annotated[
-    Share, Field(description="friction of the drives differs by up to this share, where the robot describes them")
+    Share, Field(description="largest relative change of the drives' friction, if the robot describes its drives")
 ]
-Variants = Annotated[
-    int, Field(ge=1, le=1000, description="so many different arms there are; each episode draws one of them")
-]
+Variants = Annotated[int, Field(ge=1, le=1000, description="number of different arms; each episode draws one of them")]
 """This and the types above are those of the fields of `Conditions`.
 
 A task that gives a field another default repeats its type.

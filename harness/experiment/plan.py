@@ -68,30 +68,31 @@ class Experiment:
     """
 
     sim: Annotated[
-        list[Given], Field(max_length=MOST_NAMES, description="simulators; none if the task is an environment")
+        list[Given],
+        Field(max_length=MOST_NAMES, description="simulators to train in; none if the task is an environment"),
     ] = Field(default_factory=list)
-    algo: Annotated[Names, Field(description="algorithms")]
+    algo: Annotated[Names, Field(description="algorithms to train with")]
     reward: Annotated[
         Annotated[list[Given], Field(max_length=MOST_NAMES)] | None,
-        Field(description="proposed rewards; with an empty list only the baseline is trained"),
+        Field(description="proposed rewards; an empty list: only the baseline is trained"),
     ] = None
-    baseline: Annotated[Given | None, Field(description="the reward that the others are compared with")] = None
-    task: Annotated[Given, Field(description="the task, or an environment")] = DEFAULT_TASK
+    baseline: Annotated[Given | None, Field(description="reward that the proposed rewards are compared with")] = None
+    task: Annotated[Given, Field(description="task, or an environment in its place")] = DEFAULT_TASK
     robot: Annotated[
-        str | None, Field(description="the robot: a name, a URDF, or a folder with robot.toml; by default the task's")
+        str | None, Field(description="robot: a name, a URDF file, or a folder with robot.toml; None: the task's own")
     ] = None
     seeds: Annotated[
         SeedCount | Annotated[list[Seed], Field(min_length=1, max_length=MOST_SEEDS)],
-        Field(description="how many seeds, counted from 0, or a list of seeds"),
+        Field(description="number of seeds, counted from 0, or a list of seeds"),
     ] = 6
     steps: Annotated[Steps, Field(description="environment steps of training per cell")] = 5_000
-    evaluation_episodes: Annotated[Episodes, Field(description="episodes of an evaluation")] = 100
+    evaluation_episodes: Annotated[Episodes, Field(description="episodes per evaluation")] = 100
     evaluate_every: Annotated[
-        Interval, Field(description="environment steps from one evaluation to the next; 0: only at the end")
+        Interval, Field(description="environment steps from one evaluation to the next; 0: evaluate only at the end")
     ] = 0
     deterministic: Annotated[bool, Field(description="whether policies are evaluated without randomness")] = True
     plugins: Annotated[
-        list[Given], Field(max_length=MOST_NAMES, description="plugins that have to be given by hand, with --plugin")
+        list[Given], Field(max_length=MOST_NAMES, description="required plugins, which you have to give with --plugin")
     ] = Field(default_factory=list)
 
     @property

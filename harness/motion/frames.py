@@ -21,13 +21,24 @@ class CartesianMode:
     """What `movel` and `movea` have in common."""
 
     frame: Annotated[
-        Literal["wcs", "ucs", "tcs"], Field(description="axes of the action: world, user's or tool's (at each step)")
+        Literal["wcs", "ucs", "tcs"],
+        Field(description="axes of the action: the world's (wcs), the user's (ucs), or the tool's at each step (tcs)"),
     ] = "wcs"
-    tip_speed: Annotated[Positive, Field(description="of the end effector under a full action [m/s]")] = 0.5
-    parts: Annotated[int, Field(gt=0, description="pieces of the way within a control period")] = 4
-    ucs_origin: Annotated[Metres3, Field(description="user's origin, world frame [m]")] = (0.0, 0.0, 0.0)
-    ucs_x: Annotated[Metres3, Field(description="a point on the user's +x [m]")] = (1.0, 0.0, 0.0)
-    ucs_xy: Annotated[Metres3, Field(description="a point in the first quadrant of the user's xy plane [m]")] = (
+    tip_speed: Annotated[Positive, Field(description="speed of the end effector under a full action [m/s]")] = 0.5
+    parts: Annotated[int, Field(gt=0, description="pieces into which the path of a control period is cut")] = 4
+    ucs_origin: Annotated[Metres3, Field(description="origin of the user's frame, world frame [m]")] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    ucs_x: Annotated[Metres3, Field(description="a point on the user's +x axis, world frame [m]")] = (
+        1.0,
+        0.0,
+        0.0,
+    )
+    ucs_xy: Annotated[
+        Metres3, Field(description="a point in the first quadrant of the user's xy plane, world frame [m]")
+    ] = (
         0.0,
         1.0,
         0.0,

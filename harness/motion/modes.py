@@ -22,7 +22,7 @@ from harness.registry.parameters import build
 class DiscreteMode:
     """One choice of many: stay, or one increment minus or plus of one joint (of one axis, for movel and movea)."""
 
-    action: Annotated[str, Field(description="the mode that it chooses from")] = "movej"
+    action: Annotated[str, Field(description="action mode whose increments are the choices")] = "movej"
 
     def motion(self, setting: Setting) -> Discrete:
         """The motion of one arm."""

@@ -50,31 +50,34 @@ def _arp() -> list[Given]:
 class Tuning:
     """A search; each field is a key of a tuning file and a flag of ``harness tune``."""
 
-    sim: Annotated[Names, Field(description="the simulator")]
+    sim: Annotated[Names, Field(description="simulator to train in")]
     algo: Annotated[
-        Names, Field(description="the algorithm, with the parameters that stay fixed and the values to begin with")
+        Names,
+        Field(description="algorithm, with the parameters that stay fixed and the values at which the search begins"),
     ]
     reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=_arp)
-    baseline: Annotated[Given, Field(description="the reward that the others are compared with")] = "baseline"
-    task: Annotated[Given, Field(description="the task")] = "fd100-reach"
-    robot: Annotated[str | None, Field(description="the robot, by default the task's")] = None
+    baseline: Annotated[Given, Field(description="reward that the proposed rewards are compared with")] = "baseline"
+    task: Annotated[Given, Field(description="task to train on")] = "fd100-reach"
+    robot: Annotated[str | None, Field(description="robot; None: the task's own")] = None
     search: Annotated[
-        dict[str, str | list[Any]], Field(description="by parameter: LOW..HIGH, LOW..HIGH:log, A|B|C or a list")
+        dict[str, str | list[Any]],
+        Field(description="values to search, by parameter: LOW..HIGH, LOW..HIGH:log, A|B|C or a list"),
     ] = Field(default_factory=dict)
-    trials: Annotated[Trials, Field(description="settings to try, in each search")] = 20
-    seeds: Annotated[SeedCount, Field(description="how often each setting is trained with each reward")] = 2
+    trials: Annotated[Trials, Field(description="number of settings that each search tries")] = 20
+    seeds: Annotated[SeedCount, Field(description="number of trainings of each setting with each reward")] = 2
     steps: Annotated[Steps, Field(description="environment steps of each training")] = 10_000
     validation_episodes: Annotated[
-        Episodes, Field(description="episodes of the validation that judges each policy")
+        Episodes, Field(description="episodes of the validation that scores each policy")
     ] = 100
     per_reward: Annotated[
-        bool, Field(description="whether each reward has a search of its own, instead of one for all")
+        bool, Field(description="whether each reward has a search of its own, instead of one for all rewards")
     ] = False
     pruner: Annotated[
-        Literal["median", "none"], Field(description="median: a trial below the median of the finished ones ends early")
+        Literal["median", "none"],
+        Field(description="median: a trial below the median of the finished ones ends early; none: no trial does"),
     ] = "median"
-    batch: Annotated[Trials, Field(description="trials that are drawn together, so that they can run at once")] = 1
-    seed: Annotated[Seed, Field(description="the seed for drawing settings from the ranges")] = 0
+    batch: Annotated[Trials, Field(description="trials drawn together, so that they can run at once")] = 1
+    seed: Annotated[Seed, Field(description="seed for drawing settings from the ranges")] = 0
 
 
 @dataclass(frozen=True)

@@ -26,11 +26,11 @@ class Her(SoftActorCritic):
     """
 
     sampled_goals: Annotated[
-        int, Field(gt=0, description="steps with another goal for each step as it was, in an update")
+        int, Field(gt=0, description="steps with another goal per step with its own goal, in each update")
     ] = 4
     goal: Annotated[
         Literal["future", "final", "episode"],
-        Field(description="the other goal: achieved later in the episode, at its end, or anywhere in it"),
+        Field(description="future: a goal achieved later in the episode; final: at its end; episode: anywhere in it"),
     ] = "future"
 
     needs_goals: ClassVar[bool] = True

@@ -24,7 +24,7 @@ class Ik:
     Otherwise it knows no more than a learner: it gets the same observations. It does not look out for the ground.
     """
 
-    num_envs: Annotated[int, Field(gt=0, description="envs that it acts in at once")] = 10
+    num_envs: Annotated[int, Field(gt=0, description="environments that run side by side")] = 10
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
     learns: ClassVar[bool] = False

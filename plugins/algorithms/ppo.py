@@ -56,27 +56,32 @@ class Ppo:
 
     preset: Annotated[
         Literal["fd100", "unity"],
-        Field(description="fd100: the defaults below; unity: as published with the baseline; what is given wins"),
+        Field(description="fd100: the defaults below; unity: those published with the baseline; a given value wins"),
     ] = "fd100"
     learning_rate: LearningRate = 1e-3
     schedule: Annotated[
-        Literal["constant", "linear"], Field(description="learning rate and clip_range: kept, or down to 0 at the end")
+        Literal["constant", "linear"],
+        Field(description="learning_rate and clip_range: constant, or linear down to 0 at the end of the training"),
     ] = "constant"
     gamma: Gamma = 0.8
     net_arch: Layers = (64, 64)
     batch_size: BatchSize = 64
     rollout: Annotated[
-        int, Field(gt=0, description="decisions between updates, over all envs; a multiple of num_envs and batch_size")
+        int, Field(gt=0, description="decisions per update, over all envs; a multiple of num_envs and batch_size")
     ] = 128
-    epochs: Annotated[int, Field(gt=0, description="times that each decision is learned from")] = 10
-    gae_lambda: Annotated[Share, Field(description="how far rewards count in advantages; within a rollout")] = 0.95
-    clip_range: Annotated[Positive, Field(description="how far the probability of an action may move in a rollout")] = (
-        0.2
-    )
-    ent_coef: Annotated[float, Field(ge=0, description="price of a policy without spread")] = 0.0
-    value_coef: Annotated[float, Field(ge=0, description="weight of the value network's error")] = 0.5
-    log_std: Annotated[float, Field(description="of continuous actions in the beginning: ln of the deviation")] = -0.5
-    max_gradient: Annotated[Positive, Field(description="longest gradient")] = 0.5
+    epochs: Annotated[int, Field(gt=0, description="how often an update learns from each decision")] = 10
+    gae_lambda: Annotated[
+        Share, Field(description="lambda of GAE, 0 to 1: how far ahead the rewards of a rollout count in an advantage")
+    ] = 0.95
+    clip_range: Annotated[
+        Positive, Field(description="limit on the relative change of an action's probability in an update")
+    ] = 0.2
+    ent_coef: Annotated[float, Field(ge=0, description="weight of the bonus for spread-out actions (entropy)")] = 0.0
+    value_coef: Annotated[float, Field(ge=0, description="weight of the value network's error in the loss")] = 0.5
+    log_std: Annotated[
+        float, Field(description="ln of the standard deviation of continuous actions at the start of the training")
+    ] = -0.5
+    max_gradient: Annotated[Positive, Field(description="norm at which gradients are clipped")] = 0.5
     activation: Activation = "tanh"
     num_envs: NumEnvs = 1
 

@@ -22,7 +22,7 @@ class Random:
     It spends its budget acting, so that its trace can be compared with those of trainings.
     """
 
-    num_envs: Annotated[int, Field(gt=0, description="envs that it acts in at once")] = 1
+    num_envs: Annotated[int, Field(gt=0, description="environments that run side by side")] = 1
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous", "discrete"})
     learns: ClassVar[bool] = False

@@ -155,24 +155,31 @@ class Spg:
     that the ground ends the charges.
     """
 
-    learning_rate: Annotated[Positive, Field(description="of the policy (Adam)")] = 5e-3
-    gamma: Annotated[float, Field(ge=0, le=1, description="discount of a decision, NOTE eq. 12")] = 0.8
-    net_arch: Annotated[tuple[Count, ...], Field(min_length=1, description="hidden layers of policy and baseline")] = (
+    learning_rate: Annotated[Positive, Field(description="step size of the policy (Adam)")] = 5e-3
+    gamma: Annotated[float, Field(ge=0, le=1, description="discount factor per decision, 0 to 1, NOTE eq. 12")] = 0.8
+    net_arch: Annotated[
+        tuple[Count, ...], Field(min_length=1, description="sizes of the hidden layers of policy and baseline")
+    ] = (
         64,
         64,
     )
-    activation: Annotated[Literal["relu", "tanh"], Field(description="between the layers")] = "tanh"
+    activation: Annotated[Literal["relu", "tanh"], Field(description="activation function between the layers")] = "tanh"
     std: Annotated[Positive, Field(description="standard deviation of the first actions, NOTE eq. 37")] = 0.6
-    baseline: Annotated[bool, Field(description="whether a baseline b(s) is learned")] = True
-    baseline_learning_rate: Annotated[Positive, Field(description="of the baseline (Adam)")] = 1e-2
-    baseline_updates: Annotated[Count, Field(description="gradient steps of the baseline for one of the policy")] = 10
-    normalize: Annotated[bool, Field(description="whether G - b is shifted to mean 0 and scaled to spread 1")] = True
+    baseline: Annotated[bool, Field(description="whether a baseline b(s) is learned; without it, b = 0")] = True
+    baseline_learning_rate: Annotated[Positive, Field(description="step size of the baseline (Adam)")] = 1e-2
+    baseline_updates: Annotated[
+        Count, Field(description="gradient steps of the baseline per gradient step of the policy")
+    ] = 10
+    normalize: Annotated[
+        bool, Field(description="whether return minus baseline, G - b, gets mean 0 and standard deviation 1")
+    ] = True
     discount_states: Annotated[
-        bool, Field(description="weigh decision t by gamma^t: the exact gradient of eq. 12, blind to late decisions")
+        bool,
+        Field(description="whether gamma^t weighs decision t: the exact gradient of eq. 12, blind to late decisions"),
     ] = False
-    decisions: Annotated[Count, Field(description="of every env from one update to the next")] = 20
-    restart: Annotated[Count, Field(description="updates after which all envs start new episodes")] = 20
-    num_envs: Annotated[Count, Field(description="envs that are trained on at once")] = 16
+    decisions: Annotated[Count, Field(description="decisions in each environment between updates")] = 20
+    restart: Annotated[Count, Field(description="updates after which all environments start new episodes")] = 20
+    num_envs: Annotated[Count, Field(description="environments that run side by side in training")] = 16
 
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.torch_state",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})

@@ -27,11 +27,13 @@ class Td3(OffPolicy):
     """
 
     action_noise: Annotated[
-        NotNegative, Field(description="standard deviation of what is added to actions, of a box [-1, 1]")
+        NotNegative, Field(description="standard deviation of the noise on actions, whose range counts as [-1, 1]")
     ] = 0.1
-    policy_delay: Annotated[int, Field(gt=0, description="updates of the critics for one of the actor")] = 2
-    target_noise: Annotated[NotNegative, Field(description="the same in the critics' targets")] = 0.2
-    target_noise_clip: Annotated[NotNegative, Field(description="largest size of that noise")] = 0.5
+    policy_delay: Annotated[int, Field(gt=0, description="updates of the critics per update of the actor")] = 2
+    target_noise: Annotated[
+        NotNegative, Field(description="standard deviation of the noise on actions in the critics' targets")
+    ] = 0.2
+    target_noise_clip: Annotated[NotNegative, Field(description="largest size of the noise in these targets")] = 0.5
 
     sources: ClassVar[tuple[str, ...]] = SOURCES
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})

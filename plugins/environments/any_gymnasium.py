@@ -24,16 +24,16 @@ class AnyGymnasium:
     An id may name the package that registers it, as in ``id=(my_package:My-v0)``. Python then imports that package.
     """
 
-    id: Annotated[str, Field(min_length=1, description="the env's id, as Pendulum-v1")]
+    id: Annotated[str, Field(min_length=1, description="id of the environment, such as Pendulum-v1")]
     pays: Annotated[
-        str, Field(description="keys of info that are rewards too, with + between: reward_forward+reward_ctrl")
+        str, Field(description="keys of the env's info that are rewards too, joined by +: reward_forward+reward_ctrl")
     ] = ""
     tells: Annotated[
-        str, Field(description="keys of info that say what the robot does, with + between: success+distance")
+        str, Field(description="keys of the env's info that measure behaviour, joined by +: success+distance")
     ] = ""
-    lower: Annotated[str, Field(description="those of `tells` of which less is better, with + between")] = ""
+    lower: Annotated[str, Field(description="keys in `tells` for which a lower value is better, joined by +")] = ""
     made_with: Annotated[
-        str, Field(description="arguments of the env, with + between: frame_skip=4+reset_noise_scale=0.1")
+        str, Field(description="arguments for gymnasium.make, joined by +: frame_skip=4+reset_noise_scale=0.1")
     ] = ""
 
     @property

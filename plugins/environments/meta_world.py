@@ -27,9 +27,9 @@ class MetaWorld:
     success, as Meta-World's own results count it. `success_at_end` looks at the last step alone.
     """
 
-    task: Annotated[str, Field(description="a task of Meta-World, as reach-v3 or push-v3")] = "reach-v3"
+    task: Annotated[str, Field(description="name of a Meta-World task, such as reach-v3 or push-v3")] = "reach-v3"
     episode_steps: Annotated[
-        int, Field(ge=1, description="of an episode: 500 in Meta-World now, 150 in its first version")
+        int, Field(ge=1, description="steps per episode: 500 in today's Meta-World, 150 in its first version")
     ] = 500
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})

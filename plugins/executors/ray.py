@@ -17,15 +17,19 @@ class Ray:
     """Runs cells on the nodes of a Ray cluster, in processes like those of the executor ``processes``."""
 
     address: Annotated[
-        str, Field(min_length=1, description="of the cluster, 'auto' for the one of this machine; 'local' starts one")
+        str,
+        Field(min_length=1, description="cluster's address; 'auto': that of this machine; 'local': starts a cluster"),
     ] = LOCAL
-    cpus: Annotated[float, Field(gt=0, description="CPUs that a cell reserves on its node")] = 1.0
-    gpus: Annotated[float, Field(ge=0, description="GPUs that a cell reserves on its node")] = 0.0
-    retries: Annotated[int, Field(ge=0, description="how often a cell is begun again whose node was lost")] = 3
+    cpus: Annotated[float, Field(gt=0, description="CPUs that each cell reserves on its node")] = 1.0
+    gpus: Annotated[float, Field(ge=0, description="GPUs that each cell reserves on its node")] = 0.0
+    retries: Annotated[
+        int, Field(ge=0, description="how often a cell is started again after its process or node was lost")
+    ] = 3
     fetch: Annotated[
-        bool, Field(description="send each cell's files back, also from nodes that see the experiment's folder")
+        bool,
+        Field(description="whether to send each cell's files back even from nodes that see the experiment's folder"),
     ] = False
-    runtime_env: Annotated[str, Field(description="TOML file with Ray's runtime environment of the cells")] = ""
+    runtime_env: Annotated[str, Field(description="TOML file with Ray's runtime environment; empty: none")] = ""
 
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
         """See `harness.executor.Executor`."""

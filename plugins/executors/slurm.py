@@ -13,15 +13,16 @@ from harness.executor import Job, OnEvent
 class Slurm:
     """Runs an array of Slurm jobs by submitit, one job for each cell. The nodes must see the experiment's folder."""
 
-    partition: Annotated[str, Field(description="of the cluster; by default its own choice")] = ""
-    account: Annotated[str, Field(description="that is charged; by default the user's own")] = ""
-    time: Annotated[int, Field(gt=0, description="minutes that a job may take")] = 24 * 60
-    cpus: Annotated[int, Field(gt=0, description="CPUs of a job")] = 1
-    memory: Annotated[float, Field(gt=0, description="GiB of a job")] = 4.0
-    gpus: Annotated[int, Field(ge=0, description="GPUs of a job")] = 0
-    requeue: Annotated[int, Field(ge=0, description="how often a job goes on whose time was up")] = 3
+    partition: Annotated[str, Field(description="Slurm partition for the jobs; empty: the cluster's default")] = ""
+    account: Annotated[str, Field(description="Slurm account to charge; empty: the user's default")] = ""
+    time: Annotated[int, Field(gt=0, description="time limit of a job [min]")] = 24 * 60
+    cpus: Annotated[int, Field(gt=0, description="CPUs per job")] = 1
+    memory: Annotated[float, Field(gt=0, description="memory per job [GiB]")] = 4.0
+    gpus: Annotated[int, Field(ge=0, description="GPUs per job")] = 0
+    requeue: Annotated[int, Field(ge=0, description="how often a job is queued again after its time was up")] = 3
     cluster: Annotated[
-        Literal["slurm", "local"], Field(description="'local' runs the jobs on this machine, to try them")
+        Literal["slurm", "local"],
+        Field(description="'slurm' submits the jobs to Slurm; 'local' runs them on this machine, to try them"),
     ] = "slurm"
 
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:

@@ -29,9 +29,14 @@ class Aarp:
     steps. Here the growing gain makes this up to k_max / k2 times as much.
     """
 
-    k1: Annotated[float, Field(gt=0, description="gain on what is lost, K1 of arp")] = 1.0
-    k2: Annotated[float, Field(gt=0, description="gain on what is paid, K2 of arp, before it grows")] = 1.5
-    growth: Annotated[float, Field(ge=1, description="factor on the gain with each improvement in a row")] = 1.1
+    k1: Annotated[
+        float, Field(gt=0, description="factor on the penalty for being farther than the best distance, K1 of arp")
+    ] = 1.0
+    k2: Annotated[
+        float,
+        Field(gt=0, description="smallest gain on the pay for matching or beating the best distance, K2 of arp"),
+    ] = 1.5
+    growth: Annotated[float, Field(ge=1, description="factor on the gain for each improvement in a row")] = 1.1
     k_max: Annotated[float, Field(gt=0, description="largest gain, at least k2")] = 3.0
 
     def __post_init__(self) -> None:

@@ -31,8 +31,8 @@ class Adaptive:
     leaves the best policy unchanged only for a learner that does not discount, see `potential`.
     """
 
-    k_far: Annotated[float, Field(gt=0, description="gain far away from the target")] = 0.5
-    k_near: Annotated[float, Field(gt=0, description="gain at the target")] = 1.5
+    k_far: Annotated[float, Field(gt=0, description="gain (factor on progress) far away from the target")] = 0.5
+    k_near: Annotated[float, Field(gt=0, description="gain (factor on progress) at the target")] = 1.5
 
     def initial_carry(self, begin_distance: Array) -> Carry:
         """Remembers nothing."""

@@ -28,8 +28,12 @@ class Arp:
     k2 multiplies what is paid, so a policy that behaves exactly as before gets a larger I_P, the index of gains.
     """
 
-    k1: Annotated[float, Field(gt=0, description="gain on what is lost, K1")] = 1.0
-    k2: Annotated[float, Field(gt=0, description="gain on what is paid, K2")] = 1.5
+    k1: Annotated[
+        float, Field(gt=0, description="factor on the penalty for being farther than the best distance so far, K1")
+    ] = 1.0
+    k2: Annotated[
+        float, Field(gt=0, description="factor on the pay for matching or beating the best distance so far, K2")
+    ] = 1.5
 
     def initial_carry(self, begin_distance: Array) -> Carry:
         """Remembers nothing."""

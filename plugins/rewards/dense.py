@@ -22,7 +22,7 @@ class Dense:
     In the NOTE's example 1 the end effector is at (1,1,2) and the target at (0.5,-1,2): r = -sqrt(4.25) = -2.06.
     """
 
-    scale: Annotated[float, Field(gt=0, description="price of a metre per step [1/m]")] = 1.0
+    scale: Annotated[float, Field(gt=0, description="cost in each step per metre of distance [1/m]")] = 1.0
 
     def initial_carry(self, begin_distance: Array) -> Carry:
         """Remembers nothing."""

@@ -30,8 +30,8 @@ class Potential:
     NOTE's example 2 is paid as printed, sqrt(6.25) - sqrt(4.25).
     """
 
-    gamma: Annotated[float, Field(gt=0, le=1, description="discount, the same as the learner's")] = 0.95
-    scale: Annotated[float, Field(gt=0, description="potential of a metre [1/m]")] = 1.0
+    gamma: Annotated[float, Field(gt=0, le=1, description="discount factor, which should equal the learner's")] = 0.95
+    scale: Annotated[float, Field(gt=0, description="size of the potential per metre of distance [1/m]")] = 1.0
 
     def initial_carry(self, begin_distance: Array) -> Carry:
         """Remembers nothing."""

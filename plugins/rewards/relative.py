@@ -38,7 +38,7 @@ class Relative:
 
     denominator: Annotated[
         Literal["larger", "current"],
-        Field(description="larger: of the two distances, bounded; current: d(t), eq. 30 and 33 to the letter"),
+        Field(description="larger: divided by the larger distance, bounded; current: by d(t), as in eq. 30 and 33"),
     ] = "larger"
 
     def initial_carry(self, begin_distance: Array) -> Carry:

@@ -26,7 +26,7 @@ class Scaled(WrappedReward):
 
     registered_name: ClassVar[str] = "scaled"
 
-    factor: Annotated[float, Field(gt=0, description="what to multiply it by")] = 2.0
+    factor: Annotated[float, Field(gt=0, description="factor on the named reward")] = 2.0
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
         """The named reward's carry, and its value times `factor`, (num_envs,)."""

@@ -26,7 +26,7 @@ class Shifted(WrappedReward):
 
     registered_name: ClassVar[str] = "shifted"
 
-    offset: Annotated[float, Field(description="what to add at every step, in the unit of the named reward")] = 0.1
+    offset: Annotated[float, Field(description="constant added to the named reward at every step, in its unit")] = 0.1
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
         """The named reward's carry, and its value plus `offset`, (num_envs,)."""

@@ -25,15 +25,17 @@ class QLearning(OffPolicy):
 
     batch_size: BatchSize = 128
     target_update_interval: Annotated[
-        int, Field(gt=0, description="decisions, over all envs, between updates of the target network")
+        int, Field(gt=0, description="decisions, over all environments, between updates of the target network")
     ] = 1
     tau: Tau = 0.01
     exploration_fraction: Annotated[
-        float, Field(gt=0, le=1, description="share of the training in which random choices become rarer")
+        float, Field(gt=0, le=1, description="share of the training over which random choices become rarer")
     ] = 0.3
-    exploration_start: Annotated[Share, Field(description="share of random choices in the beginning")] = 1.0
-    exploration_end: Annotated[Share, Field(description="and in the end, also of the policy where it explores")] = 0.05
-    max_gradient: Annotated[float, Field(gt=0, description="longest gradient")] = 10.0
+    exploration_start: Annotated[Share, Field(description="share of random choices at the start of the training")] = 1.0
+    exploration_end: Annotated[
+        Share, Field(description="share of random choices after that, also in evaluations with deterministic=false")
+    ] = 0.05
+    max_gradient: Annotated[float, Field(gt=0, description="norm at which gradients are clipped")] = 10.0
 
     sources: ClassVar[tuple[str, ...]] = SOURCES
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"discrete"})

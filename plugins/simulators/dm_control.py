@@ -34,9 +34,9 @@ class DmControl:
     family: ClassVar[str] = "MuJoCo"
     later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
-    bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 100.0
-    drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"
-    self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
+    bandwidth: Annotated[float, Field(gt=0, description="bandwidth w of the joint servos [rad/s]")] = 100.0
+    drive: Annotated[Literal["ideal", "servo"], Field(description="kind of joint drives; see docs/drives.md")] = "ideal"
+    self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 
     def build(self, robot: Robot, timestep: float) -> Any:
         """The model of an arm, with physics steps of `timestep` [s]. It is the same as in `mujoco`."""

@@ -58,9 +58,9 @@ class Drake:
         "harness_plugins.arms.servo",
     )
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
-    bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 2000.0
-    drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"
-    self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
+    bandwidth: Annotated[float, Field(gt=0, description="bandwidth w of the joint servos [rad/s]")] = 2000.0
+    drive: Annotated[Literal["ideal", "servo"], Field(description="kind of joint drives; see docs/drives.md")] = "ideal"
+    self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart | ServoArms:
         """See `harness.simulator.Simulator`."""

@@ -45,9 +45,9 @@ class Mjx:
     family: ClassVar[str] = "MuJoCo"
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.mujoco_model",)
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
-    bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 100.0
+    bandwidth: Annotated[float, Field(gt=0, description="bandwidth w of the joint servos [rad/s]")] = 100.0
     at_once: Annotated[
-        int, Field(ge=0, description="arms that a call of the compiled program steps; 0: one on a CPU, else all")
+        int, Field(ge=0, description="arms that one call of the compiled program steps; 0: one on a CPU, else all")
     ] = 0
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "MjxSimulation":

@@ -37,10 +37,10 @@ class Mujoco:
     family: ClassVar[str] = "MuJoCo"
     later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
-    bandwidth: Annotated[float, Field(gt=0, description="of the joint servos, w [rad/s]")] = 100.0
-    threads: Annotated[Count, Field(description="of a batch of several arms")] = 1
-    drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"
-    self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
+    bandwidth: Annotated[float, Field(gt=0, description="bandwidth w of the joint servos [rad/s]")] = 100.0
+    threads: Annotated[Count, Field(description="threads that step a batch of several arms")] = 1
+    drive: Annotated[Literal["ideal", "servo"], Field(description="kind of joint drives; see docs/drives.md")] = "ideal"
+    self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "MujocoSimulation":
         """See `harness.simulator.Simulator`."""

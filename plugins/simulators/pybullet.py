@@ -39,9 +39,9 @@ class PyBullet:
         "harness_plugins.arms.servo",
     )
     substeps: Annotated[Count, Field(description="physics steps per control period")] = 20
-    iterations: Annotated[Count, Field(description="of the constraint solver per physics step")] = 50
-    drive: Annotated[Literal["ideal", "servo"], Field(description="what moves the joints; docs/drives.md")] = "ideal"
-    self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
+    iterations: Annotated[Count, Field(description="iterations of the constraint solver per physics step")] = 50
+    drive: Annotated[Literal["ideal", "servo"], Field(description="kind of joint drives; see docs/drives.md")] = "ideal"
+    self_collision: Annotated[bool, Field(description="whether the arm's links collide with one another")] = False
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> ArmsApart | ServoArms:
         """See `harness.simulator.Simulator`."""

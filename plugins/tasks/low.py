@@ -23,7 +23,7 @@ class Low(ReachTask):
     time, it hits the ground, and the episode ends.
     """
 
-    epsilon: Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")] = (
+    epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
         0.02
     )
 

@@ -21,9 +21,9 @@ class Moving(ReachTask):
     drawn like the targets of `fd100-reach`.
     """
 
-    target_speed: Annotated[float, Field(ge=0, description="of the target [m/s]")] = 0.25
+    target_speed: Annotated[float, Field(ge=0, description="speed of the target [m/s]")] = 0.25
     steps_within: Annotated[
-        int, Field(gt=0, description="for so many steps in a row the end effector has to be within epsilon")
+        int, Field(gt=0, description="steps in a row for which the end effector has to be within epsilon")
     ] = 10
 
     def goal(self, robot: Robot) -> "MovingGoal":

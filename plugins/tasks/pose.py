@@ -27,12 +27,12 @@ class Pose(ReachTask):
     turned by up to `turn`.
     """
 
-    epsilon: Annotated[Positive, Field(description="the target is reached within this pose error [m]")] = 0.02
+    epsilon: Annotated[Positive, Field(description="pose error within which the target is reached [m]")] = 0.02
     angle: Annotated[
-        float, Field(gt=0, le=math.pi, description="an angle that counts as much as a distance of epsilon [rad]")
+        float, Field(gt=0, le=math.pi, description="angle that counts as much as a distance of epsilon [rad]")
     ] = math.radians(10)
     turn: Annotated[
-        float, Field(ge=0, description="joints of the pose that the orientation is found from, +- [rad]")
+        float, Field(ge=0, description="largest random turn of joints from home, to vary the target orientation [rad]")
     ] = math.radians(30)
 
     def goal(self, robot: Robot) -> "PoseGoal":

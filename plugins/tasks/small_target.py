@@ -15,6 +15,6 @@ class SmallTarget(ReachTask):
     Under a reward that pays almost nothing for the last centimetres, the arm stops beside the target.
     """
 
-    epsilon: Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")] = (
+    epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
         0.01
     )

@@ -47,25 +47,35 @@ class UnityReach:
     """
 
     epsilon: Annotated[
-        Positive, Field(description="size of the target: touched within this distance, open in the sources [m]")
+        Positive,
+        Field(description="distance within which the target counts as touched; the sources do not state it [m]"),
     ] = 0.05
-    horizon: Annotated[Count, Field(description="an episode is truncated after so many environment steps")] = 5000
-    decision_period: Annotated[Count, Field(description="environment steps per decision, a reward on each")] = 5
+    horizon: Annotated[Count, Field(description="environment steps after which an episode is truncated")] = 5000
+    decision_period: Annotated[Count, Field(description="environment steps per decision; each step pays a reward")] = 5
     control_period: Annotated[
-        Positive, Field(description="duration of an environment step, Unity's default; means nothing to a jump [s]")
+        Positive,
+        Field(description="duration of an environment step, Unity's default; no effect on set-joints, which jumps [s]"),
     ] = 0.02
     action: Annotated[
-        str, Field(description="set-joints as published, or movej, movej-absolute, movel, movea, discrete")
+        str, Field(description="action mode: set-joints as published, or movej, movej-absolute, movel, movea, discrete")
     ] = "set-joints"
-    speed: Annotated[float, Field(gt=0, le=1, description="fraction of a joint's maximum speed, if it is driven")] = 0.8
-    acceleration: Annotated[float, Field(gt=0, le=1, description="the same for the acceleration")] = 0.6
+    speed: Annotated[
+        float,
+        Field(gt=0, le=1, description="fraction of a joint's maximum speed that may be used; set-joints ignores it"),
+    ] = 0.8
+    acceleration: Annotated[
+        float,
+        Field(
+            gt=0, le=1, description="fraction of a joint's maximum acceleration that may be used; set-joints ignores it"
+        ),
+    ] = 0.6
     base_position: Annotated[
-        Metres3, Field(description="where the arm stands in the scene, which turns the observed unit vectors [m]")
+        Metres3, Field(description="position of the base in the scene; it turns the observed unit vectors [m]")
     ] = (0.0, 0.0, 0.0)
-    ground_reward: Annotated[float, Field(description="paid when the arm touches the ground, which ends it")] = -1.0
-    target_reward: Annotated[float, Field(description="paid when the target is touched")] = 0.5
-    upright_reward: Annotated[float, Field(description="paid on top for an end effector that points up")] = 1.0
-    step_reward: Annotated[float, Field(description="paid on every environment step")] = -0.0001
+    ground_reward: Annotated[float, Field(description="reward for touching the ground, which ends the episode")] = -1.0
+    target_reward: Annotated[float, Field(description="reward for touching the target")] = 0.5
+    upright_reward: Annotated[float, Field(description="extra target reward for an end effector that points up")] = 1.0
+    step_reward: Annotated[float, Field(description="reward on every environment step")] = -0.0001
 
     robot: ClassVar[str] = "unity-arm"
     ends_at_target: ClassVar[bool] = False

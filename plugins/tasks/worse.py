@@ -20,7 +20,7 @@ from harness.conditions.conditions import (
 )
 from harness.reach import Positive, ReachTask
 
-Epsilon = Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")]
+Epsilon = Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")]
 
 
 @dataclass(frozen=True)

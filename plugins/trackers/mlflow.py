@@ -29,9 +29,10 @@ class MLflow:
     """
 
     uri: Annotated[
-        str, Field(description="of the server, or sqlite:///FILE; by default MLFLOW_TRACKING_URI, or mlflow.db here")
+        str,
+        Field(description="address of the server, or sqlite:///FILE; empty: MLFLOW_TRACKING_URI, or mlflow.db here"),
     ] = ""
-    experiment: Annotated[str, Field(min_length=1, description="that the runs belong to")] = "fd100-harness"
+    experiment: Annotated[str, Field(min_length=1, description="experiment that the runs belong to")] = "fd100-harness"
 
     def why_not(self) -> str:
         """See `harness.tracker.Tracker`."""

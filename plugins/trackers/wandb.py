@@ -24,10 +24,11 @@ class WandB:
     library's own environment variables, such as WANDB_DIR and WANDB_BASE_URL, have effect.
     """
 
-    project: Annotated[str, Field(min_length=1, description="that the runs belong to")] = "fd100-harness"
-    entity: Annotated[str, Field(description="user or team; by default the library's choice")] = ""
+    project: Annotated[str, Field(min_length=1, description="project that the runs belong to")] = "fd100-harness"
+    entity: Annotated[str, Field(description="user or team that owns the runs; empty: the library's default")] = ""
     mode: Annotated[
-        Literal["online", "offline"], Field(description="'offline' keeps the runs here, for 'wandb sync'")
+        Literal["online", "offline"],
+        Field(description="'online' also sends the runs to the service; 'offline' keeps them here, for 'wandb sync'"),
     ] = "online"
 
     def why_not(self) -> str:
