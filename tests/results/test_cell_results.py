@@ -9,11 +9,14 @@ import pytest
 
 import harness.results.cell_results as module
 from harness.experiment.plan import Plan, check_experiment, expand
-from harness.record.folder import DERIVED, EVALUATION, TRACE
+from harness.record.folder import DERIVED, EVALUATION, SCORES, TRACE
 from harness.record.manifest import read_manifest
+from harness.record.merge import merge
+from harness.record.store import CELLS
 from harness.record.trace import read_trace
 from harness.registry.registry import Registry
 from harness.report.document import report_text
+from harness.report.summary.cells import write_cells
 from harness.results import Results
 from harness.score.scored_runs import Payer
 
@@ -28,10 +31,13 @@ class Reads:
 
     def __init__(self) -> None:
         self.files: list[str] = []
+        self.whole: list[Path] = []
 
     def __call__(self, path: Path, columns: list[str] | None = None) -> Any:
         """Read one."""
         self.files.append(path.name)
+        if columns is None:
+            self.whole.append(path)
         return read_trace(path, columns)
 
 
@@ -64,6 +70,38 @@ def remove_kept(results: Results) -> None:
 def test_first_report_after_a_run_reads_no_trace(ended: Results, reads: Reads):
     """All that follows from traces was made as the cells ended."""
     report_text(ended)
+    assert reads.files == []
+
+
+def test_run_reads_each_trace_once(toys: Registry, run_here: Callable[..., Results], tmp_path: Path, reads: Reads):
+    """As a cell ends: all metrics, returns and what other rewards pay follow from traces that are open together."""
+    results = run_here(expand(check_experiment(GIVEN), toys), tmp_path / "out")
+    assert len(reads.files) == len(reads.whole) == len(set(reads.whole))
+    traces = {path for path in (results.folder / CELLS).rglob("*.parquet") if path.name != SCORES}
+    assert set(reads.whole) == traces
+
+
+def test_first_report_reads_each_trace_whole_once(ended: Results, reads: Reads):
+    """With nothing kept: what a training was paid comes from the trace that its metrics were read from."""
+    remove_kept(ended)
+    results = fresh(ended)
+    assert results.not_measured == {}
+    assert len(reads.files) == len(reads.whole) == len(set(reads.whole))
+    for cell in results.done_cells:
+        results.of(cell).recorded()
+    assert len(reads.files) == len(reads.whole)
+
+
+def test_records_of_cells_read_no_trace_after_a_run(ended: Results, reads: Reads):
+    """The indices of each run alone are those of the kept rewards."""
+    assert len(write_cells(ended).splitlines()) == 1 + len(ended.done)
+    assert reads.files == []
+
+
+def test_merged_cells_bring_what_is_kept(ended: Results, tmp_path: Path, reads: Reads):
+    """A report of several folders computes nothing again."""
+    merge([ended.folder], tmp_path / "all")
+    assert report_text(Results(tmp_path / "all", ended.registry)) == report_text(ended)
     assert reads.files == []
 
 
