@@ -24,19 +24,19 @@ Metres3 = tuple[float, float, float]
 Extents = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
 
 FD100_REACH = 1.5413267497929588
-"""[m]; the box below was chosen for an arm of this reach."""
+"""Reach of the FD100, [m]. The box of targets below was chosen for it."""
 FD100_CENTER = np.array([0.85, 0.0, 0.7])
 FD100_HALF_EXTENT = np.array([0.2, 0.3, 0.3])
 
 START_TRIES = 100
-"""Of a start that fixed obstacles leave free."""
+"""How often a start is drawn until it is clear of the fixed obstacles."""
 
 
 @dataclass(frozen=True)
 class ReachTask(Conditions):
     """Bring the end effector of an arm within epsilon of a target.
 
-    The defaults are those of the FD100 (`fd100-reach`); for another arm the box of targets is scaled by its reach.
+    The defaults are those of the FD100 (`fd100-reach`). For another arm the box of targets is scaled by its reach.
     """
 
     epsilon: Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")] = (
@@ -81,7 +81,7 @@ class ReachTask(Conditions):
         return ArmObservation(robot, period, seen) if goal is None else GoalObservation(robot, period, goal, seen)
 
     def target_rewards(self, robot: Robot, qpos: Float) -> Float:
-        """`target_reward`, each time."""
+        """`target_reward` for each arm, (n,)."""
         return np.full(len(qpos), self.target_reward)
 
     def target_box(self, robot: Robot) -> tuple[Float, Float]:
@@ -92,16 +92,20 @@ class ReachTask(Conditions):
         return center, half
 
     def check(self, robot: Robot) -> None:
-        """See `harness.task.Task`; raises also where every start is at every target."""
+        """See `harness.task.Task`.
+
+        Raises:
+            UsageError: The arm cannot do the task, or epsilon is so large that all episodes start at their targets.
+        """
         self.motion(robot)
         if (self._begin_errors(robot, np.random.default_rng(0)) <= self.epsilon).all():
             raise UsageError(f"epsilon={self.epsilon:g} m covers the targets from the start: choose less")
 
     def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
-        """The home pose with noise, within the joint ranges, (dof,); away from fixed obstacles.
+        """The home pose with noise, (dof,), within the joint ranges and away from fixed obstacles.
 
         Raises:
-            UsageError: Fixed obstacles leave next to no start.
+            UsageError: The arm touches fixed obstacles in all of the 100 starts that were drawn.
         """
         for _ in range(START_TRIES):
             noise = rng.uniform(-self.start_noise, self.start_noise, robot.dof)
@@ -114,7 +118,7 @@ class ReachTask(Conditions):
         """Targets that the arm can reach, uniform in the box.
 
         Raises:
-            UsageError: The arm reaches next to none of the box.
+            UsageError: The arm reaches almost no point of the box, or fixed obstacles leave almost none free.
         """
         center, half = self.target_box(robot)
         found = np.empty((0, 3))
@@ -133,7 +137,7 @@ class ReachTask(Conditions):
         )
 
     def _begin_errors(self, robot: Robot, rng: np.random.Generator) -> Float:
-        """How far from their targets some episodes begin, (64,)."""
+        """The errors with which 64 episodes begin, (64,): distances, [m], or the errors of the task's goal."""
         targets, _ = self.draw_targets(robot, rng, 64)
         goal, none = goal_of(self, robot), np.zeros(len(targets))
         numbers = np.zeros((len(targets), 0)) if goal is None else goal.draw(rng, targets)
@@ -144,7 +148,7 @@ class ReachTask(Conditions):
         return goal.errors(Situation(starts, tips, targets, numbers, none, none))
 
     def _are_free(self, robot: Robot, targets: Float, poses: Float) -> Mask:
-        """Where fixed obstacles are away from a target and from a pose in which the arm reaches it, (count,)."""
+        """Whether each target, and the pose in which the arm reaches it, are clear of the fixed obstacles, (count,)."""
         distance = distance_from(targets[:, None], parse_obstacles(self.obstacles)).min(axis=1)
         free: Mask = (distance > self.epsilon + self.obstacle_clearance) & ~self._touches(robot, poses)
         return free

@@ -1,1 +1,1 @@
-"""What varies: simulators, algorithms, rewards, metrics, executors. One file each, registered by entry point."""
+"""The built-in plugins: simulators, algorithms, rewards, metrics, tasks and more. Entry points register them."""

@@ -1,4 +1,4 @@
-"""The hyperparameters of whatever learns from a replay buffer."""
+"""The hyperparameters of algorithms that learn from a replay buffer."""
 
 from pydantic.dataclasses import dataclass
 
@@ -19,7 +19,7 @@ from .hyperparameters import (
 
 @dataclass(frozen=True)
 class OffPolicy:
-    """What the algorithms share that learn off-policy, with the defaults of those for continuous actions."""
+    """The hyperparameters that all off-policy algorithms share. The defaults are those for continuous actions."""
 
     learning_rate: LearningRate = 1e-3
     gamma: Gamma = 0.95

@@ -1,6 +1,6 @@
-"""The reach tasks that others have, each as its authors ship it: what ours are timed beside.
+"""Reach tasks of other projects, as their authors publish them. `harness bench` compares our speed with theirs.
 
-Both do 20 physics steps per env step and have no batch.
+Both do 20 physics steps per env step. Neither can step several arms at once.
 """
 
 from importlib import import_module
@@ -13,9 +13,10 @@ from harness.errors import UsageError
 
 
 class _PlainEnums:
-    """mujoco with enums of plain integers: since 3.12 an array's number is in no tuple of its enums.
+    """The module `mujoco`, with plain integers in place of the members of its enum ``mjtJoint``.
 
-    Gymnasium-Robotics 1.4.2 looks for one there, and its FetchReach cannot be made with a newer mujoco.
+    Since mujoco 3.12 a number from an array is not found in a tuple of enum members. Gymnasium-Robotics 1.4.2 looks for
+    it there, so its FetchReach cannot be made with a newer mujoco.
     """
 
     def __init__(self, mujoco: Any) -> None:
@@ -31,21 +32,23 @@ def panda_reach() -> Any:
     """``PandaReach-v3`` of panda-gym, on PyBullet.
 
     Raises:
-        UsageError: It is not installed.
+        UsageError: panda-gym is not installed.
     """
     _require("panda_gym")
     return gymnasium.make("PandaReach-v3")
 
 
 def fetch_reach() -> Any:
-    """``FetchReach-v4`` of Gymnasium-Robotics, on MuJoCo; from now on its module sees plain enums.
+    """``FetchReach-v4`` of Gymnasium-Robotics, on MuJoCo.
+
+    From the first call on, that library's module uses `_PlainEnums` in place of `mujoco`.
 
     Raises:
-        UsageError: It is not installed.
+        UsageError: Gymnasium-Robotics is not installed.
     """
     _require("gymnasium_robotics")
     module: Any = import_module("gymnasium_robotics.utils.mujoco_utils")
-    if not isinstance(module.mujoco, _PlainEnums):  # it looks there when it is made, and in every step
+    if not isinstance(module.mujoco, _PlainEnums):  # the env uses it when it is made and in every step
         module.mujoco = _PlainEnums(module.mujoco)
     return gymnasium.make("FetchReach-v4")
 

@@ -1,4 +1,4 @@
-"""Soft actor-critic by other people's libraries, with our settings: what ours is timed beside."""
+"""Soft actor-critic by other libraries, with our settings. `harness bench` compares our speed with theirs."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -11,11 +11,11 @@ from harness.errors import UsageError
 from .soft_actor_critic import SoftActorCritic
 
 ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
-"""For XLA: everything here is timed with one thread."""
+"""Flags for XLA, the compiler of JAX: one thread, as in every training that is timed here."""
 
 
 def soft_actor_critics(settings: SoftActorCritic) -> Mapping[str, Callable[[Any, int, int], Callable[[], None]]]:
-    """By name of the library; see `peer_trainings` of `harness.algorithm.Algorithm`."""
+    """A training with each library, by the library's name; see ``peer_trainings`` of `harness.algorithm.Algorithm`."""
     return {
         "stable-baselines3": lambda env, steps, seed: _with_torch(settings, env, steps, seed),
         "sbx": lambda env, steps, seed: _with_jax(settings, env, steps, seed),
@@ -32,9 +32,12 @@ def _with_torch(settings: SoftActorCritic, env: Any, steps: int, seed: int) -> C
 
 
 def _with_jax(settings: SoftActorCritic, env: Any, steps: int, seed: int) -> Callable[[], None]:
-    """One model that goes on: the library would compile anew for each, which takes longer than a short training."""
+    """A training with sbx. Every call goes on with the same model.
+
+    The library would compile again for each new model, which takes longer than a short training.
+    """
     _require("sbx", "pip install sbx-rl")
-    os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {ONE_THREAD}"  # read when JAX is imported
+    os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {ONE_THREAD}"  # JAX reads it when it is imported
     library = import_module("sbx").SAC
     same = ("learning_rate", "gamma", "batch_size", "learning_starts", "train_freq", "gradient_steps", "tau")
     given = {name: getattr(settings, name) for name in same}
@@ -45,7 +48,7 @@ def _with_jax(settings: SoftActorCritic, env: Any, steps: int, seed: int) -> Cal
     )
 
     def run() -> None:
-        model.learning_starts = model.num_timesteps + settings.learning_starts  # as many updates as a new model's
+        model.learning_starts = model.num_timesteps + settings.learning_starts  # as many updates as a new model does
         model.learn(steps, reset_num_timesteps=False)
 
     return run

@@ -1,4 +1,4 @@
-"""What torch learned, as arrays, and back: what a checkpoint holds of it, without pickle."""
+"""Turns torch's tensors and optimisers into arrays for a checkpoint, and back, without pickle."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 def pack_tensors(tensors: "Mapping[str, Tensor]") -> dict[str, Any]:
-    """Copies, by the same names."""
+    """Copies of the tensors as arrays, under the same names."""
     return {name: tensor.detach().numpy().copy() for name, tensor in tensors.items()}
 
 
 def restore_tensors(tensors: "Mapping[str, Tensor]", state: TrainingState) -> None:
-    """Write what was packed into the tensors, in place."""
+    """Copy the arrays that `pack_tensors` returned into the tensors, in place."""
     import torch
 
     with torch.no_grad():
@@ -27,7 +27,10 @@ def restore_tensors(tensors: "Mapping[str, Tensor]", state: TrainingState) -> No
 
 
 def pack_optimizer(optimizer: "Optimizer") -> dict[str, Any]:
-    """What it remembers of each parameter, ``INDEX.KEY``; not its settings, with which it is made."""
+    """What an optimiser remembers of each parameter, such as its moments, as arrays named ``INDEX.KEY``.
+
+    Its settings are left out, because the new optimiser is made with them.
+    """
     remembered = optimizer.state_dict()["state"].items()
     return {
         name: array
@@ -37,7 +40,7 @@ def pack_optimizer(optimizer: "Optimizer") -> dict[str, Any]:
 
 
 def restore_optimizer(optimizer: "Optimizer", state: TrainingState) -> None:
-    """Have it remember what was packed, of parameters in the same order."""
+    """Give an optimiser what `pack_optimizer` returned. The parameters must stand in the same order."""
     import torch
 
     moments: dict[int, dict[str, Tensor]] = {}

@@ -1,4 +1,4 @@
-"""How long the way of each episode to its first target is, in steps and in metres, for the metrics that ask."""
+"""The way of each episode to its first target, in steps and in metres. Several metrics use it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,9 +9,9 @@ from harness.record.trace import Trace
 
 
 def steps_to_target(trace: Trace) -> NDArray[np.int64]:
-    """Environment steps of each finished episode to the first target, (episodes,); 0 where it reaches none.
+    """How many environment steps each finished episode takes to its first target, (episodes,).
 
-    In the order of `Trace.episodes`.
+    The number is 0 if the episode reaches no target. The order is that of `Trace.episodes`.
     """
     reached = trace["reached"]
     first = np.array([rows[reached[rows].argmax()] for rows in trace.episodes], np.int64)
@@ -20,15 +20,15 @@ def steps_to_target(trace: Trace) -> NDArray[np.int64]:
 
 
 def paths_to_target(trace: Trace) -> Float:
-    """Length of the end effector's path of each finished episode to the first target, and of the straight line, [m].
+    """Lengths of the end effector's path to the first target and of the straight line, for each finished episode.
 
-    The line leads from where the episode starts to where the end effector is when it reaches the target.
+    The line leads from the end effector's place at the start to its place when it reaches the target.
 
     Returns:
-        Shape (episodes, 2), in the order of `Trace.episodes`; not a number where an episode reaches no target.
+        Path and line, [m], shape (episodes, 2), in the order of `Trace.episodes`; NaN if the episode reaches no target.
 
     Raises:
-        Unmeasured: The target moves: where the line should lead is not known before it is reached.
+        Unmeasured: The target moves. Where the line should end is not known before the target is reached.
     """
     if trace.facts.target_moves:
         raise Unmeasured("the target moves: no straight line is the shortest way to it")

@@ -108,11 +108,17 @@ def test_largest_distances_are_told():
     assert f"by up to {millimetres(contact)} mm" in PROSE
 
 
-@EACH
-def test_the_budget_tells_rewards_apart(name: str):
-    """In no simulator does the baseline reach nearly all targets, or nearly none."""
-    success = [place["success"]["baseline"] for place in ranking(name)["places"]]
-    assert 0.3 <= min(success) <= max(success) <= 0.9
+def test_the_budgets_tell_rewards_apart():
+    """The baseline reaches 30 to 90 % of the targets wherever the page does not say that it reaches less."""
+    success = {
+        (name, place["simulator"]): place["success"]["baseline"]
+        for name in RECORDS
+        for place in ranking(name)["places"]
+    }
+    low = {where: value for where, value in success.items() if value < 0.3}
+    assert set(low) == {("target-ppo", engine + SERVO) for engine in ("pybullet", "drake", "physx")}
+    assert f"{share(min(low.values()))} to {share(max(low.values()))}, in three simulators with servo drives" in PROSE
+    assert max(success.values()) <= 0.9
 
 
 @EACH

@@ -64,7 +64,7 @@ def with_interval(ratio: dict[str, Any]) -> str:
 def test_there_are_records():
     """Of the published experiment, of what its sources leave open, of four engines, and of the FD100."""
     changed = ["bonus", "budget", "k1", "settings", "target"]
-    engines = [f"engines/{name}" for name in ("reach-ppo", "reach-sac-fast", "target-sac-fast")]
+    engines = [f"engines/{name}" for name in ("reach-ppo", "reach-sac-fast", "target-ppo", "target-sac-fast")]
     expected = ["arp-2021", *(f"arp-2021-{name}" for name in changed), *engines, "fd100"]
     assert [folder.relative_to(REFERENCE).as_posix() for folder in FOLDERS] == expected
 

@@ -1,4 +1,4 @@
-"""What rewards that build on another share: the name of the other, and handing its carry through."""
+"""The base class of rewards that build on another reward. It holds that reward and passes its carry on."""
 
 from typing import Annotated, ClassVar, Self
 
@@ -12,12 +12,13 @@ from harness.reward import Array, Carry, Reward
 
 @dataclass(frozen=True)
 class WrappedReward:
-    """A reward made of the one that its parameter `reward` names; a subclass says what becomes of its value.
+    """A reward that changes the value of another reward, which its parameter `reward` names.
 
-    A subclass is a frozen dataclass of pydantic too.
+    A subclass is a frozen dataclass of pydantic too. Its ``__call__`` computes the new value.
 
     Attributes:
-        registered_name: What the subclass is registered as; it cannot stand inside itself.
+        registered_name: The name under which the subclass is registered. It must not stand inside itself, so `reward`
+            cannot have this name.
     """
 
     registered_name: ClassVar[str]
@@ -26,7 +27,10 @@ class WrappedReward:
 
     @model_validator(mode="after")
     def _build_what_is_named(self, info: ValidationInfo) -> Self:
-        """By the plugins at hand; who writes ``Scaled("arp")`` in Python has none, and they are loaded for it."""
+        """Build the named reward from the plugins in the validation context.
+
+        Python code such as ``Scaled("arp")`` has no such context, so all plugins are loaded for it.
+        """
         registry = (info.context or {}).get("registry") or load_registry()
         label, named = build_named(registry, "rewards", self.reward, within=self.registered_name)
         object.__setattr__(self, "reward", label)  # one text for one reward, however it was typed
@@ -40,5 +44,5 @@ class WrappedReward:
         return named
 
     def initial_carry(self, begin_distance: Array) -> Carry:
-        """That of the named reward."""
+        """The initial carry of the named reward."""
         return self.named.initial_carry(begin_distance)

@@ -2,55 +2,23 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
+from harness.cli.flags import audit as flags
+from harness.cli.flags.shared import AsJson, Names, PluginFiles, RecordedFolder, RobotName, TaskName
 from harness.cli.lines import complain, say_json
-from harness.cli.options import REWARDS, SIMULATORS, AsJson, Names, PluginFiles, RecordedFolder, RobotName, TaskName
 from harness.errors import UsageError
 
 
 def audit(
     folder: RecordedFolder = None,
-    reward: Annotated[
-        str | None,
-        typer.Option(help="The reward, such as arp:k2=2.", metavar="NAME", autocompletion=REWARDS, show_default=False),
-    ] = None,
+    reward: flags.RewardName = None,
     task: TaskName = None,
     robot: RobotName = None,
-    sim: Annotated[
-        str | None,
-        typer.Option(
-            help="The simulator. Without one the joints move exactly as commanded.",
-            metavar="NAME",
-            autocompletion=SIMULATORS,
-        ),
-    ] = None,
-    against: Annotated[
-        str | None,
-        typer.Option(
-            help="The reward to compare with: how far apart the two are.",
-            show_default="baseline",
-            metavar="NAME",
-            autocompletion=REWARDS,
-        ),
-    ] = None,
-    episodes: Annotated[
-        int | None, typer.Option(help="Episodes of each scripted policy.", show_default="100", metavar="N")
-    ] = None,
-    gamma: Annotated[
-        float | None,
-        typer.Option(help="The discount factor of the learner, per step.", show_default="0.95", metavar="G"),
-    ] = None,
-    random: Annotated[
-        Path | None,
-        typer.Option(
-            help="A folder of recordings with random actions, to compare FOLDER with.",
-            metavar="FOLDER",
-            show_default=False,
-        ),
-    ] = None,
+    sim: flags.SimulatorName = None,
+    against: flags.Against = None,
+    episodes: flags.Episodes = None,
+    gamma: flags.Gamma = None,
+    random: flags.RandomFolder = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
@@ -86,8 +54,8 @@ def audit(
     return 0
 
 
-def _refuse_beside(folder: Path, flags: Mapping[str, object]) -> None:
-    for flag, given in flags.items():
+def _refuse_beside(folder: Path, beside: Mapping[str, object]) -> None:
+    for flag, given in beside.items():
         if given is not None:
             raise UsageError(f"{flag} does not go with a folder of recorded trainings: leave out {flag} or '{folder}'")
 

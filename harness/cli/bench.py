@@ -1,22 +1,11 @@
 """``harness bench``: where the time of a cell goes, and how fast plugins are beside what they are built on."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
+from harness.cli.flags import bench as flags
+from harness.cli.flags.shared import AsJson, EvaluationEpisodes, Names, PluginFiles, RobotName, SimulatorNames, TaskName
 from harness.cli.lines import say, say_json
-from harness.cli.options import (
-    ALGORITHMS,
-    REWARDS,
-    AsJson,
-    EvaluationEpisodes,
-    Names,
-    PluginFiles,
-    RobotName,
-    SimulatorNames,
-    TaskName,
-)
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -27,63 +16,23 @@ if TYPE_CHECKING:
     from harness.registry.registry import Registry
 
 WHAT = ("cells", "simulators", "algorithms", "peers")
-CELL_ROUNDS, SPEED_ROUNDS = 3, 9
 
 
 def bench(
-    what: Annotated[
-        list[str] | None,
-        typer.Argument(
-            help="cells: where the time of a training goes. simulators: speed compared with the bare engine. "
-            "algorithms: speed compared with the bare library. peers: speed compared with other projects.",
-            show_default="cells",
-            metavar="WHAT",
-        ),
-    ] = None,
+    what: flags.Tables = None,
     sim: SimulatorNames = None,
-    algo: Annotated[
-        Names,
-        typer.Option(
-            help="Algorithms to time, such as sac:net_arch=256x256.", metavar="NAME,...", autocompletion=ALGORITHMS
-        ),
-    ] = None,
-    reward: Annotated[
-        Names,
-        typer.Option(help="Rewards to time.", show_default="baseline", metavar="NAME,...", autocompletion=REWARDS),
-    ] = None,
+    algo: flags.AlgorithmNames = None,
+    reward: flags.RewardNames = None,
     task: TaskName = None,
     robot: RobotName = None,
-    steps: Annotated[
-        int | None,
-        typer.Option(
-            help="Environment steps of each training.", show_default="2000; for algorithms and peers 256", metavar="N"
-        ),
-    ] = None,
+    steps: flags.Steps = None,
     evaluation_episodes: EvaluationEpisodes = None,
-    num_envs: Annotated[
-        str | None,
-        typer.Option(
-            help="For simulators: how many arms they move at once.", show_default="1,64,1024", metavar="N,..."
-        ),
-    ] = None,
-    rounds: Annotated[
-        int | None,
-        typer.Option(
-            help="How many processes, one after the other, time everything.",
-            show_default=f"{CELL_ROUNDS}; for simulators, algorithms and peers {SPEED_ROUNDS}",
-            metavar="N",
-        ),
-    ] = None,
-    compare: Annotated[
-        Path | None,
-        typer.Option(
-            help="Measure again what this file holds. Ends with status 1 if something became slower.",
-            metavar="OLD.json",
-        ),
-    ] = None,
+    num_envs: flags.NumEnvs = None,
+    rounds: flags.Rounds = None,
+    compare: flags.OldFile = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
-    html: Annotated[Path | None, typer.Option(help="Write a page with a figure to this file.", metavar="FILE")] = None,
+    html: flags.HtmlFile = None,
 ) -> int:
     """Show where the time of a training goes, or how fast plugins are compared with bare engines and libraries."""
     if rounds is not None and rounds < 1:
@@ -138,7 +87,7 @@ def _cells(given: dict[str, Any], rounds: int | None, plugin: Names, as_json: bo
 
     experiment = check_experiment(given, "bench")
     registry = load_registry(given=read_given(plugin))
-    found = _measure(expand(experiment, registry), registry, rounds or CELL_ROUNDS)
+    found = _measure(expand(experiment, registry), registry, rounds or flags.CELL_ROUNDS)
     if as_json:
         say_json(found.to_json())
     else:
@@ -182,7 +131,7 @@ def _speeds(
     entries, left_out = plan_entries(registry, [kind for kind in KINDS if kind in what], sim, algo, sizes)
     usual = Setting()
     setting = Setting(robot, usual.task if task is None else task, usual.steps if steps is None else steps)
-    found = measure_speeds(registry, entries, left_out, setting, rounds or SPEED_ROUNDS, _tell)
+    found = measure_speeds(registry, entries, left_out, setting, rounds or flags.SPEED_ROUNDS, _tell)
     _show(found, None, as_json, html)
     return 1 if found.failed else 0
 

@@ -2,12 +2,11 @@
 
 import textwrap
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
+from harness.cli.flags import check as flags
+from harness.cli.flags.shared import AsJson, PluginFiles
 from harness.cli.lines import say, say_json
-from harness.cli.options import ROBOT, AsJson, PluginFiles
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,29 +18,12 @@ NAME_WIDTH, VERDICT_WIDTH = 28, 9
 
 
 def check(
-    name: Annotated[
-        str | None,
-        typer.Argument(
-            help="A plugin's name, such as arp or sac:gamma=0.9, or the path of a URDF.", show_default=False
-        ),
-    ] = None,
-    kind: Annotated[
-        str | None,
-        typer.Option(
-            help="The kind, such as reward, if several kinds have a plugin of this name.",
-            metavar="KIND",
-            show_default=False,
-        ),
-    ] = None,
-    robot: Annotated[
-        str | None,
-        typer.Option(help=f"{ROBOT} Without NAME the robot itself is checked.", metavar="NAME", show_default=False),
-    ] = None,
+    name: flags.PluginName = None,
+    kind: flags.Kind = None,
+    robot: flags.RobotName = None,
     plugin: PluginFiles = None,
-    long: Annotated[bool, typer.Option("--long", help="Also run the checks that take minutes.")] = False,
-    verbose: Annotated[
-        bool, typer.Option("--verbose", help="Show the traceback of a plugin's error, on standard error.")
-    ] = False,
+    long: flags.Long = False,
+    verbose: flags.Verbose = False,
     as_json: AsJson = False,
 ) -> int:
     """Check whether a plugin or robot keeps the rules of its kind. Each result is a sentence with numbers.

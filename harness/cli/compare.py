@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.flags.shared import AsJson
 from harness.cli.lines import complain, say_json
-from harness.cli.options import AsJson
 
 REGRESSION = 1
 

@@ -5,8 +5,8 @@ from typing import Annotated
 import typer
 
 from harness.cli.completion import names_of
+from harness.cli.flags.shared import ROBOTS, PluginFiles
 from harness.cli.lines import say
-from harness.cli.options import ROBOTS, PluginFiles
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
 

@@ -1,58 +1,32 @@
 """``harness eta``: two groups of recorded runs compared, or all recorded trainings of a folder."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
+from harness.cli.flags import eta as flags
+from harness.cli.flags.shared import AsJson, CurveKind, PluginFiles, RecordedFolder
 from harness.cli.lines import say, say_json
-from harness.cli.options import REWARDS, AsJson, CurveKind, PluginFiles, RecordedFolder
 from harness.cli.study import refuse_flags, show_study
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
     from harness.score.compare import Comparison
 
-Globs = list[str] | None
-
 
 def eta(
     context: typer.Context,
     folder: RecordedFolder = None,
-    baseline: Annotated[
-        Globs, typer.Option(help="Runs of the baseline, such as 'base/*.csv'.", metavar="GLOB", show_default=False)
-    ] = None,
-    proposed: Annotated[
-        Globs,
-        typer.Option(
-            help="Runs of the proposed reward. ** stands for any folders.", metavar="GLOB", show_default=False
-        ),
-    ] = None,
+    baseline: flags.BaselineRuns = None,
+    proposed: flags.ProposedRuns = None,
     curve: CurveKind = "accumulated",
-    with_events: Annotated[
-        bool, typer.Option("--with-events", help="Add what the task pays for events to the reward.")
-    ] = False,
-    baseline_reward: Annotated[
-        str | None,
-        typer.Option(
-            help="The reward that the baseline's runs were trained with.",
-            show_default="found out",
-            metavar="NAME",
-            autocompletion=REWARDS,
-        ),
-    ] = None,
-    proposed_reward: Annotated[
-        str | None,
-        typer.Option(
-            help="The reward that the proposed runs were trained with.",
-            show_default="found out",
-            metavar="NAME",
-            autocompletion=REWARDS,
-        ),
-    ] = None,
+    with_events: flags.WithEvents = False,
+    baseline_reward: flags.BaselineReward = None,
+    proposed_reward: flags.ProposedReward = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
-    plot: Annotated[Path | None, typer.Option(help="Draw the curves into this .html file.", metavar="FILE")] = None,
+    plot: flags.PlotFile = None,
 ) -> int:
     """Compare recorded trainings: anybody's CSV files with a column 'reward', or traces of this harness.
 

@@ -1,42 +1,24 @@
 """``harness parity``: how far the simulators differ."""
 
-from pathlib import Path
-from typing import Annotated
-
 import typer
 
+from harness.cli.flags import parity as flags
+from harness.cli.flags.shared import AsJson, PluginFiles
 from harness.cli.lines import say, say_json
-from harness.cli.options import ROBOT, ROBOTS, SIMULATORS, AsJson, PluginFiles
 from harness.errors import UsageError
 
 
 def parity(
-    sim: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Simulators, such as mujoco:substeps=40.",
-            show_default="all",
-            metavar="NAME,...",
-            autocompletion=SIMULATORS,
-        ),
-    ] = None,
-    reference: Annotated[
-        str | None,
-        typer.Option(
-            help="The simulator that the others are compared with.",
-            show_default="mujoco",
-            metavar="NAME",
-            autocompletion=SIMULATORS,
-        ),
-    ] = None,
-    robot: Annotated[str, typer.Option(help=ROBOT, metavar="NAME", autocompletion=ROBOTS)] = "fd100",
-    steps: Annotated[int, typer.Option(help="Control periods of each motion.", metavar="N")] = 200,
-    episodes: Annotated[int, typer.Option(help="How many motions, and how many dives to the ground.", metavar="N")] = 8,
-    seed: Annotated[int, typer.Option(help="The seed of the random motions.", metavar="S")] = 0,
-    period: Annotated[float, typer.Option(help="Control period in seconds.", metavar="T")] = 0.1,
+    sim: flags.SimulatorNames = None,
+    reference: flags.Reference = None,
+    robot: flags.RobotName = "fd100",
+    steps: flags.Steps = 200,
+    episodes: flags.Episodes = 8,
+    seed: flags.Seed = 0,
+    period: flags.Period = 0.1,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
-    html: Annotated[Path | None, typer.Option(help="Write a page with figures to this file.", metavar="FILE")] = None,
+    html: flags.HtmlFile = None,
 ) -> None:
     """Drive the same motions through several simulators and show how far they differ. Trains nothing."""
     from harness.parity.contenders import choose_contenders

@@ -4,14 +4,15 @@ import tempfile
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from harness.cli.environments import show_environments
+from harness.cli.flags import report as flags
+from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles
 from harness.cli.lines import complain, say
 from harness.cli.not_measured import complain_of_metrics
-from harness.cli.options import AsJson, CurveKind, MetricNames, Names, PluginFiles
 from harness.cli.study import holds_recordings, refuse_flags, show_study
 
 if TYPE_CHECKING:
@@ -21,29 +22,12 @@ if TYPE_CHECKING:
 
 
 def report(
-    folders: Annotated[
-        list[Path],
-        typer.Argument(
-            help="The folder of an experiment. Several folders are read as if one run had made them.", metavar="DIR..."
-        ),
-    ],
+    folders: flags.ExperimentFolders,
     curve: CurveKind = "accumulated",
     as_json: AsJson = False,
-    html: Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")] = None,
-    details: Annotated[
-        bool,
-        typer.Option(
-            "--details",
-            help="Print every number of every comparison. With many comparisons this fills many screens.",
-        ),
-    ] = False,
-    summary: Annotated[
-        Path | None,
-        typer.Option(
-            help="Write records into this folder: small tables and figures, made to be kept and shared.",
-            metavar="FOLDER",
-        ),
-    ] = None,
+    html: flags.HtmlFile = None,
+    details: flags.Details = False,
+    summary: flags.SummaryFolder = None,
     metric: MetricNames = None,
     plugin: PluginFiles = None,
 ) -> int:
@@ -54,9 +38,9 @@ def report(
     from harness.report.committed import is_committed
     from harness.results import load_results
 
-    flags = {"--html": html, "--summary": summary, "--details": details}
+    beside = {"--html": html, "--summary": summary, "--details": details}
     if any(map(is_committed, folders)):
-        return _show_committed(folders, as_json, [name for name, value in flags.items() if value])
+        return _show_committed(folders, as_json, [name for name, value in beside.items() if value])
     if holds_recordings(folders):
         refuse_flags({"--summary": summary, "--metric": metric, "--plugin": plugin})
         return show_study(folders[0], curve, as_json=as_json, html=html, details=details)
@@ -75,13 +59,13 @@ def report(
     return 1 if left_out else 0
 
 
-def _show_committed(folders: Sequence[Path], as_json: bool, flags: Sequence[str]) -> int:
+def _show_committed(folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:
     """Of records nothing can be computed anew; what they say is shown."""
     from harness.cli.terminal import show
     from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
 
     for folder in filter(is_committed, folders):
-        for flag in flags or ["Reading several folders together"] * (len(folders) > 1):
+        for flag in beside or ["Reading several folders together"] * (len(folders) > 1):
             refuse_committed(folder, flag)
     if as_json:
         typer.echo(committed_text(folders[0]))

@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from harness.cli import run_flags as flags
-from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import complain, say, say_json
-from harness.cli.options import (
+from harness.cli.flags import run as flags
+from harness.cli.flags.shared import (
     CurveKind,
     EvaluationEpisodes,
     ExecutorName,
@@ -22,6 +20,8 @@ from harness.cli.options import (
     SimulatorNames,
     TaskName,
 )
+from harness.cli.interrupted import kept_when_interrupted
+from harness.cli.lines import complain, say, say_json
 from harness.errors import UsageError
 
 if TYPE_CHECKING:

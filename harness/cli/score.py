@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from harness.cli.flags.shared import REWARDS, AsJson, PluginFiles
 from harness.cli.lines import complain, say, say_json
-from harness.cli.options import REWARDS, AsJson, PluginFiles
 from harness.errors import UsageError
 
 if TYPE_CHECKING:

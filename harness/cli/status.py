@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
+from harness.cli.flags.shared import AsJson, ExperimentFolder
 from harness.cli.foreseen import about
 from harness.cli.learned import learned_texts
 from harness.cli.lines import say, say_json
-from harness.cli.options import AsJson, ExperimentFolder
 
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress

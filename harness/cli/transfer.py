@@ -4,9 +4,9 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.flags.shared import SIMULATORS, AsJson, ExperimentFolder, PluginFiles
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import say_json
-from harness.cli.options import SIMULATORS, AsJson, ExperimentFolder, PluginFiles
 
 
 def transfer(

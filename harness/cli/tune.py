@@ -3,25 +3,12 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
+from harness.cli.flags import tune as flags
+from harness.cli.flags.shared import AsJson, ExecutorName, Jobs, PluginFiles, RewardNames, RobotName, TaskName
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import say, say_json
-from harness.cli.options import (
-    ALGORITHMS,
-    REWARDS,
-    SIMULATORS,
-    AsJson,
-    ExecutorName,
-    Jobs,
-    Names,
-    PluginFiles,
-    RewardNames,
-    RobotName,
-    TaskName,
-)
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -33,72 +20,23 @@ if TYPE_CHECKING:
 
 
 def tune(
-    file: Annotated[
-        Path | None,
-        typer.Argument(help="Tuning file (TOML). Its keys are named like the flags; a flag overrides its key."),
-    ] = None,
-    sim: Annotated[Names, typer.Option(help="The simulator.", metavar="NAME", autocompletion=SIMULATORS)] = None,
-    algo: Annotated[
-        Names,
-        typer.Option(
-            help="The algorithm, with parameters that stay fixed, such as sac:tau=0.01.",
-            metavar="NAME",
-            autocompletion=ALGORITHMS,
-        ),
-    ] = None,
+    file: flags.TuningFile = None,
+    sim: flags.SimulatorName = None,
+    algo: flags.AlgorithmName = None,
     reward: RewardNames = None,
-    baseline: Annotated[
-        str | None,
-        typer.Option(
-            help="The reward that the others are compared with. It is tuned too.",
-            show_default="baseline",
-            metavar="NAME",
-            autocompletion=REWARDS,
-        ),
-    ] = None,
+    baseline: flags.Baseline = None,
     task: TaskName = None,
     robot: RobotName = None,
-    search: Annotated[
-        Names,
-        typer.Option(
-            help="The ranges to search: gamma=0.9..0.999, learning_rate=1e-4..1e-2:log, net_arch=64x64|256x256.",
-            show_default="learning_rate and gamma",
-            metavar="KEY=SPACE",
-        ),
-    ] = None,
-    trials: Annotated[
-        int | None, typer.Option(help="How many settings (trials) each search tries.", show_default="20", metavar="N")
-    ] = None,
-    seeds: Annotated[
-        int | None,
-        typer.Option(help="How often each setting is trained with each reward.", show_default="2", metavar="N"),
-    ] = None,
-    steps: Annotated[
-        int | None, typer.Option(help="Environment steps of each training.", show_default="10000", metavar="N")
-    ] = None,
-    validation_episodes: Annotated[
-        int | None,
-        typer.Option(help="Episodes of the validation that judges each policy.", show_default="100", metavar="N"),
-    ] = None,
-    per_reward: Annotated[
-        bool | None, typer.Option("--per-reward/--joint", help="Search once for each reward, or once for all together.")
-    ] = None,
-    pruner: Annotated[
-        str | None,
-        typer.Option(help="What ends bad trials early: median or none.", show_default="median", metavar="NAME"),
-    ] = None,
-    batch: Annotated[
-        int | None,
-        typer.Option(
-            help="How many trials are drawn together, so that they can run at once.", show_default="1", metavar="N"
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="The seed for drawing settings from the ranges.", show_default="0", metavar="S")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="The tuning's folder.", show_default="one under results/runs/", metavar="DIR")
-    ] = None,
+    search: flags.Ranges = None,
+    trials: flags.Trials = None,
+    seeds: flags.Seeds = None,
+    steps: flags.Steps = None,
+    validation_episodes: flags.ValidationEpisodes = None,
+    per_reward: flags.PerReward = None,
+    pruner: flags.Pruner = None,
+    batch: flags.Batch = None,
+    seed: flags.Seed = None,
+    out: flags.OutFolder = None,
     jobs: Jobs = None,
     executor: ExecutorName = "processes",
     plugin: PluginFiles = None,
@@ -130,10 +68,10 @@ def tune(
     return 1 if tuned.failed or tuned.file is None else 0
 
 
-def _read(path: Path | None, flags: dict[str, Any]) -> "Tuning":
+def _read(path: Path | None, given: dict[str, Any]) -> "Tuning":
     from harness.tune.tuning import check_tuning, read_tuning
 
-    return check_tuning(flags) if path is None else read_tuning(path, flags)
+    return check_tuning(given) if path is None else read_tuning(path, given)
 
 
 def _parse_search(texts: list[str] | None) -> dict[str, str] | None:

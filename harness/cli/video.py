@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.flags.shared import ExperimentFolder, PluginFiles
 from harness.cli.lines import say
-from harness.cli.options import ExperimentFolder, PluginFiles
 from harness.errors import UsageError
 
 MOST_CELLS = 4

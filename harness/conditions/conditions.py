@@ -1,4 +1,4 @@
-"""The parameters of noise, delays, obstacles and varied arms, which tasks share by inheriting them."""
+"""The parameters of noise, delays, obstacles and varied arms. Tasks inherit them."""
 
 from typing import Annotated, ClassVar
 
@@ -64,15 +64,21 @@ FrictionVariation = Annotated[
 Variants = Annotated[
     int, Field(ge=1, le=1000, description="so many different arms there are; each episode draws one of them")
 ]
-"""The types of the fields below: a task that has another default for one names its type again."""
+"""This and the types above are those of the fields of `Conditions`.
+
+A task that gives a field another default repeats its type.
+"""
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a task's episodes take place under. All defaults together change nothing.
+    """The conditions of a task's episodes: noise, delays, obstacles and varied arms. The defaults change nothing.
 
-    A task has them by inheriting this class; `conditions_of` knows a task that does not. A subclass that has a
-    `later` of its own adds to this one's, and leaves out what it gives another default.
+    A task has these parameters if it inherits this class. `conditions_of` returns the defaults for other tasks.
+
+    `later` names the parameters that are left out of the task's identity while they have their defaults. A subclass
+    may have a `later` of its own. It then repeats the names that stand here, adds its own, and leaves out the fields to
+    which it gives another default; see `later_than`.
     """
 
     joint_noise: JointNoise = 0.0
@@ -113,35 +119,35 @@ class Conditions:
 
     @property
     def is_noisy(self) -> bool:
-        """Whether anything that is seen is, or what is done."""
+        """Whether observations or actions are noisy."""
         return any((self.joint_noise, self.speed_noise, self.target_noise, self.action_noise))
 
     @property
     def is_varied(self) -> bool:
-        """Whether arms differ."""
+        """Whether the arm differs from episode to episode."""
         return any((self.mass_variation, self.length_variation, self.friction_variation))
 
     @property
     def are_plain(self) -> bool:
-        """Whether they change nothing."""
+        """Whether the conditions change nothing."""
         delayed = self.observation_delay or self.action_delay
         return not (self.is_noisy or delayed or self.most_obstacles or self.is_varied)
 
     @property
     def most_obstacles(self) -> int:
-        """How many an episode has at most."""
+        """The largest number of obstacles that an episode can have."""
         return len(parse_obstacles(self.obstacles)) + self.obstacle_count
 
 
 PLAIN = Conditions()
-"""Those of a task that says nothing of them."""
+"""The conditions of a task without such parameters."""
 
 
 def later_than(*own: str) -> tuple[str, ...]:
-    """The `later` of a task that gives the fields `own` other defaults, which belong to its identity."""
+    """The `later` of a task that gives the fields `own` other defaults. These fields then belong to its identity."""
     return tuple(name for name in Conditions.later if name not in own)
 
 
 def conditions_of(task: object) -> Conditions:
-    """The conditions of a task; `PLAIN` for one that does not inherit `Conditions`."""
+    """The conditions of a task; `PLAIN` if it does not inherit `Conditions`."""
     return task if isinstance(task, Conditions) else PLAIN

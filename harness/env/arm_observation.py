@@ -32,7 +32,7 @@ class ArmObservation:
     """
 
     def __init__(self, robot: Robot, period: float, obstacles: int = 0) -> None:
-        """For an arm whose task shows so many obstacles."""
+        """Observe an arm whose task shows `obstacles` obstacles."""
         self.obstacles = obstacles
         half_range = (robot.upper - robot.lower) / 2.0
         joints = np.concatenate([half_range, robot.max_speed, robot.max_acceleration * period])

@@ -1,4 +1,4 @@
-"""What the arms of a batch are told: from actions to what the simulator does in a control period."""
+"""Commands to the arms of a batch: from actions to what the simulator does in a control period."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,14 +11,14 @@ from harness.simulator import Simulation, State
 
 
 class Commands:
-    """Joint targets: each move of an arm begins where the one before it led.
+    """Joint targets. Each move of an arm begins where the move before it led.
 
     Attributes:
         qpos: Those commanded last, (num_envs, dof), [rad] or [m]; another array after every call.
     """
 
     def __init__(self, motion: Motion, num_envs: int, dof: int, duration: float) -> None:
-        """Rest at zero.
+        """Begin with all joints at rest at zero.
 
         Args:
             motion: Turns actions into moves.
@@ -30,12 +30,12 @@ class Commands:
         self.qpos, self._qvel = np.zeros((num_envs, dof)), np.zeros((num_envs, dof))
 
     def begin(self, mask: Mask, qpos: Float) -> None:
-        """The arms of `mask` rest at `qpos`, (num_envs, dof)."""
+        """Begin anew with the arms of `mask`, which rest at `qpos`, (num_envs, dof)."""
         self.qpos, self._qvel = qpos, self._qvel.copy()
         self._qvel[mask] = 0.0
 
     def advance(self, action: Float) -> Move:
-        """The next move; what is commanded last is where it leads.
+        """The next move. The joint targets to which it leads become the last commanded ones.
 
         Args:
             action: (num_envs, action_size).
@@ -59,9 +59,9 @@ class Commands:
         return state, ground
 
     def state(self) -> dict[str, Any]:
-        """All that `restore` needs."""
+        """Everything that `restore` needs."""
         return {"command": self.qpos.copy(), "command_speed": self._qvel.copy()}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self.qpos, self._qvel = state["command"].copy(), state["command_speed"].copy()

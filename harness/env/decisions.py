@@ -1,4 +1,4 @@
-"""What a step of the env does, Gymnasium apart: arms side by side, each in an episode, moved, paid and recorded."""
+"""A step of the env without Gymnasium: arms side by side, each in an episode, are moved, paid and recorded."""
 
 from typing import Any, NamedTuple
 
@@ -98,7 +98,7 @@ class Decisions:
             self.rest(~(self._active | mask))
 
     def decide(self, actions: NDArray[Any]) -> Outcome:
-        """As many environment steps as a decision lasts; an episode that ends in one is left as it ended."""
+        """Do the environment steps of one decision. An episode that ends within them is left as it ended."""
         if self._starts.waiting:
             self._record_starts()
         discrete, active = self._discrete, self._active

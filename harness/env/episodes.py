@@ -83,7 +83,7 @@ class Episodes:
         return np.concatenate([np.arange(*self._places[name]) for name in names])
 
     def another(self) -> "Episodes":
-        """New ones of the same sizes."""
+        """New episodes of the same sizes."""
         return Episodes(*self._sizes, self.extras, self.goal)
 
     def extra(self, name: str) -> Float:
@@ -113,7 +113,7 @@ class Episodes:
         self.require_finite(self.distance)
 
     def measure(self, state: State) -> Float:
-        """Bring the matrix up to the state after a step; previous_best is still the value before it.
+        """Update the matrix to the state after a step. `previous_best` is still the value before the step.
 
         Returns:
             The distances, (num_envs,), a new array.
@@ -147,12 +147,12 @@ class Episodes:
         return short
 
     def measure_offset(self) -> None:
-        """Bring offset and distance up to target and end effector."""
+        """Update offset and distance from target and end effector."""
         np.subtract(self.target, self.end_effector, out=self.offset)
         self.distance[...] = self._errors()
 
     def require_finite(self, distance: Float) -> None:
-        """Raises SimulationDiverged where an end effector is nowhere."""
+        """Raise SimulationDiverged if the place of an end effector is not finite."""
         if not np.isfinite(distance).all():
             envs = np.flatnonzero(~np.isfinite(distance)).tolist()
             raise SimulationDiverged(f"the end effector of env {envs} is nowhere at step {self.step[envs[0]]:.0f}")
@@ -194,4 +194,4 @@ def _length(vectors: Float) -> Float:
 
 
 _ONE = np.array(1.0)
-"""As an array: numpy turns a float into one at every call."""
+"""1 as an array, since numpy would convert a float at every call."""

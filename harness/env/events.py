@@ -16,7 +16,7 @@ GROUND, REACHED, HELD, TERMINATED, TRUNCATED = range(5)
 
 
 class Events:
-    """Looks at every step, and writes flags and event terms into the record of the few in which something happened.
+    """Looks at every step. It writes flags and event terms into the record if something happened.
 
     Attributes:
         marked: Whether the record holds flags or event terms of the step before.
@@ -37,7 +37,7 @@ class Events:
         self._until_horizon = self._horizon - int(self._episodes.step.max())
 
     def set_target(self, mask: Mask) -> None:
-        """The envs of `mask` have their next targets: one in which the end effector is has to be left and entered."""
+        """Note new targets in the envs of `mask`. An end effector that is in its target must leave and enter it."""
         self._inside[mask] = self._episodes.distance[mask] <= self._epsilon
 
     def judge(self, distance: Float, ground: Mask, struck: Mask | None, held: Mask | None) -> tuple[Mask, Mask, Mask]:
@@ -75,11 +75,11 @@ class Events:
         self.marked = False
 
     def state(self) -> dict[str, Any]:
-        """All that `restore` needs beside the episodes' matrix."""
+        """Everything that `restore` needs beside the episodes' matrix."""
         return {"inside": self._inside.copy(), "until_horizon": self._until_horizon, "events": self.marked}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self._inside, self._until_horizon = state["inside"].copy(), int(state["until_horizon"])
         self.marked = bool(state["events"])
 

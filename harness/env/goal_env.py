@@ -154,7 +154,7 @@ class ReachGoalEnv(gymnasium.Env[GoalObservation, Action]):
 
 
 def forgets_the_way(reward: Reward) -> bool:
-    """Whether a reward needs no more of an episode than its begin and its last step; tried on random steps.
+    """Whether a reward needs only the beginning and the last step of an episode. It is tried on random steps.
 
     Such a reward carries nothing from step to step and pays the same whatever the best distance so far was.
     """

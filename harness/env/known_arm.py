@@ -1,4 +1,4 @@
-"""Where the arm's own kinematics can act as a policy, and that policy: what a learner could do that knew the arm."""
+"""Inverse kinematics as a policy, and the tasks that it can do. A learner that knew the arm could do as much."""
 
 from typing import cast
 
@@ -25,7 +25,7 @@ def why_not_kinematics(task: Task, robot: Robot) -> str:
 
 
 def kinematics_policy(task: Task, robot: Robot, algorithm: str = "") -> InverseKinematics:
-    """The policy that does `task` by the kinematics of `robot`, where `why_not_kinematics` says nothing.
+    """The policy that does `task` by the kinematics of `robot`. `why_not_kinematics` must be empty.
 
     Args:
         task: The task.

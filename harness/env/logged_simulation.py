@@ -11,7 +11,7 @@ from harness.simulator import Simulation, State
 
 
 class LoggedSimulation:
-    """Hands on every call, and keeps what it was told since each arm's last reset.
+    """Passes on every call, and keeps the calls since each arm's last reset.
 
     That is all that a checkpoint needs to hold of the physics, whatever the engine: what is reset and driven in the
     same way stands where the other stood, bit for bit. An episode is short: it is little to keep, and soon done again.
@@ -57,7 +57,7 @@ class LoggedSimulation:
         self._simulation.close()
 
     def state(self) -> TrainingState:
-        """How the arms came to where they are, and where that is."""
+        """The calls that brought the arms to where they are, and the present state."""
         seen = {f"seen.{name}": array.copy() for name, array in self.read()._asdict().items()}
         targets = np.array([qpos for qpos, _ in self._drives]).reshape(-1, *self._starts.shape)
         durations = np.array([duration for _, duration in self._drives], float)

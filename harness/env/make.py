@@ -24,7 +24,7 @@ Given: TypeAlias = str | Mapping[str, Any]
 
 @dataclass(frozen=True)
 class World:
-    """What episodes take place in: all that an environment is made of, built once, opened as often as needed.
+    """Everything that an environment is made of. It is built once and opened as often as needed.
 
     Attributes:
         simulator: Whose engine moves the arms.
@@ -39,12 +39,12 @@ class World:
     reward: Reward
 
     def open(self, num_envs: int, **options: Any) -> ReachVectorEnv:
-        """An environment of so many arms; `options` go to `harness.env.ReachVectorEnv`."""
+        """An environment of `num_envs` arms; `options` go to `harness.env.ReachVectorEnv`."""
         return ReachVectorEnv(self.simulator, self.robot, self.task, self.reward, num_envs, **options)
 
 
 def build_world(cell: Cell, robot: Robot, registry: Registry) -> World:
-    """What a cell's episodes take place in.
+    """The world of a cell's episodes.
 
     Args:
         cell: Whose simulator, task and reward.

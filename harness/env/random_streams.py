@@ -15,7 +15,7 @@ from harness.task import Situation, Task, goal_of
 Seed: TypeAlias = int | list[int] | None
 
 AHEAD = 16
-"""Targets are drawn so many at a time: checking that the arm reaches them is cheap in a batch."""
+"""How many targets are drawn at a time, because checking that the arm reaches them is cheap in a batch."""
 
 TRIES = 1000
 
@@ -33,13 +33,13 @@ class Streams:
         self._ahead: list[list[tuple[Float, bool, Float]]] = [[] for _ in range(num_envs)]
 
     def pack(self) -> NDArray[np.uint8]:
-        """Where they stand, as the bytes of a JSON text."""
+        """The states of the streams, as the bytes of a JSON text."""
         rngs = [[rng.bit_generator.state for rng in pair] for pair in self._pairs()]
         ahead = [[[position.tolist(), relative, *numbers] for position, relative, numbers in d] for d in self._ahead]
         return np.frombuffer(json.dumps({"rngs": rngs, "ahead": ahead}).encode(), np.uint8)
 
     def unpack(self, packed: NDArray[Any]) -> None:
-        """Stand where the streams of as many envs stood when they were packed."""
+        """Restore the states that `pack` returned for as many envs."""
         stood = json.loads(packed.tobytes())
         for pair, states in zip(self._pairs(), stood["rngs"], strict=True):
             for rng, state in zip(pair, states, strict=True):
@@ -64,7 +64,7 @@ class Streams:
         return end_effector + position if relative else position, numbers
 
     def target_apart(self, env: int, end_effector: Float, qpos: Float) -> tuple[Float, Float]:
-        """As `target`, but one that the arm is not at already.
+        """Like `target`, but a target that the arm has not reached already.
 
         Args:
             env: Whose.

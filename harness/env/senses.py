@@ -1,4 +1,4 @@
-"""What the learner sees and does where that is not what is: noise, and delays in whole control periods."""
+"""Noise and delays, in whole control periods, between the world and the learner."""
 
 from collections.abc import Callable
 
@@ -12,7 +12,7 @@ from harness.progress import TrainingState, as_state
 from harness.robot import Robot
 
 BLOCK = 128
-"""Steps of an episode whose noise is drawn at once."""
+"""How many steps' noise is drawn at once."""
 NOISE = 0
 """What the generator of a block is for, see `Senses`."""
 
@@ -21,14 +21,14 @@ Draw = Callable[[int, int, int], np.random.Generator]
 
 
 class Senses:
-    """Between the episodes as they are and the learner.
+    """Stands between the episodes and the learner: adds noise and delays.
 
     The noise of a step is drawn from the env's own stream by the number of the step alone: it is the same in any batch,
     under every reward, and however often one looks.
     """
 
     def __init__(self, conditions: Conditions, robot: Robot, episodes: Episodes, action_size: int, draw: Draw) -> None:
-        """Look at `episodes`, nothing of which is changed.
+        """Read `episodes`, which are not changed.
 
         Args:
             conditions: How noisy, how late.
@@ -67,7 +67,7 @@ class Senses:
         self._blocks[mask] = -1
 
     def push(self, active: Mask | None) -> None:
-        """A control period is over, in the envs that are `active`; None: in all."""
+        """Note that a control period is over, in the envs that are `active`; None: in all."""
         history, matrix = self._history, self._episodes.matrix
         where = slice(None) if active is None else active
         if len(history) > 1:
@@ -75,7 +75,7 @@ class Senses:
         history[0, where] = matrix[where]
 
     def act(self, wanted: Float, active: Mask | None) -> Float:
-        """What the arms do in this control period where the learner wants `wanted`, (num_envs, action_size)."""
+        """The actions of this control period, if the learner wants `wanted`, (num_envs, action_size)."""
         done = wanted
         if len(self._queue):
             done, where = self._queue[-1].copy(), slice(None) if active is None else active
@@ -103,11 +103,11 @@ class Senses:
         return seen
 
     def state(self) -> TrainingState:
-        """All that `restore` needs; noise follows from the streams."""
+        """Everything that `restore` needs; noise follows from the streams."""
         return as_state({"history": self._history.copy(), "queue": self._queue.copy()})
 
     def restore(self, state: TrainingState) -> None:
-        """Go on where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self._history[...], self._queue[...] = state["history"], state["queue"]
         self._blocks[:] = -1
 

@@ -10,11 +10,11 @@ from harness.progress import TrainingState, prefixed
 from harness.reward import Carry, Reward, Sample, replace_where
 
 NAME = "carry"
-"""Of the memory in a checkpoint."""
+"""The name of the memory in a checkpoint."""
 
 
 class Shaping:
-    """A reward at work.
+    """A reward with what it remembers of each env's episode.
 
     Attributes:
         reward: What pays.
@@ -38,11 +38,11 @@ class Shaping:
         self.carry = fresh if self.carry is None else replace_where(mask, fresh, self.carry)
 
     def put_back(self, mask: Mask, carry: Carry) -> None:
-        """Of the envs of `mask` remember again what `carry` holds."""
+        """Take over from `carry` the memory of the envs of `mask`."""
         self.carry = replace_where(~mask, self.carry, carry)
 
     def state(self) -> TrainingState:
-        """All that `restore` needs."""
+        """Everything that `restore` needs."""
         return prefixed(NAME, dict(_leaves(self.carry)))
 
     def restore(self, state: Mapping[str, Any], begin_distance: Float) -> None:

@@ -16,7 +16,7 @@ from harness.task import Task
 
 
 class Starts:
-    """Draws them, and writes them down.
+    """Draws starts and targets, and writes them down.
 
     Attributes:
         waiting: Whether episodes have begun whose first step has not followed yet.
@@ -77,11 +77,11 @@ class Starts:
         return rows
 
     def state(self) -> dict[str, Any]:
-        """All that `restore` needs beside the episodes' matrix."""
+        """Everything that `restore` needs beside the episodes' matrix."""
         return {"streams": self._streams.pack(), "started": self._fresh.copy(), "starting": self.waiting}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self._streams.unpack(state["streams"])
         self._fresh, self.waiting = state["started"].copy(), bool(state["starting"])
 

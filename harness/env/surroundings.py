@@ -21,11 +21,11 @@ from harness.robot.inverse_kinematics import reach_position
 from harness.simulator import Simulation, Simulator
 
 SPAWN_KEY = 21
-"""Of the env's stream for this, apart from those of `harness.env.random_streams.Streams`, which are spawned."""
+"""The key of the env's stream for conditions. It is apart from those of `harness.env.random_streams.Streams`."""
 CLUTTER = 1
-"""What a generator is for, beside `harness.env.senses.NOISE`."""
+"""A purpose of a generator, besides `harness.env.senses.NOISE`."""
 BETWEEN = 4
-"""Poses of a control period that are held against obstacles, the last of them at its end."""
+"""How many poses of a control period are compared with obstacles. The last one is at its end."""
 
 
 def extra_columns(conditions: Conditions) -> dict[str, int]:
@@ -37,7 +37,7 @@ def extra_columns(conditions: Conditions) -> dict[str, int]:
 
 
 class Surroundings:
-    """What a `harness.env.ReachVectorEnv` asks where its task has conditions.
+    """The conditions of a task, for a `harness.env.ReachVectorEnv`.
 
     Each episode has a key, drawn from the env's own stream at its start: its arm, obstacles and noise follow from it.
 
@@ -72,7 +72,7 @@ class Surroundings:
         self._rngs = _streams(len(self._keys), seed)
 
     def draw(self, mask: Mask) -> None:
-        """Keys and arms of the next episodes in the envs of `mask`, before their arms are reset."""
+        """Draw keys and arms of the next episodes in the envs of `mask`, before their arms are reset."""
         for k in np.flatnonzero(mask):
             self._keys[k] = int(self._rngs[k].integers(2**63))
             if self._varied is not None:
@@ -86,7 +86,7 @@ class Surroundings:
         return bool(reached[0])
 
     def begin(self, mask: Mask) -> None:
-        """The episodes in the envs of `mask` have begun: place obstacles, and look for the first time."""
+        """Place obstacles in the envs of `mask`, whose episodes have begun, and observe for the first time."""
         episodes = self._episodes
         if self._varied is not None:
             episodes.extra("arm")[mask, 0] = self._varied.arms[mask]
@@ -123,7 +123,7 @@ class Surroundings:
         return struck
 
     def state(self) -> TrainingState:
-        """All that `restore` needs beside the episodes' matrix."""
+        """Everything that `restore` needs beside the episodes' matrix."""
         stood = {"rngs": [rng.bit_generator.state for rng in self._rngs], "keys": self._keys}
         streams = np.frombuffer(json.dumps(stood).encode(), np.uint8)
         own = as_state({"streams": streams, "before": self._before.copy()})

@@ -1,4 +1,4 @@
-"""Many arms that differ, as one simulation: an engine of its own for each."""
+"""One simulation of many arms that differ. Each arm has an engine of its own."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State
 
 MOST_IDLE = 16
-"""Simulations that are kept open while no env needs them; the one that was left first is closed first."""
+"""The most unused simulations that are kept open. The one that was left first is closed first."""
 ALONE = np.ones(1, bool)
 
 
@@ -86,7 +86,7 @@ class VariedSimulation:
         return self._open[env] or self._take(env)
 
     def _take(self, env: int) -> Simulation:
-        """The simulation of the arm that the env is to have; the one that it had waits for another env."""
+        """Give an env the simulation of its next arm. Its last simulation waits for another env."""
         wanted, present = int(self.arms[env]), self._open[env]
         if present is None or self._present[env] != wanted:
             if present is not None:

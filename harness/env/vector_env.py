@@ -82,7 +82,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
 
     @property
     def simulation(self) -> Simulation:
-        """Moves the arms. Another one may take its place."""
+        """The simulation that moves the arms. It may be replaced."""
         return self._decisions.simulation
 
     @simulation.setter
@@ -91,7 +91,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
 
     @property
     def reward(self) -> Reward:
-        """Pays. Another one may take its place that remembers the same."""
+        """The reward that pays. Another one that remembers the same may replace it."""
         return self._decisions.shaping.reward
 
     @reward.setter
@@ -158,7 +158,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self._decisions.rest(mask)
 
     def state(self) -> TrainingState:
-        """All that `restore` needs, between two steps.
+        """Everything that `restore` needs, between two steps.
 
         Raises:
             UsageError: The env was opened without ``resumable=True``.
@@ -166,7 +166,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         return self._decisions.state()
 
     def restore(self, state: TrainingState) -> None:
-        """Stand where an env of the same kind stood when it told its `state`, in the middle of episodes too.
+        """Go on from the `state` that an env of the same kind returned, in the middle of episodes too.
 
         Raises:
             UsageError: The env was opened without ``resumable=True``.
@@ -179,7 +179,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         return tuple(self.simulation.render(k, self.episodes.target[k], 640, 480) for k in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Close the simulator; the recorder belongs to whoever made it."""
+        """Close the simulator. The recorder belongs to the caller."""
         self.simulation.close()
 
     def _define_spaces(self, motion: Motion) -> None:

@@ -1,1 +1,1 @@
-"""Numbers in, numbers and words out: the note's indices, their ratios, and how far these can be trusted."""
+"""Computes numbers and words from numbers: the note's indices, their ratios, and how far these can be trusted."""

@@ -1,4 +1,4 @@
-"""One measure over seeds, beyond its mean, as Agarwal et al. (2021) propose: no single run decides it."""
+"""Statistics of a measure over seeds besides its mean, as Agarwal et al. (2021) propose. No single run decides them."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -9,7 +9,7 @@ from harness.arrays import Float
 
 
 def interquartile_mean(values: Sequence[float]) -> float | None:
-    """Mean of the middle half; None for fewer than 4 values, of which no quarter can be left out."""
+    """Mean of the middle half; None for fewer than 4 values, from which no quarter can be left out."""
     count = len(values)
     if count < 4:
         return None
@@ -34,6 +34,6 @@ def probability_of_improvement(
 
 
 def performance_profile(values: Sequence[float], at: Sequence[float] | Float) -> Float:
-    """Share of the runs with at least so much, (len(at),): one profile above another everywhere is better anywhere."""
+    """Share of the runs with at least the values `at`, (len(at),). A profile above another one everywhere is better."""
     reached: Float = (np.asarray(values)[None, :] >= np.asarray(at)[:, None]).mean(axis=1)
     return reached

@@ -1,4 +1,4 @@
-"""One measure of behaviour under two rewards: the difference, and how far it can be trusted."""
+"""The difference of a measure of behaviour under two rewards, and how far it can be trusted."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,42 +13,42 @@ from harness.eta.swaps import ALPHA, Swaps, p_of
 
 
 class Measure(NamedTuple):
-    """What is measured."""
+    """A measure of behaviour."""
 
     name: str
-    """Of the metric."""
+    """The name of the metric."""
     unit: str
-    """Of its values; empty where it has none."""
+    """The unit of its values; empty if it has none."""
     better: str
     """``higher`` or ``lower``."""
     manner: str
     """How the policies acted, or when: ``deterministic``, ``stochastic``, ``while training``, ``while learning``."""
     episodes: int | None = None
-    """Of so many episodes it is a share; None where it is not one."""
+    """How many episodes it is a share of; None if it is not a share."""
     title: str = ""
-    """What readers are told in place of the name; empty: the name, with blanks."""
+    """The name for readers; if empty, they see the name with blanks."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """Means over seeds of one measure; no reward enters it.
+    """Means over seeds of one measure, which does not depend on any reward.
 
     Attributes:
         measure: What is measured.
-        baseline: Mean over the compared seeds under the baseline; None where the metric is not defined.
+        baseline: Mean over the compared seeds under the baseline; None if the metric is not defined.
         proposed: The same under the proposed reward.
-        random: The same of random actions.
+        random: The same for random actions.
         seeds: How many seeds have a value under both rewards, and are compared.
-        left_out: How many seeds have none under one of them.
+        left_out: How many seeds have no value under one of the rewards.
         low: Lower end of the 95 % interval of proposed - baseline, over seeds in pairs; None where there is none.
         high: Upper end.
-        p: That there is no difference, by an exact test over swapped seeds; None where it cannot be told.
-        corrected: The same, such that it holds for all claims that are made together.
-        values: Of each compared seed, under the baseline and under the proposed reward.
-        variance: Of the difference of a seed; None below two seeds.
-        outcomes: The mean difference, the names of the trainings swapped in all ways, see `harness.eta.swaps`; None
-            of a single seed, which can claim nothing.
-        reason: Why the metric failed for a seed; empty where it did not, also where it is not defined.
+        p: The p-value for no difference, by an exact test over swapped seeds; None if it cannot be computed.
+        corrected: The p-value corrected for all claims that are made together.
+        values: The values of each compared seed, under the baseline and under the proposed reward.
+        variance: The variance of a seed's difference; None below two seeds.
+        outcomes: The mean difference with the trainings' names swapped in all ways, see `harness.eta.swaps`; None
+            for a single seed, which can claim nothing.
+        reason: Why the metric failed for a seed; empty if it did not fail, also if it is not defined.
     """
 
     measure: Measure
@@ -68,7 +68,7 @@ class Change:
 
     @property
     def name(self) -> str:
-        """Of the metric."""
+        """The name of the metric."""
         return self.measure.name
 
     @property
@@ -85,7 +85,7 @@ class Change:
 
     @property
     def direction(self) -> str:
-        """``better`` or ``worse`` where the corrected test says so, else empty."""
+        """``better`` or ``worse`` if the corrected test says so, else empty."""
         if self.corrected is None or self.corrected > ALPHA or not self.difference:
             return ""
         return "better" if (self.difference > 0.0) == (self.measure.better == "higher") else "worse"
@@ -99,7 +99,7 @@ class Change:
 
     @property
     def middles(self) -> tuple[float | None, float | None]:
-        """Interquartile means over the compared seeds, of the baseline and of the proposed reward."""
+        """Interquartile means over the compared seeds, for the baseline and for the proposed reward."""
         return interquartile_mean([one for one, _ in self.values]), interquartile_mean([it for _, it in self.values])
 
     @property
@@ -131,7 +131,7 @@ class Change:
 
 
 Values = Mapping[int, float | None]
-"""Of each seed; None where the metric is not defined."""
+"""The value of each seed; None if the metric is not defined."""
 
 
 def change_of(
@@ -143,7 +143,7 @@ def change_of(
         measure: What is measured.
         baseline: Its values under the baseline, by seed.
         proposed: The same seeds under the proposed reward.
-        swaps: In which ways the names of a seed's trainings are swapped.
+        swaps: The ways in which the names of a seed's trainings are swapped.
         random: Its values for random actions.
     """
     pairs = {

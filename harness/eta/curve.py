@@ -1,4 +1,4 @@
-"""The curve of a group of runs, from which its index is read; takes runs of any length a piece at a time."""
+"""The curve of a group of runs, from which its index is read. It takes runs of any length piece by piece."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -13,9 +13,9 @@ Kind: TypeAlias = Literal["accumulated", "per-step"]
 KINDS = ("accumulated", "per-step")
 
 POINTS = 4096
-"""Of each run at least so many steps are kept for resampling, at most twice as many; shorter runs are kept whole."""
+"""At least so many steps of each run are kept for resampling, at most twice as many. Shorter runs are kept whole."""
 EXCHANGED = 1024
-"""Of each run at most so many steps enter a test, which draws thousands of curves."""
+"""At most so many steps of each run enter a test, which draws thousands of curves."""
 
 
 class GroupCurve:
@@ -51,7 +51,7 @@ class GroupCurve:
 
     @property
     def index(self) -> Index:
-        """What the mean curve says so far."""
+        """The index of the mean curve so far."""
         sums = self._sums
         if self.kind == "per-step" and self._first_negative is None:  # taken for I_N as long as that could be
             sums = [0.0, sums[0]]
@@ -142,12 +142,12 @@ def curve_of(rewards: Sequence[Float], kind: Kind = "accumulated") -> GroupCurve
 
 
 def stream_curve(rewards: Iterable[Float], runs: int, steps: int, kind: Kind = "accumulated") -> GroupCurve:
-    """The same of runs that come one after the other, of which one at a time is in memory.
+    """The curve of runs that come one after the other. Only one run at a time is in memory.
 
     Args:
-        rewards: Of each run, (steps,) or longer.
-        runs: How many there are.
-        steps: What they are cut to.
+        rewards: The rewards of each run, (steps,) or longer.
+        runs: How many runs there are.
+        steps: The length to which they are cut.
         kind: See `GroupCurve`.
     """
     curve = GroupCurve(runs, kind)
@@ -157,7 +157,7 @@ def stream_curve(rewards: Iterable[Float], runs: int, steps: int, kind: Kind = "
     while math.ceil(steps / stride) > 2 * POINTS:
         stride *= 2
     kept, total = np.empty((runs, math.ceil(steps / stride))), np.zeros(steps)
-    sums = np.empty(steps)  # one for all runs: new pages cost as much as the sums
+    sums = np.empty(steps)  # one array for all runs: new memory would cost as much as the sums
     for row, run in zip(kept, rewards, strict=True):
         values = np.asarray(run[:steps], np.float64)
         if kind == "accumulated":
@@ -187,8 +187,8 @@ def mixtures(groups: Sequence[GroupCurve], shares: Float) -> tuple[Float, Float]
 def swapped(one: GroupCurve, other: GroupCurve, signs: Float) -> tuple[Float, Float]:
     """I_N and I_P of two groups whose runs change places, (2, ways) of each group, from `EXCHANGED` points at most.
 
-    What `mixtures` gives of each side, in a quarter of the time: a run that one side gains is the one that the other
-    side loses, so both mean curves lie as far from their middle.
+    It gives what `mixtures` gives for each side, in a quarter of the time. One side gains the run that the other
+    side loses, so both mean curves lie equally far from their middle.
 
     Args:
         one: A group.
@@ -206,7 +206,7 @@ def swapped(one: GroupCurve, other: GroupCurve, signs: Float) -> tuple[Float, Fl
 
 
 def _exchanged(groups: Sequence[GroupCurve]) -> tuple[list[Float], int]:
-    """The kept points of groups that enter a test, cut to the shortest, and how many steps each stands for."""
+    """The kept points that enter a test, cut to the shortest group, and how many steps each point stands for."""
     stride = max(group.stride for group in groups)
     kept = [group.runs[:, :: stride // group.stride] for group in groups]
     points = min(runs.shape[1] for runs in kept)
@@ -215,7 +215,7 @@ def _exchanged(groups: Sequence[GroupCurve]) -> tuple[list[Float], int]:
 
 
 def _chunks(ways: Float) -> range:
-    """Where each piece begins of what is too large for one: all curves at once would take gigabytes."""
+    """Where each piece of the ways begins. All curves at once would take gigabytes."""
     return range(0, len(ways), _CHUNK)
 
 
@@ -230,7 +230,7 @@ def _split(curves: Float, kind: Kind) -> Float:
 
 
 def _mean_of(runs: Float) -> Float:
-    """One addition after another: numpy's own mean adds in another order where there is but one column."""
+    """The mean by one addition after another. numpy's own mean adds in another order if there is only one column."""
     total = runs[0].copy()
     for run in runs[1:]:
         total += run
@@ -239,7 +239,7 @@ def _mean_of(runs: Float) -> Float:
 
 
 def _before_crossover(curves: Float) -> Mask:
-    """Steps up to and with the cross-over, (draws, points); none where a curve is never negative."""
+    """Steps up to and with the cross-over, (draws, points); all False for a curve that is never negative."""
     seen_negative = np.logical_or.accumulate(curves < 0.0, axis=1)
     crossed = np.logical_or.accumulate(seen_negative & (curves >= 0.0), axis=1)
     first = crossed & ~np.pad(crossed, ((0, 0), (1, 0)))[:, :-1]

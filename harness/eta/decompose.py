@@ -41,14 +41,14 @@ ZERO = {
     ("per-step", "I_N"): "its mean reward is never negative",
     ("per-step", "I_P"): "its mean reward has nothing after a cross-over",
 }
-"""Why an index is 0."""
+"""What an index of 0 means."""
 NEAR_ZERO = 0.01
-"""An index below this share of the other training's under the same reward is as good as 0: a ratio with it says little.
+"""An index below this share of the other training's under the same reward counts as 0: a ratio with it says little.
 Under another reward it may be small because the ruler is."""
 NEGLIGIBLE = 1e-4
-"""So is an index below this share of the other index of its curve: published curves have an I_N of 0.003 of I_P."""
+"""So does an index below this share of its curve's other index. In published curves I_N is 0.003 of I_P."""
 ROUNDING = 1e-12
-"""Two indices that differ by less than this share of theirs differ by the order of additions only."""
+"""Two indices that differ by less than this share differ only by the order of additions."""
 UNLIKE = 1.0
 """Standard deviation of the logarithm of single seeds' indices beyond which a ruler's interval does not hold, by
 simulation. As few seeds know theirs only roughly, the largest likely one counts."""
@@ -84,7 +84,7 @@ def decompose(
 
 
 def _outcomes(one: GroupCurve, other: GroupCurve, paired: bool, signs: Float | None) -> tuple[Float | None, ...]:
-    """Differences of I_N and I_P in all ways that the runs could have been labelled; None for a single run."""
+    """Differences of I_N and I_P for all ways in which the runs could have been labelled; None for a single run."""
     if min(one.count, other.count) < 2:
         return None, None
     if paired:
@@ -104,9 +104,9 @@ class Splitter:
         """Take what is known.
 
         Args:
-            name: Of the amount, as ``I_N``.
+            name: The name of the amount, such as ``I_N``.
             sums: The amount of every group of runs, under every reward that scored it.
-            why_zero: What it means that it is 0; not needed of an amount that cannot be.
+            why_zero: What an amount of 0 means; not needed if the amount cannot be 0.
             counterparts: The other index of the same curves, beside which this one may be next to nothing.
         """
         self._name, self._sums, self._why_zero = name, sums, why_zero
@@ -118,7 +118,7 @@ class Splitter:
             self._near_zero.update(self._small_beside_its_counterpart(counterparts))
 
     def split(self, outcomes: Float | None, missing: str | None) -> Split:
-        """All but the noise."""
+        """The split without the noise floor."""
         eta, per_seed = self._ratio(KK, BB), self._per_seed()
         p = None if outcomes is None else p_of(outcomes)
         if not self._is_scored:
@@ -147,7 +147,7 @@ class Splitter:
         return self._with_interval(value, lambda sums: _log(sums, numerator, denominator), near)
 
     def _combined(self, paths: tuple[SplitPath, ...], logarithm: Callable[[Sums], Float]) -> Ratio:
-        """A ratio that is made of both paths."""
+        """A ratio that combines both paths."""
         parts = [part for path in paths for part in path]
         undefined = next((part for part in parts if part.value is None), None)
         if undefined is not None:
@@ -158,7 +158,7 @@ class Splitter:
         return self._with_interval(_exp(logarithm(self._sums.whole)[0]), logarithm, near)
 
     def _per_seed(self) -> Ratio:
-        """Each seed's eta by itself; for runs that are not paired the ratio of their geometric means."""
+        """The geometric mean of single seeds' etas; for unpaired runs the ratio of their geometric means."""
         each = self._sums.each
         zeros = {pair: int(np.count_nonzero(each[pair] == 0.0)) for pair in (BB, KK)}
         for pair, count in zeros.items():
@@ -172,7 +172,7 @@ class Splitter:
         return self._bounded(_exp(knife.value), knife, None)
 
     def _of_unlike_seeds(self, ruler: Ratio) -> Ratio:
-        """The ruler without its interval where a few seeds make up an index: there it misses on one side."""
+        """The ruler without its interval if a few seeds make up an index. The interval would miss on one side."""
         if ruler.low is None or not self._seeds_are_unlike:
             return ruler
         reason = f"no interval: single seeds' {self._name} may differ so much that a few of them decide the ruler"
@@ -212,7 +212,7 @@ class Splitter:
                 yield small, f"{self._name} of {OWNER[small]} is near zero beside that of {OWNER[large]}"
 
     def _small_beside_its_counterpart(self, counterparts: ScoredSums) -> Iterator[tuple[Pair, str]]:
-        """A curve that is hardly ever of this sign: its few values decide nothing."""
+        """Whether a curve hardly ever has this sign, so that its few values decide nothing."""
         other = "I_P" if self._name == "I_N" else "I_N"
         for pair in self._sums.whole:
             if abs(self._sums.value(pair)) < NEGLIGIBLE * abs(counterparts.value(pair)):
@@ -220,7 +220,7 @@ class Splitter:
 
 
 def split_sum(sums: ScoredSums, missing: str | None = None) -> SumSplit:
-    """The change of an amount from the baseline to the proposed reward, taken apart; `missing` says why it is not."""
+    """The change of an amount from the baseline to the proposed reward, with its parts or why they are `missing`."""
     change = _amount(sums, lambda of: of[KK] - of[BB])
     if not {BK, KB} <= sums.whole.keys():
         nothing = SeedMean(None, notes=("not re-scored" if missing is None else missing,))
@@ -240,13 +240,13 @@ def _amount(sums: ScoredSums, number: Callable[[Sums], Float]) -> SeedMean:
 
 
 def _are_alike(logarithms: Float) -> bool:
-    """Whether single seeds' sizes surely have a small enough spread."""
+    """Whether the sizes of single seeds certainly have a small enough spread."""
     _, largest = spread_range(math.sqrt(variance_of(logarithms)), len(logarithms))
     return largest <= UNLIKE
 
 
 def _exp(logarithm: float) -> float:
-    """Infinite where it is too large for a number."""
+    """The exponential; infinite if it is too large for a float."""
     with np.errstate(over="ignore"):
         return float(np.exp(logarithm))
 

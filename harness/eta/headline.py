@@ -1,4 +1,4 @@
-"""What a comparison comes to: first the robot, then the number, one sentence each.
+"""The answers of a comparison: first about the robot, then about the number, one sentence each.
 
 A word of better or worse stands here only where a test says so whose error rate is known; see ``docs/statistics.md``.
 """
@@ -19,13 +19,13 @@ from harness.eta.swaps import ALPHA, fewest_seeds
 
 SUCCESS, TIME = "success_rate", "time_to_target"
 DECIDING = (SUCCESS, TIME)
-"""Measures that decide about the robot, the first that tells the two trainings apart; both count failures."""
+"""Measures that decide about the robot. The first that tells the two trainings apart decides. Both count failures."""
 SHORT = {SUCCESS: "success", TIME: "the time"}
-"""What their margins are called."""
+"""Names of these measures for sentences about their margins."""
 SUCCESS_MARGIN = 0.05
-"""A difference of success below this, as a share of the episodes, is taken for none."""
+"""A difference of success below this, as a share of the episodes, counts as none."""
 TIME_MARGIN = 0.10
-"""The same for the time to the target, as a share of the baseline's."""
+"""A difference of the time to the target below this, as a share of the baseline's, counts as none."""
 
 
 class Answer(StrEnum):
@@ -49,10 +49,10 @@ class Headline:
     """Two answers: about the robot, and about the number.
 
     Attributes:
-        answer: About the robot.
-        robot: It in a sentence.
+        answer: The answer about the robot.
+        robot: This answer in a sentence.
         number: How much the indices changed, and how much of that is ruler, in a sentence.
-        decided_by: The measure that decided; None where none did.
+        decided_by: The measure that decided; None if no measure did.
         seeds_to_decide: How many seeds would tell a difference as large as the margin, as a range; None where the
             robot's answer needs no more, or no number can be told.
     """
@@ -77,11 +77,11 @@ class Headline:
 def headline_of(
     names: Names, decomposition: Decomposition, changes: Sequence[Change] = (), claims: int = 1
 ) -> Headline:
-    """Both answers.
+    """Both answers of a comparison.
 
     Args:
-        names: Of the rewards.
-        decomposition: Of both etas.
+        names: The names of the rewards.
+        decomposition: The decomposition of both etas.
         changes: Measures of behaviour of one manner; empty where only rewards were recorded.
         claims: How many are made together with these, for the number of seeds that would decide.
     """
@@ -96,14 +96,14 @@ def judge(
     claims: int = 1,
     unmeasured: str = "How the robot behaves was not measured.",
 ) -> Headline:
-    """The same from measures that are known to decide, the first that tells the two trainings apart.
+    """Both answers from measures that may decide. The first that tells the two trainings apart decides.
 
     Args:
-        names: Of the rewards.
+        names: The names of the rewards.
         deciding: Measures of behaviour of one manner, each of one seed at least.
-        number: The other sentence.
+        number: The sentence about the number.
         claims: As above.
-        unmeasured: What is said where there is no measure.
+        unmeasured: The sentence for the case that there is no measure.
     """
     if not deciding:
         return Headline(Answer.CANNOT_TELL, unmeasured, number)
@@ -118,20 +118,20 @@ def judge(
 
 
 def margin_of(change: Change) -> float:
-    """A smaller difference of this measure is taken for none, in its unit."""
+    """The margin of a measure, in its unit. A smaller difference counts as none."""
     if _is_share(change):
         return SUCCESS_MARGIN
     return TIME_MARGIN * abs(change.baseline or 0.0)
 
 
 def number_sentence(names: Names, splits: Splits) -> str:
-    """How much each index changed, what the ruler alone makes of it, and what the runs themselves do."""
+    """A sentence on how much each index changed, and how much of that is ruler and behaviour."""
     told = [_ratio_sentence(name, name.replace("eta", "I"), names, split) for name, split in splits.items()]
     return " ".join([*told, *(f"{name}: {flag}." for name, split in splits.items() for flag in split.flags)])
 
 
 def return_sentence(names: Names, split: ReturnSplit) -> str:
-    """The same of the mean return of an episode: as a ratio where it is one, else as a difference."""
+    """The same for the mean return of an episode: as a ratio if there is one, else as a difference."""
     eta = split.ratio.eta
     if eta.value is not None and eta.near_zero is None:
         told = _ratio_sentence("The ratio of mean returns", "The mean return", names, split.ratio)
@@ -146,7 +146,7 @@ def return_sentence(names: Names, split: ReturnSplit) -> str:
 
 
 def count_seeds(seeds: int) -> str:
-    """How many."""
+    """The number of seeds, in words."""
     return "1 seed" if seeds == 1 else f"{seeds} seeds"
 
 
@@ -185,7 +185,7 @@ def _undecided(names: Names, changes: Sequence[Change], needed: Range | None) ->
 
 
 def _values(names: Names, change: Change) -> str:
-    """Whose value is whose, and the difference's interval."""
+    """The values of both rewards in words, and the interval of their difference."""
     told = (
         f"{change.name.replace('_', ' ')} {_amount_text(change, change.proposed)} with {names.proposed}, "
         f"{_amount_text(change, change.baseline)} with {names.baseline}"
@@ -199,7 +199,7 @@ def _values(names: Names, change: Change) -> str:
 
 
 def _is_share(change: Change) -> bool:
-    """Whether it is told as a percentage."""
+    """Whether a measure is written as a percentage."""
     return change.name == SUCCESS or change.measure.episodes is not None
 
 
@@ -211,7 +211,7 @@ def _margin_text(change: Change) -> str:
 
 
 def _seeds_needed(changes: Sequence[Change], claims: int) -> Range | None:
-    """For every deciding measure to tell a difference as large as its margin."""
+    """The number of seeds with which every deciding measure would tell a difference as large as its margin."""
     ranges = [
         seeds_to_tell(margin_of(change), math.sqrt(change.variance), change.seeds, claims)
         for change in changes
@@ -225,7 +225,7 @@ def _seeds_needed(changes: Sequence[Change], claims: int) -> Range | None:
 
 
 def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
-    """Of a ratio by its name, and of the amount that it is a ratio of."""
+    """A sentence on a ratio, with its name, and on the amount that it is a ratio of."""
     eta = split.eta
     if eta.value is None:
         return f"{name} n/a: {eta.note}."
@@ -255,5 +255,5 @@ def _mean_text(mean: SeedMean) -> str:
 
 
 def _digits(value: float, sign: str = "") -> str:
-    """Three of them, without an exponent up to a million."""
+    """A number with three digits, without an exponent up to a million."""
     return f"{float(f'{value:.3g}'):{sign},.6g}"

@@ -12,11 +12,11 @@ DECIMALS = 1
 
 @dataclass(frozen=True)
 class Index:
-    """What the mean curve of a group says.
+    """The index of a group of runs, read from its mean curve.
 
     Attributes:
-        first_negative: First step at which the curve is negative, counted from 0; None if it never is.
-        crossover: First step after it at which the curve is not negative; None if there is none.
+        first_negative: First step at which the curve is negative, counted from 0; None if it is never negative.
+        crossover: First step after `first_negative` at which the curve is not negative; None if there is none.
         steps: Length of the curve.
         negative_sum: What I_N is before rounding.
         positive_sum: What I_P is before rounding.
@@ -60,11 +60,11 @@ class Ratio:
     """A ratio with its interval, or the reason why there is none.
 
     Attributes:
-        value: None where the ratio is not defined.
-        low: Lower end of the 95 % interval; None where there is none.
+        value: The ratio; None if it is not defined.
+        low: Lower end of the 95 % interval; None if there is none.
         high: Upper end.
         notes: Why something is None, or what to keep in mind.
-        near_zero: Which of its indices is near zero, and beside what: the ratio then says little. None where none is.
+        near_zero: Which of its indices is near zero, and beside what. The ratio then says little. Else None.
     """
 
     value: float | None
@@ -75,7 +75,7 @@ class Ratio:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """All there is to say beside the numbers; that an index is near zero comes first."""
+        """All remarks on the numbers. That an index is near zero comes first."""
         weak = () if self.near_zero is None else (f"{self.near_zero}: the ratio says little",)
         return (*weak, *self.notes)
 

@@ -1,4 +1,4 @@
-"""Intervals over seeds that cover what they say: Student's t, and a jackknife for what is no mean.
+"""Intervals over seeds that cover as often as they claim: Student's t, and a jackknife for numbers that are no means.
 
 ``docs/statistics.md`` shows by simulation how often they hold the truth, and why resampling was not taken.
 """
@@ -14,13 +14,13 @@ from harness.arrays import Float
 
 CONFIDENCE = 0.95
 LEAST_SEEDS = 3
-"""Two seeds have one degree of freedom: an interval of theirs is 18 times as wide as that of many and says nothing."""
+"""The fewest seeds with an interval. That of two seeds would be 18 times as wide as that of many, and say nothing."""
 
 Interval: TypeAlias = tuple[float, float]
 
 
 def why_no_interval(seeds: int) -> tuple[str, ...]:
-    """The reason why so few seeds have none, as notes; empty where they have one."""
+    """The reason why so few seeds have no interval, as notes; empty if they have one."""
     if seeds >= LEAST_SEEDS:
         return ()
     told = "one seed" if seeds == 1 else f"{seeds} seeds"
@@ -29,7 +29,7 @@ def why_no_interval(seeds: int) -> tuple[str, ...]:
 
 def quantile(confidence: float, freedom: float) -> float:
     """How many standard errors Student's interval reaches to both sides."""
-    from scipy.special import stdtrit  # scipy costs every command that needs none of it
+    from scipy.special import stdtrit  # here, since importing scipy takes time that most commands need not spend
 
     return float(stdtrit(freedom, 0.5 + confidence / 2.0))
 
@@ -40,7 +40,7 @@ def mean_interval(values: Sequence[float] | Float, variance: float, confidence: 
     Args:
         values: At least `LEAST_SEEDS`, independent of one another.
         variance: Of a single value, see `variance_of` and `share_variance`.
-        confidence: How often it holds the mean.
+        confidence: How often the interval holds the mean.
     """
     reach = quantile(confidence, len(values) - 1) * math.sqrt(variance / len(values))
     middle = float(np.mean(values))
@@ -48,7 +48,7 @@ def mean_interval(values: Sequence[float] | Float, variance: float, confidence: 
 
 
 def variance_of(values: Sequence[float] | Float) -> float:
-    """Of a single value, from at least two."""
+    """The variance of a single value, from at least two values."""
     return float(np.var(values, ddof=1))
 
 
@@ -57,7 +57,7 @@ def spread_range(spread: float, seeds: int) -> Interval:
 
     Args:
         spread: Standard deviation of the values.
-        seeds: How many there are, at least two.
+        seeds: How many values there are, at least two.
     """
     from scipy.special import chdtri
 
@@ -67,7 +67,7 @@ def spread_range(spread: float, seeds: int) -> Interval:
 
 
 def share_variance(values: Sequence[float] | Float, shares: Sequence[float], episodes: int) -> float:
-    """The same where values are shares of episodes, or differences of such.
+    """The variance of a single value, if values are shares of episodes or differences of shares.
 
     Seeds that all succeed do not tell how often one fails: their own variance is 0 and an interval by it is a point.
     Two things stand for what they do not show. A share of so many episodes varies by itself, after Agresti and Coull
@@ -77,7 +77,7 @@ def share_variance(values: Sequence[float] | Float, shares: Sequence[float], epi
     Args:
         values: One per seed, at least two.
         shares: The mean shares that a value is made of: one, or both that it is the difference of.
-        episodes: That each share is of.
+        episodes: The number of episodes that each share is of.
     """
     count = len(values)
     floor = sum(_binomial_variance(share, episodes) for share in shares)
@@ -96,10 +96,10 @@ def _binomial_variance(share: float, episodes: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Jackknife:
-    """A number, and what it would be without each of the seeds that it rests on.
+    """A number, and its values without each of the seeds that it rests on.
 
     Attributes:
-        value: From all seeds.
+        value: The number from all seeds.
         left_out: Without one seed at a time, (seeds,); a group of seeds each where two groups are not paired.
     """
 
@@ -108,7 +108,7 @@ class Jackknife:
 
     @property
     def is_defined(self) -> bool:
-        """Whether it is a number without any one of the seeds."""
+        """Whether it stays defined if any one of the seeds is left out."""
         return bool(np.isfinite(self.value)) and all(np.isfinite(group).all() for group in self.left_out)
 
     def interval(self, confidence: float = CONFIDENCE) -> Interval:

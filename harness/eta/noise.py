@@ -1,4 +1,4 @@
-"""The noise floor: what eta comes to between two groups of runs that differ by their seeds alone."""
+"""The noise floor: the values that eta takes between two groups of runs that differ only by their seeds."""
 
 import math
 from collections.abc import Callable
@@ -17,7 +17,7 @@ LEAST_RUNS = 4
 
 
 def noise_floor(baseline: GroupCurve, control: GroupCurve | None, which: int) -> Ratio:
-    """1, with the range that holds `CONFIDENCE` of such etas.
+    """The ratio 1, with the range that holds the share `CONFIDENCE` of the etas that seeds alone make.
 
     With a control, the baseline trained again with as many other seeds, halves of all runs are as large as the groups
     that are compared. Without one, halves of the baseline's runs are smaller than they and differ more: their
@@ -26,7 +26,7 @@ def noise_floor(baseline: GroupCurve, control: GroupCurve | None, which: int) ->
 
     Args:
         baseline: Its runs, scored by their own reward.
-        control: The same trained again with other seeds; None where it was not.
+        control: The baseline trained again with other seeds; None if it was not.
         which: 0 for I_N, 1 for I_P.
     """
     groups = [baseline] if control is None else [baseline, control]
@@ -36,22 +36,22 @@ def noise_floor(baseline: GroupCurve, control: GroupCurve | None, which: int) ->
 
 
 def noise_of_means(values: Float) -> Ratio:
-    """The same of a mean over runs of the baseline, such as a mean return.
+    """The noise floor of a mean over runs of the baseline, such as a mean return.
 
     Args:
-        values: Of each run, (runs,).
+        values: The value of each run, (runs,).
     """
     return _range(len(values), len(values), lambda shares: shares @ values, "a mean that is not above 0", "")
 
 
 def _range(count: int, compared: int, of: Callable[[Float], Float], undefined: str, told: str) -> Ratio:
-    """The range of the amount of one half over that of the other.
+    """The range of the ratio of one half's amount to the other half's.
 
     Args:
-        count: Of runs that are halved.
-        compared: Runs of each group that is compared in earnest.
-        of: From shares of the runs, (splits, count), to the amount, (splits,).
-        undefined: What a half has that has no logarithm.
+        count: How many runs are halved.
+        compared: How many runs each group of the real comparison has.
+        of: A function from shares of the runs, (splits, count), to the amount, (splits,).
+        undefined: What a half has if its amount has no logarithm.
         told: What was halved; empty for the baseline's own runs.
     """
     if count < LEAST_RUNS:

@@ -1,4 +1,4 @@
-"""How many seeds it takes to tell a difference of a given size."""
+"""How many seeds are needed to tell a difference of a given size."""
 
 import math
 from typing import TypeAlias
@@ -21,11 +21,11 @@ def seeds_to_tell(difference: float, spread: float, seeds: int, claims: int) -> 
     Args:
         difference: The size, above 0.
         spread: Standard deviation of the difference of a seed.
-        seeds: How many it was taken from, at least 2.
-        claims: How many are made together.
+        seeds: How many seeds `spread` comes from, at least 2.
+        claims: How many claims are made together.
 
     Returns:
-        Lowest and highest number; None where more than `MOST` would be needed.
+        Lowest and highest number; None if more than `MOST` would be needed.
     """
     smallest, largest = spread_range(spread, seeds)
     low = _seeds_for(difference, smallest, ALPHA)
@@ -34,7 +34,7 @@ def seeds_to_tell(difference: float, spread: float, seeds: int, claims: int) -> 
 
 
 def _seeds_for(difference: float, spread: float, alpha: float) -> int | None:
-    """The fewest seeds with enough power; swapped seeds have that of Student's t at the level that they can reach."""
+    """The fewest seeds with enough power. Swapping seeds has the power of Student's t at the level that it reaches."""
     low, high = fewest_seeds(alpha), MOST
     if _power(difference, spread, high, alpha) < POWER:
         return None
@@ -52,10 +52,10 @@ def _power(difference: float, spread: float, seeds: int, alpha: float) -> float:
         return 1.0
     critical = float(stdtrit(seeds - 1, 1.0 - _reached(alpha, seeds) / 2.0))
     missed = float(nctdtr(seeds - 1, difference / spread * seeds**0.5, critical))
-    return 1.0 if math.isnan(missed) else 1.0 - missed  # where scipy has no number it is next to 0
+    return 1.0 if math.isnan(missed) else 1.0 - missed  # if scipy returns NaN, the chance to miss is almost 0
 
 
 def _reached(alpha: float, seeds: int) -> float:
-    """The largest p-value up to alpha that there is with so many seeds: 0.031 of 6 seeds at 0.05."""
+    """The largest possible p-value up to alpha with so many seeds, such as 0.031 for 6 seeds at 0.05."""
     ways = 2.0 ** min(seeds - 1, 50)  # beyond that any p-value can be reached, and the power is no float any more
     return math.floor(alpha * ways) / ways

@@ -21,21 +21,21 @@ from harness.eta.headline import SUCCESS_MARGIN
 from harness.eta.interval import CONFIDENCE, mean_interval, share_variance, variance_of, why_no_interval
 
 REWARDS, PLACES = 2, 2
-"""Fewer have no order to compare."""
+"""The fewest rewards and places whose orders can be compared."""
 NO_INTERVAL = "no interval: too few seeds in a place"
 
 Runs: TypeAlias = Mapping[str, Sequence[float]]
-"""The value of each seed, by reward; the same seeds, in the same order, of every reward."""
+"""The value of each seed, by reward. Every reward has the same seeds in the same order."""
 Signs: TypeAlias = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """How rewards come in one place. A larger value is better.
+    """The order of rewards in one place. A larger value is better.
 
     Attributes:
-        rewards: Their labels.
-        means: Over the seeds, (rewards,).
+        rewards: The labels of the rewards.
+        means: Means over the seeds, (rewards,).
         low: Lower ends of the intervals of one reward's mean minus another's, (rewards, rewards); -inf where the seeds
             are too few.
         high: Upper ends.
@@ -50,9 +50,9 @@ class Order:
 
     @property
     def signs(self) -> Signs:
-        """1 where the reward of a row is better than that of a column, -1 where it is worse, 0 where neither is told.
+        """1 if the reward of a row is better than that of a column, -1 if it is worse, 0 if neither is certain.
 
-        What is better than a better one is better: (rewards, rewards).
+        The shape is (rewards, rewards). A reward that is better than a better one is better.
         """
         better = self.low > 0.0
         for middle in range(len(better)):
@@ -61,23 +61,23 @@ class Order:
 
     @property
     def best(self) -> int:
-        """The reward with the largest mean; of equal ones the first."""
+        """The reward with the largest mean; the first if several are equal."""
         return int(np.argmax(self.means))
 
     @property
     def candidates(self) -> tuple[int, ...]:
-        """Rewards that may be the best one: no other is told to be better."""
+        """Rewards that may be the best one, because no other is certainly better."""
         return tuple(np.flatnonzero((self.signs >= 0).all(axis=1)).tolist())
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How alike two orders, or several, are.
+    """How alike two or several orders are.
 
     Attributes:
         tau: Kendall's tau-b: 1 for the same order, -1 for the opposite one, 0 for unrelated ones. None where all
-            rewards of a place come to the same.
-        low: Lower end of its interval; None where there is none.
+            rewards of a place have the same value.
+        low: Lower end of its interval; None if there is none.
         high: Upper end.
         note: Why something is missing, or what to keep in mind.
     """
@@ -105,13 +105,13 @@ class Transplant:
     """The best reward of one place, used in another.
 
     Attributes:
-        chosen: The best one where the choice was made.
-        best: The best one where it is used.
-        cost: By how much `chosen` is behind `best` there; 0 where they are the same.
+        chosen: The best reward in the place where the choice was made.
+        best: The best reward in the place where it is used.
+        cost: By how much `chosen` is behind `best` there; 0 if they are the same.
         low: Lower end of the interval of what it costs against the truly best one there, 0 or more; None without.
         high: Upper end.
         answer: Whether another reward would have been chosen there.
-        note: What keeps it from being decided; empty where it is.
+        note: Why there is no decision; empty if there is one.
     """
 
     chosen: str
@@ -124,7 +124,7 @@ class Transplant:
 
     @property
     def is_costly(self) -> bool:
-        """Whether the choice costs something for certain, whatever would have been chosen there."""
+        """Whether the choice certainly costs something, no matter what would have been chosen there."""
         return self.low is not None and self.low > 0.0
 
     def to_json(self) -> dict[str, Any]:
@@ -137,8 +137,8 @@ def order_rewards(places: Sequence[Runs], episodes: Sequence[int | None]) -> lis
     """The order of the rewards in each place, with intervals that hold together.
 
     Args:
-        places: The seeds' values in each; the same rewards in all.
-        episodes: Of each place: values are shares of so many episodes; None where they are no shares.
+        places: The seeds' values in each place. All places have the same rewards.
+        episodes: How many episodes the values of each place are shares of; None if they are no shares.
     """
     pairs = sum(len(place) * (len(place) - 1) // 2 for place in places)
     confidence = 1.0 - (1.0 - CONFIDENCE) / max(pairs, 1)
@@ -185,12 +185,12 @@ def kendall(one: Signs, other: Signs) -> float | None:
 
 
 def tau_range(one: Signs, other: Signs) -> tuple[float, float]:
-    """The smallest and the largest tau-b of all that two orders may be, 0 where nothing is told, (pairs,)."""
+    """The smallest and the largest tau-b that two orders may have. A sign of 0 is uncertain, (pairs,)."""
     return -_largest_tau(one, -other), _largest_tau(one, other)
 
 
 def _largest_tau(one: Signs, other: Signs) -> float:
-    """What is not told may be made to agree, or to be a tie, which is the better choice for some.
+    """The largest tau-b. An uncertain pair may agree or be a tie, and a tie may be the better choice.
 
     Only numbers of pairs count: of those that one place alone tells, and that neither does, 0 to all may be made agree.
     """
@@ -200,7 +200,7 @@ def _largest_tau(one: Signs, other: Signs) -> float:
     both = int(told.sum())
     first, second, third = np.ix_(np.arange(alone[0] + 1), np.arange(alone[1] + 1), np.array([0, free]))
     lengths = (both + alone[0] + second + third) * (both + alone[1] + first + third)
-    ordered = lengths > 0  # else all of a place would be ties
+    ordered = lengths > 0  # else all pairs of a place would be ties
     taus = np.where(ordered, (agree + first + second + third) / np.sqrt(np.maximum(lengths, 1)), -1.0)
     return min(float(taus.max()), 1.0)
 
@@ -209,7 +209,7 @@ def mean_agreement(found: Sequence[tuple[str, str, Agreement]]) -> Agreement:
     """The mean tau of pairs of places, where places with one name have one vote.
 
     Args:
-        found: Of each pair of places the names of both votes, and their agreement.
+        found: For each pair of places the names of both votes, and their agreement.
     """
     votes: dict[frozenset[str], list[Agreement]] = {}
     for one, other, agreement in found:
@@ -228,7 +228,7 @@ def _mean(values: Sequence[float | None]) -> float | None:
 
 
 def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Transplant:
-    """What it costs to choose the best reward of one place and to use it in another one.
+    """The cost of choosing the best reward of one place and using it in another place.
 
     Yes: no reward that may be the best one here may be the best one there. No: it costs less than `margin` there,
     whichever reward is the best one there.
@@ -236,7 +236,7 @@ def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Tra
     Args:
         here: Where the reward is chosen.
         there: Where it is used; the same rewards.
-        margin: A smaller cost is taken for none.
+        margin: A smaller cost counts as none.
     """
     chosen, best = here.best, there.best
     cost = max(0.0, float(there.means[best] - there.means[chosen]))

@@ -1,4 +1,4 @@
-"""How much of the change of a mean return is ruler, and how much is behaviour: the same split, of any environment.
+"""How much of the change of a mean return is ruler, and how much is behaviour, in any environment.
 
 With R_r(q) the mean return of the trainings by reward q, paid by reward r (B baseline, K proposed), the sum
 
@@ -25,7 +25,7 @@ from harness.eta.swaps import Swaps, p_of
 NAME = "mean return"
 
 Returns = Mapping[Pair, Sequence[float]]
-"""R_r(q) of each seed by (r, q): who scores, and whose training is scored."""
+"""R_r(q) of each seed by (r, q): the reward that scores, and the reward whose training is scored."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class ReturnSplit:
 
     Attributes:
         returns: R_r(q) over seeds, by (r, q).
-        ratio: eta = R_K(K) / R_B(B), and its parts; without a value where a return is not above 0.
+        ratio: eta = R_K(K) / R_B(B), and its parts; without a value if a return is not above 0.
         total: R_K(K) - R_B(B), and its parts.
     """
 
@@ -48,7 +48,7 @@ class ReturnSplit:
         return {BK, KB} <= self.returns.keys()
 
     def with_corrected(self, p: float | None) -> "ReturnSplit":
-        """The same with a p-value that holds for all claims that are made together."""
+        """The same split with a p-value that holds for all claims that are made together."""
         return replace(self, ratio=replace(self.ratio, corrected=p))
 
     def to_json(self) -> dict[str, Any]:
@@ -68,8 +68,8 @@ def split_returns(returns: Returns, seeds: Sequence[int], swaps: Swaps, missing:
 
     Args:
         returns: At least of (baseline, baseline) and (proposed, proposed), one finite value per seed.
-        seeds: Of the values; seed i of both trainings is a pair.
-        swaps: In which ways the names of a seed's trainings are swapped.
+        seeds: The seeds of the values; seed i of both trainings is a pair.
+        swaps: The ways in which the names of a seed's trainings are swapped.
         missing: Why the other two are not there; None where they are.
     """
     each = {pair: np.asarray(values, np.float64) for pair, values in returns.items()}
@@ -99,6 +99,6 @@ def _split_ratio(sums: ScoredSums, outcomes: Float | None, missing: str | None) 
 
 
 def _positive(sums: ScoredSums) -> ScoredSums:
-    """Without what two negative numbers would give: a ratio that looks like any other."""
+    """The sums with NaN for values that are not above 0. Two negative values would give a ratio like any other."""
     without = {pair: np.where(values > 0.0, values, np.nan) for pair, values in sums.without.items()}
     return replace(sums, without=without)

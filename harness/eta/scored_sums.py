@@ -12,7 +12,7 @@ from harness.eta.interval import Sums
 
 Who: TypeAlias = Literal["baseline", "proposed"]
 Pair: TypeAlias = tuple[Who, Who]
-"""Whose reward scores, and whose runs are scored: S_r(tau_q) is (r, q)."""
+"""The reward that scores, and the reward whose runs are scored: S_r(tau_q) is (r, q)."""
 
 BB: Pair = ("baseline", "baseline")
 KK: Pair = ("proposed", "proposed")
@@ -24,12 +24,12 @@ Curves: TypeAlias = Mapping[Pair, GroupCurve]
 
 @dataclass(frozen=True, eq=False)
 class ScoredSums:
-    """One index, or the sum of both, of every group of runs under every reward that scored it.
+    """One index, or the sum of both, for every group of runs under every reward that scored it.
 
     Attributes:
-        whole: With all seeds, each (1,).
-        without: Without one run of the group at a time, each (runs,); empty for a single run.
-        each: Of every run alone, each (runs,).
+        whole: The index with all seeds, each (1,).
+        without: The index without one run of the group at a time, each (runs,); empty for a single run.
+        each: The index of every run alone, each (runs,).
         paired: Whether run i of both trainings has the same seed: leaving one out leaves both out.
     """
 
@@ -40,7 +40,7 @@ class ScoredSums:
 
     @property
     def left_out(self) -> tuple[Sums, ...]:
-        """Without one seed at a time: one entry for pairs, else one for the seeds of each training."""
+        """The indices without one seed at a time: one entry for pairs, else one for the seeds of each training."""
         return _left_out(self.whole, self.without, self.paired)
 
     def geometric(self) -> tuple[Sums, tuple[Sums, ...]]:
@@ -54,7 +54,7 @@ class ScoredSums:
         return whole, _left_out(whole, without, self.paired)
 
     def value(self, pair: Pair) -> float:
-        """Of all seeds."""
+        """The value from all seeds."""
         return float(self.whole[pair][0])
 
 

@@ -1,1 +1,1 @@
-"""An experiment's cells, done: from what a user asks for to the folder of each cell."""
+"""Runs the cells of an experiment: from what a user asks for to the folder of each cell."""

@@ -1,4 +1,4 @@
-"""Done cells that other plugins made than those installed now: they are never mixed with new ones in silence."""
+"""Finds done cells that were made by other plugins than those installed now, so that they are not mixed unnoticed."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple, TypeAlias
@@ -13,7 +13,7 @@ from harness.robot import Robot
 from harness.robot.load import load_robot
 
 Changed: TypeAlias = Literal["refuse", "keep", "again"]
-"""What becomes of such cells: nothing is run, or they stay beside the new ones, or they are done again."""
+"""What happens to such cells: the run is refused, or they are kept beside new ones, or they are done again."""
 CHANGED: tuple[Changed, ...] = ("refuse", "keep", "again")
 Sources: TypeAlias = Mapping[str, str]
 """SHA-256 of the files of each plugin that made a cell, by kind; see `harness.experiment.provenance`."""
@@ -22,18 +22,18 @@ REMEDY = (
     "another --out leaves them alone"
 )
 NAMED = 2
-"""Plugins in the message, of which there may be many: what to do has to stand in it too."""
+"""The most plugins that the message names, so that it has room to say what to do."""
 
 
 class Change(NamedTuple):
     """A plugin whose source files are not those that made a done cell."""
 
     name: str
-    """The plugin's, or the path of a robot's files."""
+    """The name of the plugin, or the path of a robot's files."""
     then: str
     """SHA-256 of the files that made the cell."""
     now: str
-    """Of those that are installed."""
+    """SHA-256 of the files that are installed."""
 
     @property
     def text(self) -> str:
@@ -50,7 +50,7 @@ class _Installed:
         self._robots: dict[str, Robot] = {}
 
     def changes(self, cell: Cell, recorded: Sources) -> Iterator[Change]:
-        """Of the plugins that made a cell, those that changed since; where no hash is recorded, nothing is known."""
+        """The plugins that made a cell and have changed since. A plugin without a recorded hash is left out."""
         for kind, name in cell.plugins.items():
             if kind in recorded and recorded[kind] != (now := self._hash(kind, name, cell)):
                 yield Change(name, recorded[kind], now)
@@ -69,7 +69,7 @@ class _Installed:
 
 
 def changed_cells(done: Mapping[Cell, Sources], registry: Registry) -> dict[Cell, tuple[Change, ...]]:
-    """The done cells that other plugins made than those installed now, each with what changed.
+    """The done cells that were made by other plugins than those installed now, each with what changed.
 
     Args:
         done: Cells with the hashes that their manifests tell.
@@ -84,7 +84,7 @@ def changed_cells(done: Mapping[Cell, Sources], registry: Registry) -> dict[Cell
 
 
 def refuse_changed(changed: Mapping[Cell, Sequence[Change]], remedy: str = REMEDY) -> None:
-    """See that there is no such cell.
+    """Check that there is no such cell.
 
     Args:
         changed: See `changed_cells`.
@@ -98,7 +98,7 @@ def refuse_changed(changed: Mapping[Cell, Sequence[Change]], remedy: str = REMED
 
 
 def _told(changed: Mapping[Cell, Sequence[Change]]) -> str:
-    """How many cells other plugins made, and which."""
+    """How many cells were made by other plugins, and by which."""
     noun = "done cell was" if len(changed) == 1 else "done cells were"
     changes = list(dict.fromkeys(change for of_cell in changed.values() for change in of_cell))
     named = ", ".join(change.text for change in changes[:NAMED])

@@ -1,4 +1,4 @@
-"""A folder that comes to be there all at once, with a record of how the work for it ended."""
+"""Makes a folder that appears all at once, with a record of how the work for it ended."""
 
 import time
 import traceback
@@ -16,7 +16,7 @@ Kind = TypeVar("Kind", bound=Ending)
 
 
 class Draft(Generic[Kind]):
-    """What is known so far of work that goes on.
+    """The record of work that is not yet done.
 
     Attributes:
         partial: Where the folder grows until it is complete.

@@ -38,7 +38,7 @@ from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
 STALL_AFTER = 1800.0
-"""Seconds: the built-in algorithms tell their progress every 100 steps, an evaluation after every step."""
+"""Seconds without progress after which a cell is ended. Algorithms report every 100 steps, evaluations every step."""
 ZERO_FOR = {
     "checkpoint_every": "none",
     "retry_failed": "never",
@@ -113,17 +113,17 @@ class RunOptions:
 
     @property
     def at_once(self) -> int:
-        """How many cells at once."""
+        """How many cells run at once."""
         return worker_count(self.jobs)
 
     @property
     def of_cells(self) -> CellOptions:
-        """What of it each cell is told."""
+        """The options that each cell gets."""
         limits = Limits(self.stall_after, self.cell_time, self.cell_memory)
         return CellOptions(self.checkpoint_every, bool(self.tracker), limits, self.fresh)
 
     def build_executor(self, registry: Registry) -> Executor:
-        """What runs the cells.
+        """The executor that runs the cells.
 
         Raises:
             UsageError: The executor or a setting of it is not known, or a library for it is missing.
@@ -212,7 +212,7 @@ class ExperimentRun:
         return BegunRun(self, tuple(cell for cell in done if cell not in again), again)
 
     def _to_do_again(self, done: Mapping[Cell, Sources]) -> dict[Cell, Manifest]:
-        """Of the done cells those that other plugins made, if the options say so."""
+        """Done cells that other plugins made, if the options say that such cells are done again."""
         if self.options.changed == "keep":
             return {}
         changed = changed_cells(done, self.registry)
@@ -223,7 +223,7 @@ class ExperimentRun:
 
 @dataclass(frozen=True)
 class BegunRun:
-    """An experiment that has its folder for itself.
+    """A run that has locked its experiment's folder.
 
     Attributes:
         asked: What is to be run.
@@ -237,13 +237,13 @@ class BegunRun:
 
     @property
     def waiting(self) -> tuple[Cell, ...]:
-        """What will be run: not done, and asked for by name and number."""
+        """The cells that will be run: those that are not done, as far as `only` and `limit` allow."""
         done = set(self.done)
         return tuple(cell for cell in self._selected if cell not in done)[: self.asked.options.limit]
 
     @property
     def spared(self) -> tuple[Cell, ...]:
-        """What is asked for by name, and was done before."""
+        """The cells that are asked for by name, and were done before."""
         selected = set(self._selected)
         return tuple(cell for cell in self.done if cell in selected)
 
@@ -297,7 +297,7 @@ class BegunRun:
 
 
 class _FirstFailure(Exception):
-    """A cell has failed, and nothing more is to be done."""
+    """Raised when a cell has failed and no other cell is to be done."""
 
 
 def prepare(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Plugins] = ()) -> ExperimentRun:

@@ -1,4 +1,4 @@
-"""What a run would do, before it does: ``harness run --dry-run``."""
+"""Says what a run would do: ``harness run --dry-run``."""
 
 from collections import defaultdict
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ Kind: TypeAlias = tuple[str, str]
 
 
 class Cost(NamedTuple):
-    """What cells took, or will take."""
+    """The cost of cells, past or expected."""
 
     seconds: float
     bytes: float
@@ -25,7 +25,7 @@ class Cost(NamedTuple):
         return Cost(self.seconds + other.seconds, self.bytes + other.bytes)
 
     def times(self, factor: float) -> "Cost":
-        """So many times of it."""
+        """The cost times `factor`."""
         return Cost(self.seconds * factor, self.bytes * factor)
 
 
@@ -61,7 +61,7 @@ class Foreseen:
 
     @property
     def seconds(self) -> float | None:
-        """How long it will take, so many cells at once."""
+        """How long the run will take, with so many cells at once."""
         return self.cost and self.cost.seconds / max(1, min(self.at_once, len(self.to_do)))
 
     def to_json(self) -> dict[str, Any]:
@@ -113,7 +113,7 @@ def _why_unknown(cell: Cell) -> str:
 
 
 def _costs_per_step(store: Store) -> Mapping[Kind, Cost]:
-    """Of the done cells in a folder, by kind."""
+    """The costs per step of the done cells in a folder, by kind."""
     done = [manifest for manifest in store.manifests() if manifest.status == "done"]
     costs: dict[Kind, Cost] = defaultdict(lambda: NOTHING)
     steps: dict[Kind, int] = defaultdict(int)
@@ -124,7 +124,7 @@ def _costs_per_step(store: Store) -> Mapping[Kind, Cost]:
 
 
 def _size(manifest: Manifest, store: Store) -> int:
-    """Of the cell's files, in bytes."""
+    """The size of a cell's files in bytes."""
     files = store.cell_folder(manifest.cell).rglob("*")
     return sum(path.stat().st_size for path in files if path.is_file())
 

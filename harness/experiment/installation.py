@@ -1,4 +1,4 @@
-"""What a machine has installed, as far as it decides results: told there, compared here."""
+"""Describes what is installed on a machine, as far as it decides results, and compares two machines."""
 
 import json
 import platform
@@ -21,7 +21,7 @@ from harness.registry.sources import digest_of_modules, source_hash
 from harness.robot.load import load_robot
 
 DIGITS: Final = 8
-"""Of a digest, as it is told and compared."""
+"""Length of the digests that are exchanged and compared."""
 ANSWER: Final = "installation.json"
 PROBLEM: Final = "problem"
 

@@ -12,7 +12,7 @@ from harness.registry.parameters import values_of
 from harness.registry.registry import load_registry
 
 KINDS = {"sim": "simulators", "algo": "algorithms", "reward": "rewards", "baseline": "rewards", "task": "tasks"}
-"""Of the arguments that take objects."""
+"""Kinds of plugins, by the arguments that take objects."""
 
 
 def name_objects(arguments: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Given, ...]]:

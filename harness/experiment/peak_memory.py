@@ -1,4 +1,4 @@
-"""The most memory that this process had at once, since it was asked to forget what was before."""
+"""The peak of this process's memory since the last call of `forget_peak`."""
 
 import sys
 from pathlib import Path
@@ -8,7 +8,7 @@ PEAK = "VmHWM:"
 
 
 def forget_peak() -> None:
-    """Begin anew, where the system can: on Linux. Elsewhere the peak stays that of the whole process."""
+    """Forget the peak so far. Only Linux can do that; elsewhere the peak stays that of the whole process."""
     try:
         FORGET.write_text("5")
     except OSError:
@@ -16,7 +16,7 @@ def forget_peak() -> None:
 
 
 def peak_memory() -> int:
-    """In bytes; 0 where the system does not tell it, as on Windows."""
+    """The peak in bytes; 0 if the system does not tell it, as on Windows."""
     try:
         lines = STATUS.read_text().splitlines()
         return 1024 * int(next(line.split()[1] for line in lines if line.startswith(PEAK)))

@@ -30,17 +30,17 @@ from harness.simulator import require_drives
 Given: TypeAlias = str | dict[str, Any]
 
 MOST_NAMES = 1_000
-"""In a list of simulators, algorithms or rewards."""
+"""The most names in a list of simulators, algorithms or rewards."""
 MOST_SEEDS = 10_000
-"""Intervals no longer get narrower, and one training after the other they take a year."""
+"""The most seeds. With more, intervals hardly get narrower, and the trainings in sequence would take a year."""
 LARGEST_SEED = 2**31 - 1
-"""What every generator takes; the null control adds as much again."""
+"""The largest seed. Every generator takes it, also when the null control adds as much again."""
 MOST_STEPS = 1_000_000_000
-"""Of a training: at 1,000 a second eleven days."""
+"""The most steps of a training: eleven days at 1,000 steps a second."""
 MOST_EPISODES = 100_000
-"""Of an evaluation: a share of successes is exact to 0.2 %."""
+"""The most episodes of an evaluation. A share of successes is then exact to 0.2 %."""
 MOST_CELLS = 100_000
-"""Of a plan; they are in memory, and each leaves a folder."""
+"""The most cells of a plan. All are in memory, and each leaves a folder."""
 
 Names: TypeAlias = Annotated[list[Given], Field(min_length=1, max_length=MOST_NAMES)]
 SeedCount: TypeAlias = Annotated[int, Field(gt=0, le=MOST_SEEDS)]
@@ -102,7 +102,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Plan:
-    """An experiment resolved: what it compares and which cells that takes.
+    """A resolved experiment: what it compares, and the cells that it needs.
 
     Attributes:
         baseline: Label of the reward that the others are compared with.
@@ -245,7 +245,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
 
 
 def _require_few(seeds: int, simulators: int, algorithms: int, rewards: int) -> None:
-    """Raises UsageError where the matrix is too large; before it is made."""
+    """Raise UsageError if the matrix is too large, before it is made."""
     count = seeds * simulators * algorithms * rewards
     if count > MOST_CELLS:
         factors = f"{seeds} seeds x {simulators} simulators x {algorithms} algorithms x {rewards} rewards"
@@ -277,9 +277,9 @@ class Fit(NamedTuple):
     """How an algorithm can do a plan."""
 
     task: Choice
-    """In the form that it takes; as given where there is none."""
+    """The task in the form that the algorithm takes; as given if there is no such form."""
     reason: str
-    """Why it cannot; empty if it can."""
+    """Why the algorithm cannot do the plan; empty if it can."""
 
 
 def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:

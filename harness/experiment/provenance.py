@@ -23,7 +23,7 @@ from harness.simulator import family_of
 CORE = (OURS, "gymnasium", "numpy", "pyarrow")
 """Distributions that every result depends on."""
 CHECKOUT = Path(__file__).resolve().parents[2]
-"""Where this package stands; the root of the checkout, if it runs from one."""
+"""The folder that holds this package. It is the root of the checkout, if the package runs from one."""
 
 
 def describe_environment(
@@ -50,12 +50,12 @@ def describe_environment(
 
 
 def _engine(specs: Mapping[str, Spec]) -> dict[str, str | None]:
-    """The engine that computed, of one family with other simulators that it drives; None where it is none."""
+    """The engine that computed the cell. Simulators of one engine are one family. None if there is no engine."""
     return {"engine": family_of(specs["simulators"].load())} if "simulators" in specs else {}
 
 
 def robot_digest(cell: Cell, robot: Robot) -> str:
-    """SHA-256 of what of a robot decides the cell's result: its drives only where the simulator drives with them."""
+    """SHA-256 of what decides the cell's result in a robot. Its drives count only if the simulator uses them."""
     return robot.driven_digest if cell.drives_with_servo else robot.digest
 
 
@@ -88,7 +88,7 @@ def distribution_of(module: str) -> str:
 
 
 def _version(distribution: str) -> str:
-    """Of an installed distribution; empty if it is not installed."""
+    """The version of an installed distribution; empty if it is not installed."""
     try:
         return _installed_version(distribution)
     except importlib.metadata.PackageNotFoundError:
@@ -101,7 +101,7 @@ def _installed_version(distribution: str) -> str:
 
 
 def specs_of(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Spec]:
-    """What stands behind the choices of a cell, by kind; the robot is no code."""
+    """The plugins behind the choices of a cell, by kind, without the robot, which is no code."""
     chosen = {kind: name for kind, name in cell.plugins.items() if kind in kinds and kind != "robots"}
     return {kind: registry.get(kind, name) for kind, name in chosen.items()}
 

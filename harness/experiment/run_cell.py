@@ -69,7 +69,7 @@ def run_cell(
 
 
 def _environment_training() -> "type[EnvironmentTraining]":
-    """Imported where a cell's task is an environment: the process of any other starts without the recorder."""
+    """Import the training in environments, which only cells whose task is an environment need."""
     from harness.experiment.environments.training import EnvironmentTraining
 
     return EnvironmentTraining
@@ -100,7 +100,7 @@ class TrainCell:
 
 @dataclass(frozen=True)
 class _Run:
-    """One cell on its way: what every step of it needs."""
+    """The run of one cell: what all its steps need."""
 
     cell: Cell
     registry: Registry

@@ -1,4 +1,4 @@
-"""Some of a plan's cells, by name: ``--only``."""
+"""Selects cells of a plan by name: ``--only``."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -28,14 +28,14 @@ def select(cells: Sequence[Cell], text: str) -> tuple[Cell, ...]:
 
 
 def _names(cell: Cell) -> Mapping[str, Sequence[str]]:
-    """What a word may be to name the cell, by kind."""
+    """The words that name a cell, by kind."""
     choices = {"simulator": cell.place, "algorithm": cell.algorithm, "reward": cell.reward}
     named = {kind: (choice.label, choice.name) for kind, choice in choices.items()}
     return {**named, "seed": (f"seed={cell.seed}",), "cell": (cell.id,)}
 
 
 def _offer(cells: Iterable[Cell]) -> str:
-    """What else could have been said; ids of cells are left out."""
+    """The words that are possible, without the ids of cells."""
     found: dict[str, dict[str, None]] = {kind: {} for kind in KINDS[:-1]}
     for cell in cells:
         for kind, names in found.items():

@@ -1,4 +1,4 @@
-"""What looks on while a cell is run."""
+"""The interface of what looks on while a cell is run."""
 
 from typing import TYPE_CHECKING, Literal, TypeAlias
 

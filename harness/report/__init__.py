@@ -1,1 +1,1 @@
-"""What one sees of an experiment: a table in the terminal and a page in the browser."""
+"""What people see of an experiment: a table in the terminal and a page in the browser."""

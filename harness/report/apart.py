@@ -1,4 +1,4 @@
-"""What several things have in common, so that it is said once, and what tells them apart."""
+"""Splits descriptions of several things into what they share, which is said once, and what differs."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -7,16 +7,16 @@ BETWEEN = " · "
 
 
 class Apart(NamedTuple):
-    """Descriptions of the same kind, taken apart."""
+    """Several descriptions, split into what they share and what differs."""
 
     shared: str
     """The parts that are the same in all."""
     names: list[str]
-    """For each, the other parts; all of its own empty where there is but one."""
+    """For each description, the parts that differ. It is empty if there is only one description."""
 
 
 def tell_apart(descriptions: Sequence[Sequence[str]], keep: int | None = None) -> Apart:
-    """Take descriptions apart, each with its parts in the same order; `keep` is a part that is always told of each."""
+    """Split descriptions, each with its parts in the same order. The part number `keep` always counts as different."""
     is_shared = [len(set(column)) == 1 for column in zip(*descriptions, strict=True)]
     if keep is not None and is_shared:
         is_shared[keep] = False

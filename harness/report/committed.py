@@ -1,4 +1,4 @@
-"""Committed records, which ``harness report DIR --summary FOLDER`` leaves: what they say, without any cell."""
+"""Reports from the committed records that ``harness report DIR --summary FOLDER`` leaves. They need no cell."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -91,14 +91,14 @@ class ComparisonForm(TypedDict):
 
 @with_config(OPEN)
 class CellForm(TypedDict):
-    """One of the cells."""
+    """The form of a cell in the records."""
 
     status: Status
 
 
 @with_config(OPEN)
 class RecordForm(TypedDict):
-    """What ``harness report --json`` prints."""
+    """The form of what ``harness report --json`` prints."""
 
     combinations: list[ComparisonForm]
     cells: list[CellForm]
@@ -106,7 +106,7 @@ class RecordForm(TypedDict):
 
 @with_config(OPEN)
 class AgentHeadlineForm(TypedDict):
-    """The same of a comparison of recorded trainings."""
+    """The form of the headline of a comparison of recorded trainings."""
 
     answer: Name
     agent: Line
@@ -140,7 +140,7 @@ class PlaceForm(TypedDict):
 
 @with_config(OPEN)
 class EnvironmentsForm(TypedDict):
-    """What ``harness report --json`` prints of an experiment whose task is an environment."""
+    """The form of what ``harness report --json`` prints for an experiment whose task is an environment."""
 
     studies: list[PlaceForm]
     cells: list[CellForm]
@@ -166,7 +166,7 @@ def committed_text(folder: Path) -> str:
 
 
 def committed_table(folder: Path) -> RenderableType:
-    """What is the same in all comparisons, a line for each, and where more is to be found.
+    """A table of the records: what is the same in all comparisons, a line for each, and where to find more.
 
     Raises:
         SchemaError: The file is damaged.
@@ -192,7 +192,7 @@ def committed_table(folder: Path) -> RenderableType:
 
 
 def refuse_committed(folder: Path, flag: str) -> None:
-    """Say what can be done instead, where a flag needs cells.
+    """Refuse a flag that needs cells, and say what can be done instead.
 
     Raises:
         UsageError: The folder holds records alone.
@@ -202,7 +202,7 @@ def refuse_committed(folder: Path, flag: str) -> None:
 
 
 def _read(folder: Path) -> tuple[RecordForm | None, EnvironmentsForm | None]:
-    """The one or the other: of an arm's experiment, or of one whose task is an environment."""
+    """The records of an experiment with an arm, or of one whose task is an environment."""
     with reading(folder / RECORD, "record"):
         data = parse_json(read_bytes(folder / RECORD, MOST_BYTES))
         if isinstance(data, dict) and "studies" in data:
@@ -213,7 +213,7 @@ def _read(folder: Path) -> tuple[RecordForm | None, EnvironmentsForm | None]:
 
 
 def _place(place: PlaceForm) -> list[RenderableType]:
-    """What was found in one environment with one algorithm."""
+    """Lines on what was found in one environment with one algorithm."""
     parts: list[RenderableType] = [Text(), Text(f"{place['task']} · {place['algorithm']}", style="bold")]
     if place["study"] is None:
         return [*parts, Text(f"{place['reason']}.")]
@@ -273,7 +273,7 @@ def _ratios(comparison: ComparisonForm) -> dict[str, RatioForm]:
 
 
 def _remarks(names: Sequence[str], comparisons: Sequence[ComparisonForm]) -> list[str]:
-    """What to keep in mind beside a number, said once for all comparisons that it is true of."""
+    """Remarks on numbers, each said once with all comparisons that it holds for."""
     found: dict[str, list[str]] = {}
     for name, comparison in zip(names, comparisons, strict=True):
         for column, ratio in _ratios(comparison).items():

@@ -12,11 +12,11 @@ from harness.transfer.matrix import load_transfers
 
 
 def report_to_json(results: Results, matrices: Sequence[ReturnMatrix] | None = None) -> dict[str, Any]:
-    """All of it; ``harness report --json`` prints it by `report_text`.
+    """The whole report as plain data. ``harness report --json`` prints it by `report_text`.
 
     Args:
-        results: What is told.
-        matrices: Their returns under every reward, where these are known already.
+        results: The results to report.
+        matrices: The returns under every reward, if they are known already.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.

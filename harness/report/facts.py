@@ -1,4 +1,4 @@
-"""What was so in the cells that ran: versions, machine, engine, commit, command, sources."""
+"""Facts from the manifests of the cells that ran: versions, machine, engine, commit, command, sources."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -8,7 +8,7 @@ from harness.record.manifest import Manifest
 
 
 class Fact(NamedTuple):
-    """A line of the manifest: what was so, and in how many cells if not in all."""
+    """A fact from the manifests, and in how many cells it holds if not in all."""
 
     name: str
     value: str

@@ -1,4 +1,4 @@
-"""What an experiment's folder says. Importing it loads no robot, policy, environment or engine."""
+"""Reads the results in an experiment's folder. Importing it loads no robot, policy, environment or engine."""
 
 from harness.results.results import Results, load_results
 

@@ -1,4 +1,4 @@
-"""Two experiments that trained the same, one before something was changed and one after: what do their policies do?
+"""Compares the policies of two experiments that trained the same, one before and one after something was changed.
 
 A seed is trained in both, so its two trainings are a pair: the tests are those that compare two rewards. See
 ``docs/statistics.md``.
@@ -21,7 +21,7 @@ from harness.results.results import Results
 
 
 class Verdict(StrEnum):
-    """What became of the proposed reward's policies, by their success."""
+    """How the success of the proposed reward's policies changed."""
 
     SAME = "the same"
     BETTER = "better"
@@ -35,10 +35,10 @@ class Pair:
     """One combination in both experiments.
 
     Attributes:
-        before: In the first.
-        after: In the second.
-        changes: Of the proposed reward's policies, from the first to the second; baseline and proposed of each `Change`
-            are before and after.
+        before: The combination in the first experiment.
+        after: The combination in the second experiment.
+        changes: How the proposed reward's policies changed, by measure. The baseline and proposed values of a `Change`
+            are those before and after.
     """
 
     before: Combination
@@ -47,7 +47,7 @@ class Pair:
 
     @property
     def success(self) -> Change | None:
-        """Of the success rate; None where no seed is done in both."""
+        """The change of the success rate; None if no seed is done in both."""
         return next((change for change in self.changes if change.name == SUCCESS and change.seeds), None)
 
     @property
@@ -57,7 +57,7 @@ class Pair:
 
     @property
     def verdict(self) -> Verdict:
-        """About the policies' success; the same only where every value of every measure is."""
+        """The verdict on the policies' success. It is "the same" only if every value of every measure is the same."""
         if self.success is None:
             return Verdict.CANNOT_TELL
         if all(one == other for change in self.changes for one, other in change.values):
@@ -88,7 +88,7 @@ class Between(NamedTuple):
 
     @property
     def regressions(self) -> tuple[Pair, ...]:
-        """Where a test finds that the proposed reward's policies succeed less often."""
+        """The pairs in which a test finds that the proposed reward's policies succeed less often."""
         return tuple(pair for pair in self.pairs if pair.verdict == Verdict.WORSE)
 
     def to_json(self) -> dict[str, Any]:
@@ -136,7 +136,7 @@ def _key(combination: Combination) -> Key:
 
 
 def _policies(results: Results, combination: Combination) -> dict[int, Measured]:
-    """What every metric says of the proposed reward's cells, by seed."""
+    """The values of every metric for the proposed reward's cells, by seed."""
     cells: Iterable[Cell] = results.groups.get(combination.group, [])
     return {cell.seed: results.measured(cell) for cell in cells if cell.reward.label == combination.proposed}
 
@@ -144,7 +144,7 @@ def _policies(results: Results, combination: Combination) -> dict[int, Measured]
 def _changes(
     results: Results, combination: Combination, before: dict[int, Measured], after: dict[int, Measured], swaps: Swaps
 ) -> tuple[Change, ...]:
-    """Of every metric in the combination's manner, over the seeds that have been measured so in both."""
+    """The change of every metric in the combination's manner, over the seeds that both experiments measured so."""
     manner = combination.manner
     seeds = [seed for seed in sorted(before) if seed in after and _has(manner, before[seed], after[seed])]
     if not seeds:
@@ -165,7 +165,7 @@ def _has(manner: str, *measured: Measured) -> bool:
 
 
 def _correct(families: Sequence[tuple[Change, ...]]) -> list[tuple[Change, ...]]:
-    """With p-values that hold for all changes of all combinations together."""
+    """The changes with p-values that hold for all changes of all combinations together."""
     outcomes = [change.outcomes for changes in families for change in changes if change.outcomes is not None]
     p_values = iter(corrected_p(outcomes))
     return [

@@ -22,10 +22,10 @@ TO_PAY = [*SCORED, "episode", "reward", *EVENTS]
 
 
 class CellResults:
-    """Of one done cell.
+    """The results of one done cell.
 
-    Every method raises SchemaError where a file that it has to read is damaged, or written by a newer version. A trace
-    that one has read is there for the next ones, until `finish`.
+    Every method raises SchemaError if a file that it has to read is damaged, or written by a newer version. A trace
+    that one method has read is kept for the others until `finish`.
     """
 
     def __init__(self, cell: Cell, files: Path, metrics: Mapping[str, tuple[Metric, str]], kept: Kept) -> None:
@@ -33,9 +33,9 @@ class CellResults:
 
         Args:
             cell: The cell.
-            files: Its folder.
-            metrics: By name, each with its fingerprint.
-            kept: What is known already.
+            files: The folder of the cell.
+            metrics: The metrics by name, each with its fingerprint.
+            kept: The numbers that are known already.
         """
         self.cell, self._files, self._metrics, self._kept = cell, files, metrics, kept
         self._read: dict[tuple[str, bool], Trace] = {}
@@ -51,7 +51,7 @@ class CellResults:
         return self._measure(RANDOM)
 
     def measured(self, floor: Values) -> Measured:
-        """Every metric of the policy in both manners and of the training, beside those of random actions."""
+        """Every metric of the policy in both manners, of the training, and of random actions."""
         own, other = (DETERMINISTIC, STOCHASTIC) if self.cell.deterministic else (STOCHASTIC, DETERMINISTIC)
         files = {own: EVALUATION, other: other_manner(self.cell.deterministic), TRAINING: TRACE}
         there = {name: file for name, file in files.items() if name != other or (self._files / file).is_file()}
@@ -69,7 +69,7 @@ class CellResults:
         return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
 
     def rows(self) -> int:
-        """Of the training trace."""
+        """The number of rows of the training trace."""
         rows = self._kept.number(f"{TRACE} rows", [self._kept.digest(TRACE)], lambda: len(self.recorded()))
         return int(rows or 0)
 
@@ -88,7 +88,7 @@ class CellResults:
         return self._kept.rewards(payer.choice.label, made_of, lambda: payer.pay(self._trace(TRACE, whole=False)))
 
     def pays_recorded(self, payer: Payer, file: str = TRACE) -> bool:
-        """Whether the reward that taught the cell pays today what is recorded; see `Payer.pays_recorded`."""
+        """Whether the cell's own reward still pays what is recorded; see `Payer.pays_recorded`."""
         made_of = [self._kept.digest(file), payer.fingerprint]
         what = f"{file} is paid by {payer.choice.label}"
         return bool(self._kept.number(what, made_of, lambda: payer.pays_recorded(self._trace(file, whole=False))))
@@ -113,7 +113,7 @@ class CellResults:
         return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False), EVENTS))
 
     def _measure(self, file: str) -> Values:
-        """Every metric of a trace; of one that fails the reason is noted, and not kept: it may be mended."""
+        """Every metric of a trace. The reason of a failure is noted but not kept, because the metric may be mended."""
         digest, values = self._kept.digest(file), Values()
         for name, (metric, fingerprint) in self._metrics.items():
             values[name], make = None, partial(self._apply, metric, file)
@@ -124,17 +124,17 @@ class CellResults:
         return values
 
     def _apply(self, metric: Metric, file: str) -> float | None:
-        if isinstance(metric, Unmeasurable):  # no trace is read for it
+        if isinstance(metric, Unmeasurable):  # no trace has to be read for it
             raise Unmeasured(metric.reason)
         return value_of(metric, self._trace(file))
 
     def _episodes(self, file: str) -> int:
-        """Finished ones of a trace."""
+        """The finished episodes of a trace."""
         digest = self._kept.digest(file)
         return int(self._kept.number(f"{file} episodes", [digest], lambda: len(self._trace(file).episodes)) or 0)
 
     def _trace(self, file: str, whole: bool = True) -> Trace:
-        """A trace, all of it or what is paid for; read once for all that follows from it."""
+        """A trace, whole or only the columns that rewards need. It is read once for all results."""
         keys = [(file, True), (file, whole)]
         known = next((self._read[key] for key in keys if key in self._read), None)
         if known is None:
@@ -147,6 +147,6 @@ class CellResults:
         return read_trace(self._files / TRACE, ["reward"]) if known is None else known
 
     def finish(self) -> None:
-        """Keep the numbers, and no trace: a report asks for one cell after the other."""
+        """Keep the numbers and drop the traces, because a report asks for one cell after the other."""
         self._read.clear()
         self._kept.save()

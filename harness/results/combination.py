@@ -20,9 +20,9 @@ from harness.results.mixture import Mixture
 
 
 class Group(NamedTuple):
-    """What cells share that are compared: all that decides a result, but for the seed and what is compared.
+    """What compared cells share: everything that decides a result, except the seed and what is compared.
 
-    Rewards are compared with one another, or the simulators that policies were trained in.
+    The cells compare rewards, or the simulators that policies were trained in.
     """
 
     robot: str
@@ -33,19 +33,19 @@ class Group(NamedTuple):
     evaluate_every: int = 0
     deterministic: bool = True
     simulator: Choice | None = None
-    """None where simulators are compared."""
+    """The simulator; None if simulators are compared."""
     reward: Choice | None = None
-    """None where rewards are."""
+    """The reward; None if rewards are compared."""
 
     @classmethod
     def of(cls, cell: Cell, compared: Literal["reward", "simulator"] = "reward") -> "Group":
-        """The group that a cell belongs to where rewards, or simulators, are compared."""
+        """The group that a cell belongs to, if rewards or simulators are compared."""
         fields: dict[str, Any] = {name: getattr(cell, name) for name in cls._fields}
         return cls(**{**fields, compared: None})
 
     @property
     def labels(self) -> dict[str, str]:
-        """Of what was chosen, by kind; what is compared is left out."""
+        """The labels of what was chosen, by kind, without what is compared."""
         chosen = {"simulator": self.simulator, "algorithm": self.algorithm, "reward": self.reward}
         labels = {kind: choice.label for kind, choice in chosen.items() if choice is not None}
         return {**labels, "robot": self.robot, "task": self.task.label}
@@ -61,16 +61,16 @@ class Group(NamedTuple):
         return "deterministically" if self.deterministic else "stochastically"
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data, by label."""
+        """The labels as plain data."""
         return {**self.labels, "steps": self.steps, "deterministic": self.deterministic}
 
 
 def deciding_manner(deterministic: bool, episodes: Mapping[str, int]) -> str:
-    """How the policies acted that decide about a robot: as the cells say, unless that is fewer episodes.
+    """The manner of acting that decides about a robot: the one that the cells name, unless it has fewer episodes.
 
     Args:
         deterministic: How the cells say that policies act.
-        episodes: Of each manner in which they were evaluated, how many.
+        episodes: The number of episodes in each manner in which they were evaluated.
     """
     own = DETERMINISTIC if deterministic else STOCHASTIC
     acted = {manner: episodes[manner] for manner in (DETERMINISTIC, STOCHASTIC) if manner in episodes}
@@ -78,7 +78,7 @@ def deciding_manner(deterministic: bool, episodes: Mapping[str, int]) -> str:
 
 
 class StepChange(NamedTuple):
-    """What decides about the robot, before the trainings have ended."""
+    """The measures that decide about the robot, at an evaluation before the trainings ended."""
 
     steps: int
     """Environment steps of training before the evaluation."""
@@ -94,17 +94,17 @@ class Combination:
     """One proposed reward against the baseline, on one simulator, robot, task and algorithm.
 
     Attributes:
-        group: What both share.
+        group: What both trainings share.
         baseline: Label of the baseline reward.
         proposed: Label of the proposed reward; the baseline's for the null control, whose proposed runs are the
             baseline trained again with other seeds.
-        seeds: Those that are done under both rewards, and compared.
-        decomposition: Both etas and how they split; None without a seed.
-        changes: Measures of behaviour: of the trained policies by how they acted, of the trainings, of learning.
-        curves: S_r(tau_q) by (r, q), as far as the rewards could be scored; read anew each time that one is asked for.
-        along: What decides about the robot, at each evaluation before the end of the trainings.
-        episodes: Finished episodes that the measures of each manner rest on, of each seed at least.
-        claims: How many are made together, in all combinations of the experiment but the null control.
+        seeds: The seeds that are done under both rewards, and compared.
+        decomposition: Both etas with their parts; None without a seed.
+        changes: Measures of behaviour: of the trained policies in each manner, of the trainings, of learning.
+        curves: S_r(tau_q) by (r, q), as far as the rewards could be scored. A curve is read again at each request.
+        along: The deciding measures at each evaluation before the end of the trainings.
+        episodes: How many finished episodes every seed has at least, in each manner.
+        claims: How many claims are made together, in all combinations of the experiment except the null control.
         mixtures: Plugins of which several versions made the cells that are compared.
     """
 
@@ -127,22 +127,22 @@ class Combination:
 
     @property
     def names(self) -> Names:
-        """What both trainings are called, apart also where they have one reward."""
+        """The names of both trainings. They differ even if both trainings have one reward."""
         return Names(self.baseline, f"{self.proposed} (other seeds)" if self.is_control else self.proposed)
 
     @property
     def splits(self) -> Splits:
-        """Both etas and their parts; without a seed the reason why there are none."""
+        """Both etas and their parts. Without a seed they hold the reason why there are none."""
         return self.decomposition.splits if self.decomposition else no_splits(self._empty)
 
     @property
     def eta_n(self) -> Ratio:
-        """NOTE eq. 43."""
+        """The split of eta_N, NOTE eq. 43."""
         return self.splits["eta_N"].eta
 
     @property
     def eta_p(self) -> Ratio:
-        """NOTE eq. 44."""
+        """The split of eta_P, NOTE eq. 44."""
         return self.splits["eta_P"].eta
 
     @property
@@ -162,7 +162,7 @@ class Combination:
 
     @property
     def outcomes(self) -> list[Float | None]:
-        """What every claim would have come to with the names swapped: both etas, all changes, all along the budget."""
+        """The outcomes of every claim with swapped names: both etas, all changes, all evaluations along the budget."""
         if self.decomposition is None:
             return []
         changes = [*self.changes, *(change for moment in self.along for change in moment.changes)]
@@ -174,12 +174,12 @@ class Combination:
 
     @property
     def own_manner(self) -> str:
-        """How the cells say that policies act; along the budget they were evaluated in no other manner."""
+        """The manner of acting that the cells name. Evaluations along the budget have only this manner."""
         return DETERMINISTIC if self.group.deterministic else STOCHASTIC
 
     @property
     def manner(self) -> str:
-        """How the policies acted that decide about the robot: as the cells say, unless that is fewer episodes."""
+        """The manner of acting that decides about the robot: that of the cells, unless it has fewer episodes."""
         return deciding_manner(self.group.deterministic, self.episodes)
 
     def changes_of(self, manner: str) -> tuple[Change, ...]:
@@ -193,18 +193,18 @@ class Combination:
 
     @cached_property
     def headline(self) -> Headline:
-        """What it comes to: the robot, and the number."""
+        """The answers of the comparison: about the robot, and about the number."""
         if self.decomposition is None:
             return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self._empty}.", "")
         return headline_of(self.names, self.decomposition, self.changes_of(self.manner), self.claims)
 
     def headline_at(self, moment: StepChange) -> Headline:
-        """What it would come to after so many steps."""
+        """The answers that would have been given after so many steps."""
         assert self.decomposition is not None  # there is no evaluation without a cell
         return headline_of(self.names, self.decomposition, moment.changes, self.claims)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data, the curves left out."""
+        """Plain data, without the curves."""
         return {
             **self.group.to_json(),
             "baseline": self.baseline,

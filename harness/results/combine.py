@@ -21,7 +21,7 @@ from harness.results.records import Records
 
 
 def combine(records: Records) -> tuple[Combination, ...]:
-    """Every proposed reward against the baseline; a baseline that is its own proposed reward is the null control."""
+    """Every proposed reward against the baseline. A baseline that is its own proposed reward is the null control."""
     compared = dict.fromkeys(
         (Group.of(manifest.cell), manifest.cell.reward)
         for manifest in records.manifests
@@ -31,7 +31,7 @@ def combine(records: Records) -> tuple[Combination, ...]:
     matches = [_match(records, group, reward) for group, reward in asked]
     swaps = swaps_of(sorted({seed for match in matches for seed in match.seeds}))
     found = [_compare(records, match, swaps) for match in matches]
-    # The null control asks nothing of the rewards: it must not make the others' corrections stricter.
+    # The null control makes no claim about rewards, so it must not make the others' corrections stricter.
     controls = [_correct([combination])[0] for combination in found if combination.is_control]
     return (*_correct([combination for combination in found if not combination.is_control]), *controls)
 
@@ -42,15 +42,15 @@ class _Match(NamedTuple):
     group: Group
     proposed: Choice
     seeds: tuple[int, ...]
-    """Of the baseline's cells; of the others too unless this is the null control."""
+    """The seeds of the baseline's cells, and of the others too unless this is the null control."""
     of_baseline: list[Cell]
     of_proposed: list[Cell]
     control: list[Cell]
-    """The baseline trained again with other seeds, where that is done for all."""
+    """The cells of the baseline that was trained again with other seeds, if they are done for all."""
 
     @property
     def cells(self) -> list[Cell]:
-        """All of them, each once."""
+        """All cells, each once."""
         return list(dict.fromkeys([*self.of_baseline, *self.of_proposed, *self.control]))
 
 
@@ -93,7 +93,7 @@ def _compare(records: Records, match: _Match, swaps: Swaps) -> Combination:
 
 
 def _score(records: Records, match: _Match) -> tuple[dict[Pair, GroupCurve], str | None]:
-    """The curves of both trainings under both rewards; under their own alone, with the reason, if need be."""
+    """The curves of both trainings under both rewards; if that fails, under their own rewards, with the reason."""
     curves = {pair: _curve(records, match, pair) for pair in (BB, KK)}
     try:
         curves |= {pair: _curve(records, match, pair) for pair in (BK, KB)}
@@ -118,7 +118,7 @@ def _scored_curve(records: Records, own: Cell, cells: Sequence[Cell]) -> GroupCu
 
 
 class _CurvesOnDemand(Mapping[Pair, GroupCurve]):
-    """The curves of a comparison, read again by whoever draws them: those of all comparisons would fill the memory."""
+    """The curves of a comparison. They are read again at each request, because all curves would fill the memory."""
 
     def __init__(self, records: Records, match: _Match, pairs: tuple[Pair, ...]) -> None:
         self._records, self._match, self._pairs = records, match, pairs
@@ -145,10 +145,10 @@ class _Measures:
         )
         self._manifest = records.manifest(match.of_baseline[0])
         self.episodes = _fewest_episodes([*self._one, *self._other])
-        """Of each manner that every cell was measured in, as many as the cell with the fewest has."""
+        """The number of episodes in each manner that all cells have, as in the cell with the fewest."""
 
     def changes(self) -> tuple[Change, ...]:
-        """Of the trained policies by how they acted, of the trainings, and of how fast they learned."""
+        """The measures of the trained policies in each manner, of the trainings, and of how fast they learned."""
         random = [it.random for it in (*self._one, *self._other)]
         found = [
             self._change(
@@ -163,7 +163,7 @@ class _Measures:
         return (*found, *self._learning()) if self._match.group.evaluate_every else tuple(found)
 
     def along(self) -> tuple[StepChange, ...]:
-        """What decides about the robot, at each evaluation before the end of the trainings."""
+        """The deciding measures at each evaluation before the end of the trainings."""
         every = self._match.group.evaluate_every
         if not every:
             return ()
@@ -219,7 +219,7 @@ class _Measures:
 
 
 def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:
-    """By manner; one that a cell was not measured in, as by version 0.1, is left out."""
+    """The fewest episodes by manner. A manner that some cell lacks, such as a cell of version 0.1, is left out."""
     return {
         manner: min(it.episodes[manner] for it in measured)
         for manner in measured[0].manners
@@ -235,7 +235,7 @@ def _correct(family: Sequence[Combination]) -> list[Combination]:
 
 
 def _corrected(combination: Combination, p_values: Iterator[float | None]) -> Combination:
-    """In the order of `Combination.outcomes`."""
+    """The combination with corrected p-values, which are in the order of `Combination.outcomes`."""
     decomposition = combination.decomposition
     if decomposition is not None:
         decomposition = decomposition.with_corrected(next(p_values), next(p_values))

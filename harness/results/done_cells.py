@@ -18,13 +18,13 @@ from harness.score.scored_runs import Payer
 
 
 class DoneCells:
-    """Looks at cells, each as often as it is asked to."""
+    """Reads the results of done cells. It reads again at each request."""
 
     def __init__(self, store: Store, registry: Registry, metrics: Iterable[str] | None = None) -> None:
         """Read nothing yet.
 
         Args:
-            store: The experiment's folder.
+            store: The folder of the experiment.
             registry: The plugins, for metrics and rewards.
             metrics: Which metrics; see `harness.results.metrics.load_metrics`.
 
@@ -42,12 +42,12 @@ class DoneCells:
         return load_metrics(self._registry) if self._chosen is None else self._chosen
 
     def of(self, done: Manifest) -> CellResults:
-        """What follows from the files of a done cell."""
+        """The results of a done cell."""
         files = self._store.cell_folder(done.cell)
         return CellResults(done.cell, files, self._fingerprinted, Kept(self._store.folder, files, done.files))
 
     def payer(self, choice: Choice) -> Payer:
-        """Pays recorded runs again by a reward."""
+        """What pays recorded runs again by a reward."""
         if choice not in self._payers:
             self._payers[choice] = Payer(choice, self._registry)
         return self._payers[choice]

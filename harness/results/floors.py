@@ -1,4 +1,4 @@
-"""What metrics say of random actions: each floor is measured once, for all cells that share it."""
+"""The metrics of random actions, called floors. Each floor is measured once for all cells that share it."""
 
 from collections.abc import Callable, Iterable
 
@@ -11,21 +11,21 @@ from harness.results.measured import Values
 
 
 class Floors:
-    """Of the cells in an experiment's folder."""
+    """The floors of the cells in an experiment's folder."""
 
     def __init__(self, store: Store, manifests: Iterable[Manifest], of: Callable[[Cell], CellResults]) -> None:
         """Read nothing yet.
 
         Args:
             store: The folder.
-            manifests: Of its cells.
-            of: What follows from the files of a done cell.
+            manifests: The manifests of its cells.
+            of: A function that returns the results of a done cell.
         """
         self._of, self._owners = of, floors_in(manifests, store)
         self._values: dict[str, Values] = {}
 
     def of(self, cell: Cell) -> Values:
-        """Every metric of random actions in the simulator, task and robot of a done cell; none where none did them."""
+        """Every metric of random actions in a done cell's simulator, task and robot; empty if no cell has them."""
         owner = cell if self._of(cell).has_floor else self._owners.get(Floor.of(cell))
         if owner is None:
             return {}

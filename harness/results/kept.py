@@ -1,4 +1,4 @@
-"""What follows from a cell's files, computed once and kept beside them.
+"""Results of a cell's files, which are computed once and kept beside them.
 
 ::
 
@@ -30,23 +30,23 @@ from harness.registry.sources import digest_of_modules
 VALUES = "values"
 FORMAT = 1
 LARGEST = 2**31
-"""Bytes of rewards that are kept, 268 million rows."""
+"""The most bytes of rewards that are kept, which is 268 million rows."""
 MOST_VALUES = 64 * 2**20
-"""Bytes of the numbers of one cell that are read."""
+"""The most bytes that are read of the numbers of one cell."""
 CODE = ("harness.metric", "harness.reward", "harness.record", "harness.score", "harness.results.cell_results")
-"""Modules and packages that what is kept follows from, beside the plugins."""
+"""Modules and packages that change the kept results, besides the plugins."""
 
 Number: TypeAlias = float | int | bool | None
 
 
 class Kept:
-    """What is kept of one cell."""
+    """The kept results of one cell."""
 
     def __init__(self, experiment: Path, files: Path, digests: Mapping[str, str]) -> None:
         """Read the numbers; rewards are read when they are asked for.
 
         Args:
-            experiment: Its folder.
+            experiment: The experiment's folder.
             files: The folder of the cell whose results they are.
             digests: SHA-256 of its files by name, as its manifest names them; in cells of version 0.1 none.
         """
@@ -57,19 +57,19 @@ class Kept:
         self._read_values()
 
     def digest(self, name: str) -> str:
-        """SHA-256 of a file of the cell; empty where there is no such file: whoever reads it will say so."""
+        """SHA-256 of a file of the cell; empty if there is no such file. Reading that file then raises an error."""
         if name not in self._digests:
             path = self._files / name
             self._digests[name] = digest_of(path) if path.is_file() else ""
         return self._digests[name]
 
     def number(self, what: str, made_of: Sequence[str], make: Callable[[], Number]) -> Number:
-        """What `make` gives, from what is kept if that follows from the same.
+        """The number that `make` computes. It is taken from what is kept, if that follows from the same.
 
         Args:
-            what: Names it among the cell's numbers.
-            made_of: Digests of all that it follows from.
-            make: Computes it; what it raises passes.
+            what: The name of the number among those of the cell.
+            made_of: Digests of everything that the number follows from.
+            make: Computes the number. An error that it raises is passed on.
         """
         key = _key(what, made_of)
         found = self._values.get(what)
@@ -82,7 +82,7 @@ class Kept:
         return made
 
     def rewards(self, what: str, made_of: Sequence[str], make: Callable[[], Float]) -> Float:
-        """The same of an array, (rows,); see `number`."""
+        """The array, (rows,), that `make` computes; see `number`."""
         key = _key(what, made_of)
         name = hashlib.sha256(what.encode()).hexdigest()[:8]
         path = self._folder / f"{name}-{key}.rewards"
@@ -95,7 +95,7 @@ class Kept:
         return made
 
     def save(self) -> None:
-        """Write the numbers, if one is new; a folder that allows no writing stays as it is."""
+        """Write the numbers if one is new. A folder that allows no writing stays as it is."""
         if not self._changed:
             return
         self._changed = False
@@ -103,7 +103,7 @@ class Kept:
         self._write(self._folder / VALUES, self._owner, text.encode())
 
     def _write(self, path: Path, key: str, content: bytes) -> None:
-        """No report needs what is kept: where nothing can be written, nothing is kept."""
+        """Write a file of kept results. If that fails, nothing is kept, since no report needs it."""
         if self._folder.is_symlink() or self._folder.parent.is_symlink():
             return  # a stranger's folder may point anywhere
         with suppress(OSError):
@@ -111,19 +111,19 @@ class Kept:
             write_keyed(path, key, content)
 
     def _discard(self, paths: Iterable[Path]) -> None:
-        """Of files or plugins that are others now."""
+        """Remove kept results of files or plugins that have changed."""
         for path in paths:
             with suppress(OSError):
                 path.unlink()
 
     def _read_values(self) -> None:
         content = read_keyed(self._folder / VALUES, self._owner, MOST_VALUES)
-        if content is not None:  # it is as `save` wrote it
+        if content is not None:  # it is whole, as `save` wrote it
             self._values = json.loads(content)
 
 
 def _plain(number: Any) -> Number:
-    """As JSON gives it back."""
+    """A number as JSON gives it back."""
     return number if number is None or isinstance(number, int | float) else float(number)
 
 
@@ -133,7 +133,7 @@ def _key(what: str, made_of: Sequence[str]) -> str:
 
 @lru_cache(maxsize=1)
 def _code() -> str:
-    """What turns files into results here, and numpy, whose sums may come in another order."""
+    """A digest of the code that turns files into results, and of numpy's version, which may add in another order."""
     return f"{FORMAT} {np.__version__} {digest_of_modules(CODE)}"
 
 

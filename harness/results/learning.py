@@ -1,4 +1,4 @@
-"""What the policies of a comparison did in evaluations while they were trained. Reads results only."""
+"""The evaluations of a comparison's policies during their training. Reads results only."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ class LearningRun:
     """The evaluations of one cell, the last one after its training.
 
     Attributes:
-        seed: Of the cell.
-        moments: In order.
+        seed: The seed of the cell.
+        moments: The evaluations in order.
     """
 
     seed: int
@@ -25,20 +25,20 @@ class LearningRun:
 
 
 class Point(NamedTuple):
-    """Where a curve passes."""
+    """A point of a curve."""
 
     steps: int
-    """Environment steps; the mean where the seeds were not evaluated after the same number."""
+    """Environment steps. It is the mean if the seeds were not evaluated after the same number of steps."""
     value: SeedMean
 
 
 @dataclass(frozen=True)
 class LearningCurve:
-    """What one reward taught, over environment steps.
+    """What a reward's policies did, over environment steps.
 
     Attributes:
-        reward: Its label.
-        runs: One per seed.
+        reward: The label of the reward.
+        runs: One run per seed.
         points: By metric; the mean over seeds with its 95 % interval at each evaluation.
     """
 
@@ -51,7 +51,7 @@ class LearningCurve:
         return [point for point in self.points[metric] if point.value.mean is not None]
 
     def band(self, metric: str) -> list[tuple[int, float, float]]:
-        """Steps, and both ends of the interval, of the points that have one: those of a single seed have none."""
+        """Steps and both ends of the interval, for all points that have one. Points of a single seed have none."""
         return [
             (point.steps, point.value.low, point.value.high)
             for point in self.known(metric)
@@ -64,9 +64,9 @@ class Learning:
     """The learning curves of a comparison.
 
     Attributes:
-        baseline: Of the baseline reward.
-        proposed: Of the proposed reward.
-        random: By metric, what random actions do; None where that is not defined.
+        baseline: The curve of the baseline reward.
+        proposed: The curve of the proposed reward.
+        random: The values of random actions by metric; None if a value is not defined.
     """
 
     baseline: LearningCurve
@@ -74,7 +74,7 @@ class Learning:
     random: Values
 
     def last_step(self, metric: str) -> int:
-        """Where the longer of both curves of a metric ends; 1 where there is none."""
+        """The step at which the longer of both curves of a metric ends; 1 if there is none."""
         points = [*self.baseline.known(metric), *self.proposed.known(metric)]
         return max((point.steps for point in points), default=1)
 
@@ -96,7 +96,7 @@ class Learning:
 def learning_of(results: Results, combination: Combination) -> Learning | None:
     """The learning curves of a combination.
 
-    None for the null control, and where no training was evaluated before its end.
+    None for the null control, or if no training was evaluated before its end.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
@@ -115,7 +115,7 @@ def learning_points(
 ) -> tuple[Point, ...]:
     """The mean of one metric, which may be a share of episodes, over seeds at each evaluation.
 
-    Evaluations are put together that were due together.
+    Evaluations that were due at the same step form one point.
     """
     found: dict[int, list[Moment]] = {}
     for run in runs:

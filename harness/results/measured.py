@@ -1,4 +1,4 @@
-"""What every metric says of one cell: of its policy in both manners, of random actions, and of its training."""
+"""The values of every metric for one cell: its policy in both manners, random actions, and its training."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -13,13 +13,13 @@ from harness.metric import Metric
 from harness.record.trace import Trace
 
 Values: TypeAlias = dict[str, float | None]
-"""By metric; None where it is not defined, and where the metric fails."""
+"""Values by metric. A value is None if it is not defined, or if the metric fails."""
 Asked = TypeVar("Asked")
 
 DETERMINISTIC, STOCHASTIC, TRAINING, LEARNING = "deterministic", "stochastic", "while training", "while learning"
 AREA, STEPS_TO_GOAL = "success_area", "steps_to_goal"
 GOAL = 0.9
-"""Sample efficiency counts the steps until this share of the episodes succeeds."""
+"""Sample efficiency is the number of steps until this share of the episodes succeeds."""
 
 
 class Moment(NamedTuple):
@@ -31,25 +31,25 @@ class Moment(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """All of one cell."""
+    """All values of one cell."""
 
     manners: Mapping[str, Values]
     """Of the trained policy by how it acted, and of the training itself; in the order in which they are shown."""
     episodes: Mapping[str, int]
-    """Finished episodes that each rests on."""
+    """How many finished episodes each manner rests on."""
     random: Values
-    """Of random actions."""
+    """The values of random actions."""
     reasons: Mapping[str, str] = {}
-    """Of each metric that failed, why; its values are None."""
+    """The reason for each metric that failed. Its values are None."""
 
     @property
     def own(self) -> Values:
-        """Of the trained policy, acting as the cell says: what stands first."""
+        """The values of the trained policy in the manner that the cell names, which stands first."""
         return next(iter(self.manners.values()))
 
 
 def measure(metrics: Mapping[str, Metric], trace: Trace) -> Values:
-    """Every metric of a trace; None where one fails."""
+    """Every metric of a trace; None if a metric fails."""
     values: Values = {}
     for name, metric in metrics.items():
         values[name] = None
@@ -59,7 +59,7 @@ def measure(metrics: Mapping[str, Metric], trace: Trace) -> Values:
 
 
 def value_of(metric: Metric, trace: Trace) -> float | None:
-    """What a metric says of a trace.
+    """The value of a metric for a trace.
 
     Raises:
         Unmeasured: It raises, or what it returns is no finite number.
@@ -75,7 +75,7 @@ def value_of(metric: Metric, trace: Trace) -> float | None:
 
 
 def unmeasured_if_it_raises(ask: Callable[[], Asked]) -> Asked:
-    """What `ask` returns, which runs a metric's code: whatever that raises is a reason, and stops nobody else.
+    """What `ask` returns, which runs a metric's code. An error that it raises becomes a reason, and stops nothing else.
 
     Raises:
         Unmeasured: With the reason in one line.
@@ -87,7 +87,7 @@ def unmeasured_if_it_raises(ask: Callable[[], Asked]) -> Asked:
 
 
 def moments_by_due(moments: Sequence[Moment], every: int, budget: int) -> list[tuple[int, Moment]]:
-    """Evaluations with the multiple of `every` that each was due at; the last one at the budget.
+    """Evaluations, each with the multiple of `every` at which it was due. The last one was due at the budget.
 
     Algorithms that act for several steps at a time do not all hit a multiple.
     """

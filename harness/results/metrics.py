@@ -1,4 +1,4 @@
-"""The metrics that results are told in, and what stands for one that cannot be used."""
+"""The metrics of results, and what takes the place of a metric that cannot be used."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ BETTER = ("higher", "lower")
 
 @dataclass(frozen=True)
 class Unmeasurable:
-    """Stands for a metric that cannot be used, and says why of every trace: nobody else loses a report by it."""
+    """Takes the place of a metric that cannot be used, and says why for every trace. So the rest of a report works."""
 
     reason: str
     unit: str = ""
@@ -32,7 +32,7 @@ class Unmeasurable:
 
 
 def load_metrics(registry: Registry, names: Iterable[str] | None = None) -> dict[str, Metric]:
-    """Metrics by name; one that nobody named and that cannot be used is `Unmeasurable`.
+    """Metrics by name. A metric that cannot be used is `Unmeasurable`, unless it was named.
 
     Args:
         registry: The plugins.
@@ -51,14 +51,14 @@ def load_metrics(registry: Registry, names: Iterable[str] | None = None) -> dict
 
 
 def measure_of(name: str, metric: Metric, manner: str, episodes: int, manifest: Manifest) -> Measure:
-    """What a metric measures; one of the task's error is told with the error's own name and unit.
+    """What a metric measures. A metric of the task's error gets the name and the unit of that error.
 
     Args:
-        name: Of the metric.
+        name: The name of the metric.
         metric: The metric.
         manner: See `Measure`.
-        episodes: Of how many it is a share, if it is one.
-        manifest: Of one of the cells, which all do one task.
+        episodes: How many episodes it is a share of, if it is a share.
+        manifest: The manifest of one of the cells, which all do one task.
     """
     share = episodes if is_share(metric) else None
     if manifest.error and is_error(metric):
@@ -68,7 +68,7 @@ def measure_of(name: str, metric: Metric, manner: str, episodes: int, manifest: 
 
 
 def with_fingerprints(metrics: Mapping[str, Metric]) -> dict[str, tuple[Metric, str]]:
-    """Each with its fingerprint; one whose sources cannot be read is `Unmeasurable`."""
+    """Each metric with its fingerprint. A metric whose sources cannot be read becomes `Unmeasurable`."""
     return {name: _fingerprinted(metric) for name, metric in metrics.items()}
 
 

@@ -1,4 +1,4 @@
-"""Cells that are compared and were made by several versions of one plugin."""
+"""Finds comparisons whose cells were made by several versions of one plugin."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -12,9 +12,9 @@ class Mixture(NamedTuple):
 
     kind: str
     name: str
-    """The plugin's, or the path of a robot's files."""
+    """The name of the plugin, or the path of a robot's files."""
     cells: Mapping[str, int]
-    """How many cells each version made, by the SHA-256 of its files; the one that made most comes first."""
+    """How many cells each version made, by the SHA-256 of its files. The version that made most comes first."""
 
     @property
     def text(self) -> str:
@@ -33,7 +33,7 @@ class Mixture(NamedTuple):
 
 
 def mixtures_of(manifests: Iterable[Manifest]) -> tuple[Mixture, ...]:
-    """Of the done cells of one comparison; a cell without a recorded hash tells nothing."""
+    """The mixtures among the done cells of one comparison. A cell without a recorded hash is left out."""
     started: dict[tuple[str, str], dict[str, list[str]]] = {}
     for manifest in manifests:
         recorded = manifest.environment.get("sources", {})
@@ -46,6 +46,6 @@ def mixtures_of(manifests: Iterable[Manifest]) -> tuple[Mixture, ...]:
 
 
 def _counts(started: Mapping[str, Sequence[str]]) -> dict[str, int]:
-    """Of two versions that made as many cells, the newer one comes first."""
+    """How many cells each version made. Of two versions that made as many, the newer one comes first."""
     order = sorted(started, key=lambda version: (len(started[version]), max(started[version])), reverse=True)
     return {version: len(started[version]) for version in order}

@@ -12,7 +12,7 @@ from harness.text import visible
 NOTHING = "n/a"
 NEAR_ZERO = "near zero"
 HEADINGS = ("", "the robot", "success", "eta_N", "eta_P", "ruler")
-"""Of `overview_row`."""
+"""The headings of `overview_row`."""
 READING = (
     "success: baseline > proposed. eta: the proposed reward's number divided by the baseline's, with its 95% interval "
     "if the window is wide enough. eta_N below 1 and eta_P above 1 count as better. ruler: the part of eta_P that "
@@ -21,7 +21,7 @@ READING = (
 
 
 def shared_text(combinations: Sequence[Combination], *, with_seeds: bool = True) -> str:
-    """What is the same in all of at least one, said once."""
+    """What is the same in all combinations, of which there must be at least one."""
     varying = varying_kinds(combinations)
     told = [label for kind, label in combinations[0].group.labels.items() if kind not in varying]
     rewards, baselines = ({getattr(it, name) for it in combinations} for name in ("proposed", "baseline"))
@@ -35,7 +35,7 @@ def shared_text(combinations: Sequence[Combination], *, with_seeds: bool = True)
 
 
 def line_names(combinations: Sequence[Combination]) -> list[str]:
-    """What tells each from the others: what differs between the groups, and the reward where they are several."""
+    """A name for each combination: what differs between the groups, and the reward if there are several."""
     varying, rewards = varying_kinds(combinations), {it.proposed for it in combinations}
     with_reward = not varying or len(rewards) > 1
     return [
@@ -45,19 +45,19 @@ def line_names(combinations: Sequence[Combination]) -> list[str]:
 
 
 def varying_kinds(combinations: Sequence[Combination]) -> list[str]:
-    """Kinds of labels that differ between groups, and ``steps`` where the trainings are not equally long."""
+    """Kinds of labels that differ between groups, and ``steps`` if the trainings are not equally long."""
     kinds = [kind for kind in combinations[0].group.labels if len({it.group.labels[kind] for it in combinations}) > 1]
     return [*kinds, *(["steps"] if len({it.group.steps for it in combinations}) > 1 else [])]
 
 
 def group_name(combination: Combination, varying: Sequence[str]) -> str:
-    """What differs between the groups, of this one."""
+    """The name of a combination's group: its labels of the kinds that differ."""
     told = {**combination.group.labels, "steps": f"{combination.group.steps:,} steps"}
     return " · ".join(told[kind] for kind in varying)
 
 
 def overview_row(name: str, combination: Combination, with_intervals: bool) -> tuple[str, ...]:
-    """What stands under `HEADINGS`."""
+    """The values under `HEADINGS`."""
     splits = combination.splits
     etas = (splits["eta_N"].eta, splits["eta_P"].eta)
     return (
@@ -77,14 +77,14 @@ def success_text(change: Change | None) -> str:
 
 
 def short_value(ratio: Ratio) -> str:
-    """Three digits of it."""
+    """A ratio with three digits."""
     if ratio.near_zero is not None or ratio.value is None:
         return NEAR_ZERO if ratio.near_zero is not None else NOTHING
     return _digits(ratio.value, 3)
 
 
 def _interval(ratio: Ratio) -> str:
-    """Two digits of each end; empty where there is none to show."""
+    """The interval of a ratio, with two digits for each end; empty if there is none to show."""
     if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
         return ""
     return f" [{_short(ratio.low)}, {_short(ratio.high)}]"
@@ -97,7 +97,7 @@ def _short(end: float) -> str:
 
 
 def _digits(value: float, count: int) -> str:
-    """So many significant digits, trailing zeros included; an exponent from a million on."""
+    """A number with `count` significant digits, trailing zeros included. From a million on it has an exponent."""
     text = f"{value:#.{count}g}".rstrip(".")
     return f"{value:.0f}" if "e" in text and 1.0 <= abs(value) < 1e6 else text
 

@@ -1,4 +1,4 @@
-"""How the rewards of an experiment come in all its places, and whether one would choose another. Reads results only.
+"""The order of an experiment's rewards in all its places, and whether the choice would differ. Reads results only.
 
 A place is a simulator with an algorithm. Places are compared within a task; two of them where they differ in one alone.
 """
@@ -32,14 +32,14 @@ Kind: TypeAlias = Literal["simulator", "algorithm"]
 KINDS: tuple[Kind, ...] = ("simulator", "algorithm")
 NO_ENGINE = "no engine"
 ROUNDING = 1e-9
-"""Numbers that are closer have the same rank."""
+"""Numbers that differ by less have the same rank."""
 
 
 class EtaOrder(NamedTuple):
     """The order that an eta, or a part of it, gives the rewards.
 
     Attributes:
-        values: Of each reward, the baseline's 1; the best first. Rewards without a value are left out.
+        values: The value of each reward, the best first; the baseline's is 1. Rewards without a value are left out.
         tau: Kendall's tau-b with the order by success, of the rewards that have both; None where it is not defined.
     """
 
@@ -49,12 +49,12 @@ class EtaOrder(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """How the rewards come with one simulator and one algorithm.
+    """The order of the rewards with one simulator and one algorithm.
 
     Attributes:
-        simulator: Its label.
-        algorithm: Its label.
-        engine: The simulator's; None where it is not recorded.
+        simulator: The label of the simulator.
+        algorithm: The label of the algorithm.
+        engine: The simulator's engine; None if it is not recorded.
         success: The order of the rewards that are in every place, by their success rate.
         etas: By ``eta_P``, ``eta_P behaviour``, ``eta_N``, ``eta_N behaviour``.
     """
@@ -84,7 +84,7 @@ class PlacePair(NamedTuple):
     """Two places that differ in their simulator or in their algorithm."""
 
     kind: Kind
-    """What they differ in."""
+    """What the two places differ in."""
     one: Place
     other: Place
     agreement: Agreement
@@ -94,17 +94,17 @@ class PlacePair(NamedTuple):
 
     @property
     def names(self) -> tuple[str, str]:
-        """What tells the two apart."""
+        """The names of both places: what tells them apart."""
         return getattr(self.one, self.kind), getattr(self.other, self.kind)
 
     @property
     def shared(self) -> str:
-        """What both have in common."""
+        """What both places have in common."""
         return self.one.algorithm if self.kind == "simulator" else self.one.simulator
 
     @property
     def votes(self) -> tuple[str, str]:
-        """The same name for places with one vote: simulators of one engine, where it is recorded."""
+        """A name for each place. Places with one name have one vote: simulators of one engine, if it is recorded."""
         one, other = self.names
         return (self.one.engine or one, self.other.engine or other) if self.kind == "simulator" else (one, other)
 
@@ -127,14 +127,14 @@ class TaskRanking:
     """The rewards of one task.
 
     Attributes:
-        robot: Its name.
-        task: Its label.
-        steps: Of each training.
-        rewards: Those that are in every place.
-        left_out: Those that are not.
-        places: All of them.
-        pairs: Each two that differ in one alone.
-        between: Of each kind of difference the mean agreement, simulators of one engine as one vote.
+        robot: The name of the robot.
+        task: The label of the task.
+        steps: Environment steps of each training.
+        rewards: The rewards that are in every place.
+        left_out: The rewards that are not in every place.
+        places: All places.
+        pairs: All pairs of places that differ in one thing alone.
+        between: The mean agreement for each kind of difference, with one vote for the simulators of one engine.
     """
 
     robot: str
@@ -148,12 +148,12 @@ class TaskRanking:
 
     @property
     def has_engines(self) -> bool:
-        """Whether every place tells its engine; simulators of those that do not have a vote each."""
+        """Whether the engine of every place is known. If it is not, each simulator has a vote of its own."""
         return all(place.engine is not None for place in self.places)
 
     @property
     def transplants(self) -> list[Transplant]:
-        """All, both ways."""
+        """All transplants, in both directions."""
         return [it for pair in self.pairs for it in (pair.forth, pair.back)]
 
     def count(self, answer: Answer) -> int:
@@ -161,7 +161,7 @@ class TaskRanking:
         return sum(it.answer == answer for it in self.transplants)
 
     def votes(self, kind: Kind) -> tuple[str, ...]:
-        """Those that are independent, of the places that are compared."""
+        """The independent votes among the places that are compared."""
         return tuple(dict.fromkeys(vote for pair in self.pairs if pair.kind == kind for vote in pair.votes))
 
     def to_json(self) -> dict[str, Any]:
@@ -180,11 +180,11 @@ class TaskRanking:
 
 @dataclass(frozen=True)
 class Ranking:
-    """Of all tasks.
+    """The rankings of all tasks.
 
     Attributes:
-        tasks: Those in which several rewards are in several places.
-        note: Why there is none; empty where there is one.
+        tasks: The tasks in which several rewards are in several places.
+        note: Why there is no ranking; empty if there is one.
     """
 
     tasks: tuple[TaskRanking, ...]
@@ -196,7 +196,7 @@ class Ranking:
 
 
 def ranking_of(results: Results) -> Ranking:
-    """The order of the rewards in every place, by success and by eta, and what the best one is worth elsewhere."""
+    """The order of the rewards in every place, by success and by eta, and how the best one does elsewhere."""
     tasks: dict[tuple[Any, ...], list[_Found]] = {}
     for group, cells in results.groups.items():
         found = _find(results, group, [cell for cell in cells if not results.is_control(cell)])
@@ -207,19 +207,19 @@ def ranking_of(results: Results) -> Ranking:
 
 
 def _task_of(group: Group) -> tuple[Any, ...]:
-    """All that is the same in places that are compared."""
+    """Everything that is the same in places that are compared."""
     return tuple(getattr(group, name) for name in group._fields if name not in KINDS)
 
 
 class _Found(NamedTuple):
-    """What the cells of one place say."""
+    """The values of the cells of one place."""
 
     group: Group
     runs: dict[str, dict[int, float]]
     """Success rate by reward and seed."""
     episodes: int
     engine: str | None
-    """None where it is not recorded."""
+    """The engine; None if it is not recorded."""
 
 
 def _find(results: Results, group: Group, cells: Sequence[Cell]) -> _Found:
@@ -236,13 +236,13 @@ def _find(results: Results, group: Group, cells: Sequence[Cell]) -> _Found:
 
 
 def _engine(results: Results, cells: Sequence[Cell]) -> str | None:
-    """The engine of a place's cells, which all have one simulator; cells of an older version do not tell it."""
+    """The engine of a place's cells, which all have one simulator. Cells of an older version do not record it."""
     environment = results.manifest(cells[0]).environment if cells else {}
     return (environment["engine"] or NO_ENGINE) if "engine" in environment else None
 
 
 def _rank(results: Results, found: Sequence[_Found]) -> TaskRanking | None:
-    """None where there is nothing to compare."""
+    """The ranking of a task; None if there is nothing to compare."""
     every = tuple(dict.fromkeys(reward for it in found for reward in it.runs))
     rewards = [reward for reward in every if all(reward in it.runs for it in found)]
     if len(rewards) < REWARDS or len(found) < PLACES:
@@ -259,13 +259,13 @@ def _rank(results: Results, found: Sequence[_Found]) -> TaskRanking | None:
 def compare_places(
     places: Sequence[Place], robot: str, task: str, steps: int, left_out: tuple[str, ...] = ()
 ) -> TaskRanking:
-    """Each two places that differ in one alone, and all of them together.
+    """Compare each two places that differ in one thing alone, and all of them together.
 
     Args:
-        places: At least one; their orders are of the same rewards, with intervals that hold together.
-        robot: Of all of them.
-        task: The same.
-        steps: The same.
+        places: At least one place. Their orders have the same rewards, and intervals that hold together.
+        robot: The robot of all places.
+        task: The task of all places.
+        steps: The steps of all trainings.
         left_out: Rewards that are not in every place.
     """
     pairs = tuple(pair for one, other in combinations(places, 2) if (pair := _compare(one, other)) is not None)
@@ -307,7 +307,7 @@ ETAS = {
     "eta_N": (_read("eta_N", "eta"), True),
     "eta_N behaviour": (_read("eta_N", "behaviour"), True),
 }
-"""How each is read, and whether lower is better."""
+"""How each value is read, and whether lower is better."""
 
 
 def _values(compared: Iterable[Combination], read: Callable[[Combination], float | None]) -> dict[str, float]:
@@ -316,7 +316,7 @@ def _values(compared: Iterable[Combination], read: Callable[[Combination], float
 
 
 def _eta_order(values: Mapping[str, float], lower: bool, success: Order) -> EtaOrder:
-    """Rewards that are not in every place are left out."""
+    """The order by an eta. Rewards that are not in every place are left out."""
     known = {reward: values[reward] for reward in success.rewards if reward in values}
     means = dict(zip(success.rewards, success.means, strict=True))
     one = np.array([-value if lower else value for value in known.values()])
@@ -331,7 +331,7 @@ def _signs(differences: Any) -> Any:
 
 
 def _compare(one: Place, other: Place) -> PlacePair | None:
-    """None where they differ in both."""
+    """Compare two places; None if they differ in both simulator and algorithm."""
     differ: list[Kind] = [kind for kind in KINDS if getattr(one, kind) != getattr(other, kind)]
     if len(differ) != 1:
         return None
@@ -341,7 +341,7 @@ def _compare(one: Place, other: Place) -> PlacePair | None:
 
 
 def _why_none(tasks: Iterable[Sequence[_Found]]) -> str:
-    """What the task with the most places has."""
+    """Why there is no ranking, by the task with the most places."""
     most = max(tasks, key=len, default=())
     rewards = set.intersection(*(set(it.runs) for it in most)) if most else set()
     if len(rewards) >= REWARDS and len(most) >= PLACES:

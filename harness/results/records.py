@@ -1,4 +1,4 @@
-"""What the cells in an experiment's folder left, read once."""
+"""The records of the cells in an experiment's folder, each read once."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
@@ -26,7 +26,7 @@ from harness.score.scored_runs import Payer
 
 
 class Records:
-    """An experiment's cells as its folder tells them."""
+    """The cells of an experiment, as its folder records them."""
 
     def __init__(
         self,
@@ -40,7 +40,7 @@ class Records:
         """Read the plan and all manifests.
 
         Args:
-            folder: The experiment's.
+            folder: The folder of the experiment.
             registry: The plugins, for metrics and rewards.
             kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
             metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`.
@@ -68,16 +68,16 @@ class Records:
 
     @property
     def metrics(self) -> dict[str, Metric]:
-        """Every registered metric, or those that were chosen, by name; none where the task is an environment."""
+        """Every registered metric, or those that were chosen, by name; empty if the task is an environment."""
         return {} if self.is_in_environment else self._cells.metrics
 
     @property
     def is_in_environment(self) -> bool:
-        """Whether a task is an environment of anybody: its cells left recordings, and no traces."""
+        """Whether a task is somebody's environment. Its cells left recordings and no traces."""
         return any(manifest.cell.is_in_environment for manifest in self.manifests)
 
     def require_arm(self, command: str) -> None:
-        """See that the cells are of an arm of the harness, and left traces.
+        """Check that the cells are of an arm of the harness, and left traces.
 
         Raises:
             UsageError: They are in an environment; `command` says what needs more.
@@ -90,7 +90,7 @@ class Records:
 
     @property
     def not_measured(self) -> dict[str, str]:
-        """Of each metric that failed in a done cell the reason; in the first of them. Metrics know the arm alone."""
+        """Why each metric failed in a done cell, from the first such cell. Only cells with an arm have metrics."""
         if self.is_in_environment:
             return {}
         reasons: dict[str, str] = {}
@@ -105,12 +105,12 @@ class Records:
 
     @property
     def damaged(self) -> list[Manifest]:
-        """Cells of which a file is not what was written; nothing is read of them."""
+        """Cells with a file that is not what was written. Nothing is read of them."""
         return [manifest for manifest in self.manifests if manifest.status == "damaged"]
 
     @property
     def experiment_text(self) -> str:
-        """The newest experiment as an experiment file; the file's own text in a folder of version 0.1.
+        """The newest experiment as an experiment file. In a folder of version 0.1 it is the text of the file itself.
 
         Raises:
             SchemaError: That file cannot be read.
@@ -133,7 +133,7 @@ class Records:
 
     @cached_property
     def groups(self) -> dict[Group, list[Cell]]:
-        """Cells that left a trace, by what they share that are compared."""
+        """Cells that left a trace, by the group in which they are compared."""
         groups: dict[Group, list[Cell]] = {}
         for manifest in self.done:
             groups.setdefault(Group.of(manifest.cell), []).append(manifest.cell)
@@ -141,16 +141,16 @@ class Records:
 
     @property
     def done_cells(self) -> list[Cell]:
-        """The same, those left out that only the null control is for."""
+        """The same, without the cells that only the null control needs."""
         return [manifest.cell for manifest in self.done if not self.is_control(manifest.cell)]
 
     def is_control(self, cell: Cell) -> bool:
-        """Whether a cell is there for the null control alone: the baseline trained again with another seed."""
+        """Whether only the null control needs a cell: the baseline trained again with another seed."""
         control = self.plan.control
         return cell.reward.label == self.baseline and cell.seed in control.values() and cell.seed not in control
 
     def manifest(self, cell: Cell) -> Manifest:
-        """What a planned cell says of itself."""
+        """The manifest of a planned cell."""
         return self._ended[cell.id]
 
     def measure(self, trace: Trace) -> Values:
@@ -167,31 +167,31 @@ class Records:
         return self._measured[cell.id]
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
-        """Every evaluation of a done cell while it learned, and the one after."""
+        """Every evaluation of a done cell during its training, and the one after it."""
         if cell.id not in self._moments:
             self._moments[cell.id] = self.of(cell).moments()
             self.of(cell).finish()
         return self._moments[cell.id]
 
     def of(self, cell: Cell) -> CellResults:
-        """What follows from the files of a done cell."""
+        """The results of a done cell."""
         if cell.id not in self._found:
             self._found[cell.id] = self._cells.of(self._ended[cell.id])
         return self._found[cell.id]
 
     def payer(self, choice: Choice) -> Payer:
-        """Pays recorded runs again by a reward."""
+        """What pays recorded runs again by a reward."""
         return self._cells.payer(choice)
 
     def curve(self, cells: Sequence[Cell]) -> GroupCurve:
-        """Of the trainings of done cells, as they were paid; many rewards are compared with one baseline."""
+        """The curve of done cells' trainings, as they were paid. It is kept, since many rewards share one baseline."""
         key = tuple(cell.id for cell in cells)
         found = self._curves.pop(key, None) or self._curve(cells, lambda of: of.recorded())
-        self._curves = {**dict(list(self._curves.items())[-1:]), key: found}  # the last two
+        self._curves = {**dict(list(self._curves.items())[-1:]), key: found}  # only the last two are kept
         return found
 
     def curve_paid_by(self, payer: Payer, cells: Sequence[Cell]) -> GroupCurve:
-        """Of the trainings of done cells, as another reward would have paid them.
+        """The curve of done cells' trainings, as another reward would have paid them.
 
         Raises:
             Unscored: It cannot.
@@ -203,7 +203,7 @@ class Records:
         return Floors(self.store, self.manifests, self.of)
 
     def _curve(self, cells: Sequence[Cell], rewards: Callable[[CellResults], Float]) -> GroupCurve:
-        """One run at a time is in memory."""
+        """The curve of cells. Only one run at a time is in memory."""
         rows = min(self.of(cell).rows() for cell in cells)
         return stream_curve(self._runs(cells, rewards), len(cells), rows, self.kind)
 

@@ -21,31 +21,31 @@ from harness.results.single_episode import single_episode
 
 Outcome = Literal["reached", "ground", "obstacle", "time-out"]
 FIRST, DIFFERENT, MOST = 1, 3, 6
-"""Episodes of a show: the first ones, those that end differently, and all of them."""
+"""The most episodes of a show: first ones, episodes that end differently, and all together."""
 FRAMES = 150
-"""Of an episode, at most; of a longer one every n-th row is shown."""
+"""The most frames of an episode. Of a longer episode, every n-th row is shown."""
 READ = 200
-"""Episodes of an evaluation that are looked at."""
+"""How many episodes of an evaluation are looked at."""
 AXES = "xyz"
 PAID = ("reward", "reward_ground", "reward_target", "reward_step")
 SHOWN, LARGEST = ("qpos", "distance", *PAID, *(f"target_{axis}" for axis in AXES)), 1e9
-"""Columns, and what no number in them may exceed."""
+"""The columns that are shown, and the largest number that they may hold."""
 REACHED, TIMEOUTS = "success_rate", "timeouts"
-"""Metrics that tell how the episodes of a cell ended."""
+"""Metrics that say how the episodes of a cell ended."""
 NO_OBSTACLES: Float = np.empty((0, 7))
 CONTROL_PERIOD = 0.1
-"""Of an evaluation that does not tell its own, [s]."""
+"""The control period of an evaluation that does not record its own, [s]."""
 
 
 class Episode(NamedTuple):
-    """One episode of an evaluation; `frames` rows of it are shown, the first and the last among them."""
+    """One episode of an evaluation. `frames` of its rows are shown, with the first and the last."""
 
     steps: NDArray[np.int64]
-    """Environment steps done at each frame, 0 first, (frames,)."""
+    """Environment steps done at each frame, (frames,); the first is 0."""
     qpos: Float
     """Joint positions, [rad] or [m], (frames, dof)."""
     target: Float
-    """World frame, [m], (frames, 3)."""
+    """The target in the world frame, [m], (frames, 3)."""
     distance: Float
     """From the end effector to the target, [m], (frames,)."""
     paid: Float
@@ -54,7 +54,7 @@ class Episode(NamedTuple):
     values: Values
     """Every metric of this episode alone."""
     obstacles: Float = NO_OBSTACLES
-    """See `harness.conditions.obstacles`, world frame, [m], (count, 7); of a task without any (0, 7)."""
+    """Obstacles, (count, 7), world frame, [m], see `harness.conditions.obstacles`; (0, 7) if there are none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,12 +64,12 @@ class Side:
     Attributes:
         title: What tells it from the other side.
         cell: Id of the cell.
-        seed: Of its training.
+        seed: The seed of its training.
         scene: What its arm looks like.
         episodes: As many as the show has, in the same order.
-        period: Duration of an environment step, [s].
-        error: What the episodes' distances are; of a task with an error of its own the name of that.
-        unit: Of them.
+        period: The duration of an environment step, [s].
+        error: What the episodes' distances are: ``distance``, or the name of the task's own error.
+        unit: The unit of the distances.
     """
 
     title: str
@@ -88,9 +88,9 @@ class Show:
 
     Attributes:
         title: What the sides have in common.
-        numbers: Of the episodes in the evaluation, from 1.
+        numbers: The numbers of the episodes in the evaluation, from 1.
         sides: One, or the baseline's and the proposed reward's.
-        combination: What compares both rewards; None where cells are shown that nothing compares.
+        combination: The combination that compares both rewards; None if nothing compares the cells.
     """
 
     title: str
@@ -100,7 +100,7 @@ class Show:
 
 
 def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:
-    """A show for each combination, of one seed that both rewards have; one for each other reward that is done.
+    """A show for each combination, with one seed that both rewards have, and one for each other reward that is done.
 
     The seed is the one whose episodes end in the most ways, the first of several. Cells without a scene, as those of
     version 0.1, are left out.
@@ -138,7 +138,7 @@ def show_cells(results: Results, ids: Sequence[str], episodes: int = MOST) -> Sh
 
     Args:
         results: The experiment.
-        ids: Of done cells, or how they begin.
+        ids: Ids of done cells, or how they begin.
         episodes: How many are chosen.
 
     Raises:
@@ -155,13 +155,13 @@ def show_cells(results: Results, ids: Sequence[str], episodes: int = MOST) -> Sh
 
 
 def choose_episodes(outcomes: Sequence[Sequence[Outcome]], most: int = MOST) -> list[int]:
-    """Which episodes tell most: the first one, one that ends differently, and one of each outcome of each side.
+    """The episodes that show most: the first, one that ends differently, and one for each outcome of each side.
 
     Then others that end differently, one that fails on every side, and others.
 
     Args:
-        outcomes: Of each side, of the same episodes.
-        most: How many, at most.
+        outcomes: The outcomes of each side, for the same episodes.
+        most: The most episodes.
 
     Returns:
         Their numbers, from 0, in order.
@@ -185,7 +185,7 @@ class Pair(NamedTuple):
 
     @property
     def files(self) -> list[str]:
-        """Of each cell the evaluation that is shown: of a combination the one that decides about the robot."""
+        """The evaluation of each cell that is shown. For a combination it is the one that decides about the robot."""
         told = self.combination
         if told is None or told.manner == told.own_manner:
             return [EVALUATION] * len(self.cells)
@@ -193,7 +193,7 @@ class Pair(NamedTuple):
 
 
 def _pairs(results: Results) -> Iterator[Pair]:
-    """Of both rewards of each combination; and each cell of a reward that is in none, the first seed."""
+    """Pairs with both rewards of each combination, and the first seed of each reward that is in no combination."""
     cells_of = {(Group.of(cell), cell.reward.label, cell.seed): cell for cell in results.done_cells}
     shown: set[tuple[Group, str]] = set()
     for it in results.combinations:
@@ -218,7 +218,7 @@ def _count_outcomes(results: Results, cell: Cell, manner: str) -> int:
 
 
 def find_done(results: Results, name: str) -> Cell:
-    """The done cell whose id begins so.
+    """The done cell whose id begins with `name`.
 
     Raises:
         UsageError: There is none, or there are several.
@@ -234,7 +234,7 @@ def find_done(results: Results, name: str) -> Cell:
 
 
 def _show(results: Results, pair: Pair, most: int) -> Show | None:
-    """None where a cell has no scene, or no episode ended."""
+    """The show of a pair; None if a cell has no scene, or if no episode ended."""
     cells, title, titles, combination = pair
     folders = [results.store.cell_folder(cell) for cell in cells]
     scenes = [read_scene(folder) for folder in folders]

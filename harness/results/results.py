@@ -1,4 +1,4 @@
-"""What an experiment's folder says: combinations compared, cells, behaviour. Reads results only."""
+"""The results in an experiment's folder: compared combinations, cells, behaviour. Reads results only."""
 
 import html
 import importlib.util
@@ -21,11 +21,11 @@ from harness.results.table import Row, cell_to_json, row_of, table_of, write_tab
 
 
 class Results(Records):
-    """An experiment as its folder tells it."""
+    """An experiment, as its folder records it."""
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
-        """Every proposed reward against the baseline; a baseline that is its own proposed reward is the control.
+        """Every proposed reward against the baseline. A baseline that is its own proposed reward is the null control.
 
         There are none where the task is an environment: `harness.report.environments` compares its recorded trainings.
         """
@@ -79,7 +79,7 @@ def load_results(
     """The results in an experiment's folder.
 
     Args:
-        folder: The experiment's.
+        folder: The folder of the experiment.
         kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
         metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`.
         plugins: Files and classes beside the installed plugins; see `harness.registry.given.read_given`.

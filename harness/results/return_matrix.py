@@ -1,4 +1,4 @@
-"""Return under every reward: what each would have paid the trained policies of each. Reads results only."""
+"""What each reward would have paid the policies that each reward trained. Reads results only."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,11 +21,11 @@ Trainings = Mapping[Choice, list[CellResults]]
 
 @dataclass(frozen=True)
 class ReturnMatrix:
-    """Returns of the final evaluations, of one simulator, robot, task and algorithm.
+    """Returns of the final evaluations with one simulator, robot, task and algorithm.
 
     Attributes:
         group: What the trainings share.
-        trained_with: Labels of the rewards that taught.
+        trained_with: Labels of the rewards that the policies were trained with.
         returns: Shaped return of an episode, mean over episodes and seeds: by the label of the scoring reward, then
             that of the training reward.
         events: What the events of an episode paid on top, the same under every reward, by training reward.
@@ -75,11 +75,11 @@ def _matrix(results: Results, group: Group, scoring: list[Choice], found: Traini
 
 
 Payers = Mapping[Choice, Payer | str]
-"""By reward; the reason where it pays nothing any more."""
+"""What pays again, by reward; the reason if a reward cannot pay any more."""
 
 
 def _unchanged_payers(results: Results, scoring: list[Choice], trainings: Trainings) -> Payers:
-    """Those that pay today what they paid in the experiment; nothing is known of one that taught no done cell."""
+    """The rewards that still pay what they paid in the experiment. A reward without a done cell is not checked."""
     payers: dict[Choice, Payer | str] = {}
     for choice in scoring:
         payers[choice] = payer = results.payer(choice)
@@ -92,7 +92,7 @@ def _unchanged_payers(results: Results, scoring: list[Choice], trainings: Traini
 
 
 class _Column:
-    """One training under every reward."""
+    """One column of the matrix: the cells of one training under every reward."""
 
     def __init__(self, payers: Payers) -> None:
         self._payers = dict(payers)
@@ -100,7 +100,7 @@ class _Column:
         self.events: list[float | None] = []
 
     def add(self, cell: CellResults) -> None:
-        """Under all rewards at once: its evaluation is read once."""
+        """Add a cell under all rewards at once, so that its evaluation is read once."""
         self.events.append(cell.evaluation_events())
         for choice, payer in self._payers.items():
             if isinstance(payer, str):
@@ -111,7 +111,7 @@ class _Column:
                 self._payers[choice] = str(unscored)
 
     def mean(self, choice: Choice) -> SeedMean:
-        """Over the cells, or the reason why there is none."""
+        """The mean over the cells, or the reason why there is none."""
         payer = self._payers[choice]
         return SeedMean(None, notes=(payer,)) if isinstance(payer, str) else _mean(self._returns[choice])
 

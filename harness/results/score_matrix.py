@@ -22,13 +22,13 @@ COLUMNS = [*SCORED, "reward"]
 
 @dataclass(frozen=True)
 class ScoreMatrix:
-    """The index of each training's runs under each reward, of one simulator, robot, task and algorithm.
+    """The index of each training's runs under each reward, with one simulator, robot, task and algorithm.
 
     Attributes:
         group: What the runs share.
         seeds: The seeds of each training, by its label.
         indices: By the label of the scoring reward, then that of the training reward.
-        failed: By the label of a reward that could not score the runs, why.
+        failed: Why a reward could not score the runs, by the reward's label.
     """
 
     group: Group
@@ -50,7 +50,7 @@ class ScoreMatrix:
 
 
 def score_matrices(results: Results, scoring: Sequence[Choice], registry: Registry) -> list[ScoreMatrix]:
-    """One matrix per group of cells that are done; a reward that cannot score their runs costs its own row."""
+    """One matrix per group of cells that are done. A reward that cannot score their runs loses only its own row."""
     groups: dict[Group, dict[str, list[Cell]]] = {}
     for cell in results.done_cells:
         groups.setdefault(Group.of(cell), {}).setdefault(cell.reward.label, []).append(cell)

@@ -1,4 +1,4 @@
-"""One episode of an evaluation as a trace of its own, so that metrics can be asked about it."""
+"""One episode of an evaluation as a trace of its own, for which metrics can be computed."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from harness.record.trace import Trace
 
 
 def single_episode(trace: Trace, rows: NDArray[np.int64]) -> Trace:
-    """The trace of an evaluation that had this episode alone, in env 0.
+    """The trace of an evaluation with this episode alone, in env 0.
 
     Args:
         trace: An evaluation: one episode in each env.

@@ -20,9 +20,9 @@ def row_of(manifest: Manifest, measured: Measured | None, metrics: Iterable[str]
     """The row of a cell.
 
     Args:
-        manifest: What the cell says of itself.
-        measured: What the metrics say of it; None where it is not done.
-        metrics: Their names.
+        manifest: The manifest of the cell.
+        measured: The values of the metrics; None if the cell is not done.
+        metrics: The names of the metrics.
     """
     names = list(metrics)
     return {
@@ -39,7 +39,7 @@ def table_of(rows: Iterable[Row], metrics: Iterable[str]) -> pa.Table:
     """Rows as a table; see `row_of`.
 
     Args:
-        rows: Of the cells.
+        rows: The rows of the cells.
         metrics: The names of all metrics.
     """
     names = list(metrics)
@@ -51,10 +51,10 @@ def table_of(rows: Iterable[Row], metrics: Iterable[str]) -> pa.Table:
 
 
 def write_table(folder: Path, rows: Iterable[Row], metrics: Iterable[str]) -> Path:
-    """Write the table of an experiment in place of an earlier one; who reads finds either of them, whole.
+    """Write the table of an experiment in place of an earlier one. A reader finds one of them, whole.
 
     Args:
-        folder: The experiment's.
+        folder: The folder of the experiment.
         rows: See `row_of`.
         metrics: The names of all metrics.
 
@@ -68,7 +68,7 @@ def write_table(folder: Path, rows: Iterable[Row], metrics: Iterable[str]) -> Pa
 
 
 def cell_to_json(manifest: Manifest) -> Row:
-    """What is known of a cell, plain data."""
+    """The facts about a cell as plain data."""
     cell = manifest.cell
     return {
         "id": cell.id,

@@ -14,7 +14,7 @@ from harness.results.combination import Combination, Group
 from harness.results.results import Results
 
 EPISODES = 30
-"""Read of an evaluation, at most: more paths cannot be told apart."""
+"""The most episodes that are read of an evaluation. More paths could not be told apart."""
 POINTS, AXES = ("end_effector", "target"), "xyz"
 COLUMNS = ["env", "episode", "reward", "reached", "terminated", "truncated"]
 COLUMNS += [f"{point}_{axis}" for point in POINTS for axis in AXES]
@@ -24,9 +24,9 @@ class Trajectory(NamedTuple):
     """One episode, from its start to the first time that the target is reached, or else to its end."""
 
     points: Float
-    """Of the end effector after each step, the start first, (steps + 1, 3), world frame, [m]."""
+    """Places of the end effector at the start and after each step, (steps + 1, 3), world frame, [m]."""
     target: Float
-    """(3,), world frame, [m]."""
+    """The target, (3,), world frame, [m]."""
     reached: bool
 
 
@@ -35,9 +35,9 @@ class Trajectories:
     """The first episodes of two evaluations, which began in the same poses with the same targets.
 
     Attributes:
-        seed: Of both trainings.
-        baseline: What the baseline reward taught.
-        proposed: What the proposed one taught.
+        seed: The seed of both trainings.
+        baseline: The paths under the baseline reward.
+        proposed: The paths under the proposed reward.
     """
 
     seed: int
@@ -46,9 +46,9 @@ class Trajectories:
 
 
 def trajectories_of(results: Results, combination: Combination) -> Trajectories | None:
-    """The end effector's ways under both rewards, of the first seed that both have.
+    """The end effector's paths under both rewards, for the first seed that both have.
 
-    None where there is none, and for the null control, which has one reward.
+    None if there is no such seed, or for the null control, which has only one reward.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.

@@ -1,4 +1,4 @@
-"""Two groups of recorded runs compared: their indices, eta_N, eta_P, and how much of each is only a change of ruler."""
+"""Compares two groups of recorded runs: their indices, eta_N, eta_P, and how much of each is only a change of ruler."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,12 +23,12 @@ from harness.score.rescore import RecordingScorer
 from harness.score.reward_guess import Guess, guess_reward, misfit
 
 HELD = 1_000_000
-"""Rows held at once, of all runs of a group together."""
+"""The most rows that are in memory at once, of all runs of a group together."""
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """What two groups of recorded runs say.
+    """The comparison of two groups of recorded runs.
 
     Attributes:
         decomposition: Both etas, split where both rewards are known and the distances are recorded.
@@ -71,12 +71,12 @@ class Comparison:
 
 
 class _Streamed(NamedTuple):
-    """A group's curves after all its rows went by."""
+    """A group's curves, after all its rows were read."""
 
     own: GroupCurve
-    """Of what was recorded."""
+    """The curve of what was recorded."""
     other: GroupCurve | None
-    """Of what the other group's reward would have paid; None where it was not asked for, or is not finite."""
+    """The curve of what the other group's reward would have paid; None if it was not asked for, or is not finite."""
     rows_left_out: int
 
 
@@ -128,7 +128,7 @@ def compare_recordings(
 
 
 def _corrected(found: Decomposition) -> Decomposition:
-    """Both etas are claims that are made together."""
+    """Both etas with corrected p-values, because they are claims that are made together."""
     outcomes = [split.outcomes for split in found.splits.values()]
     known = [claim for claim in outcomes if claim is not None]
     return found.with_corrected(*corrected_p(known)) if len(known) == len(outcomes) else found
@@ -138,7 +138,7 @@ def _corrected(found: Decomposition) -> Decomposition:
 
 
 def _reward_of(group: Sequence[Recording], given: str | None, registry: Registry) -> Guess:
-    """What paid a group: the one reward that pays every run of it as recorded."""
+    """The reward that paid a group: the one that pays every run of it as recorded."""
     if given is not None:
         choose(registry, "rewards", given)
     guess = Guess(given) if given is not None else guess_reward(group[0], registry)
@@ -177,7 +177,7 @@ def _require_events(recordings: Sequence[Recording]) -> None:
 
 
 def _in_order_of_seeds(group: Sequence[Recording]) -> list[Recording]:
-    """By seed where all are known, else as given."""
+    """The recordings by seed if all seeds are known, else as given."""
     seeds = {recording.path: recording.seed for recording in group}
     known = {path: seed for path, seed in seeds.items() if seed is not None}
     return sorted(group, key=lambda recording: known[recording.path]) if len(known) == len(seeds) else list(group)
@@ -195,7 +195,7 @@ def _are_paired(baseline: Sequence[Recording], proposed: Sequence[Recording]) ->
 
 
 def _stream(group: Sequence[Recording], other: Reward | None, kind: Kind, with_events: bool) -> _Streamed:
-    """Send all rows of a group by, the same steps of every run at once, up to the end of the shortest run.
+    """Read all rows of a group, the same steps of every run at once, up to the end of the shortest run.
 
     The rest is read, too: a fault in it is a fault of the file.
     """

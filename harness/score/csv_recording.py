@@ -21,21 +21,21 @@ SPELLINGS = {
     "prev_best": ("prevbest", "prev_best"),
     "delta_distance": ("delta_distance", "deltadistance"),
 }
-"""What a column of `COLUMNS` may be called, trimmed and in lower case."""
+"""The names that a column of `COLUMNS` may have, trimmed and in lower case."""
 
 MOST_COLUMNS = 1_000
-"""Of a file: ours have 30."""
+"""The most columns of a file; ours have 30."""
 LONGEST_LINE = 2**18
-"""Characters of a line: 250 for each of so many columns."""
+"""The most characters of a line: 250 for each of so many columns."""
 SHOWN = 60
-"""Characters of a name or a cell in a message."""
+"""The most characters of a name or a cell in a message."""
 
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _SEPARATED = re.compile(r"\d[,' ]\d")
 
 
 class _Header(NamedTuple):
-    """The first line of a CSV file: all names as they are, and where the columns stand that are read."""
+    """The first line of a CSV file: all names as they are, and the places of the columns that are read."""
 
     names: list[str]
     positions: dict[str, int]

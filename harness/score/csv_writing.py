@@ -43,7 +43,7 @@ READ = (
     *("env", "step", "begin_distance", "previous_best", "distance", "delta_distance", "reward", *EVENTS),
     *(f"{point}_{axis}" for point in ("target", "end_effector") for axis in "xyz"),
 )
-"""Columns of a trace."""
+"""The columns of a trace that are read."""
 
 
 def write_csv(trace: Path, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""A recorded run of anybody, read a piece at a time, and what its rows mean.
+"""Somebody's recorded run, read piece by piece, and the meaning of its rows.
 
 The experimenters' two programs wrote the same columns with different meanings:
 
@@ -36,11 +36,11 @@ Columns = dict[str, Float]
 ROWS = 65_536
 """Rows of a chunk: half a megabyte per column."""
 MOST_ROWS = 50_000_000
-"""Of a recording: at 50 a second eleven days without a pause."""
+"""The most rows of a recording: eleven days without a pause at 50 a second."""
 LARGEST = 1e150
-"""Of a number: its square is finite."""
+"""The largest number, whose square is still finite."""
 LARGEST_STEP = 2**53
-"""Of a count: the last one up to which a floating-point number is exact."""
+"""The largest count, up to which floating-point numbers are exact."""
 
 EVENTS = ("reward_ground", "reward_target", "reward_step")
 COLUMNS = (
@@ -70,11 +70,11 @@ class Chunk(NamedTuple):
     delta_distance: Float | None = None
     """d(t) - Pb, [m]."""
     step: NDArray[np.int64] | None = None
-    """t: 0 at an episode's start; counted from there where the file does not say."""
+    """t: 0 at an episode's start. It is counted from there if the file does not say it."""
     env: NDArray[np.int64] | None = None
-    """Which of the envs that trained together; 0 where the file does not say."""
+    """The env among those that trained together; 0 if the file does not say it."""
     touched: Mask | None = None
-    """Whether the target was reached and the next one set after the row; None where the file does not say."""
+    """Whether the target was reached and the next one set after the row; None if the file does not say it."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ def _regroup(batches: Iterable[pa.RecordBatch], rows: int) -> Iterator[pa.Table]
 
 
 def _read_chunk(columns: Columns, line: int, counted: int) -> Chunk | None:
-    """What rows say; None if one lacks a number that it needs. `counted` is the step of the row before."""
+    """The chunk of some rows; None if a row lacks a number that it needs. `counted` is the step of the row before."""
     if any((np.abs(column) > LARGEST).any() for column in columns.values()):
         return None
     reward = columns["reward"]
@@ -198,7 +198,7 @@ def _is_finite(columns: list[Float]) -> bool:
 
 
 def choose_columns(there: Iterable[str]) -> tuple[str, ...]:
-    """Those that are read: the distances only where a run can be scored again with them, or what are they for?"""
+    """The columns that are read. Distances are read only if the run can be scored again with them."""
     names = set(there)
     best = names & {"previous_best", "prev_best", "delta_distance"}
     scorable = bool(best) and {"begin_distance", "distance"} <= names

@@ -19,7 +19,7 @@ from harness.score.scorer import Scorer
 
 
 class RecordingScorer:
-    """Scores a recording a chunk at a time; envs that trained together are runs of their own."""
+    """Scores a recording chunk by chunk. Envs that trained together are runs of their own."""
 
     def __init__(self, reward: Reward) -> None:
         self._reward = reward

@@ -1,4 +1,4 @@
-"""Which reward paid a recorded run: the registered one that pays every row again as it was recorded."""
+"""Guesses which reward paid a recorded run: a registered reward that pays every row again as it was recorded."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from harness.score.recording import Chunk, Recording
 from harness.score.rescore import RecordingScorer
 
 HEAD = 8_192
-"""Rows that a reward has to pay again. Rewards that remember are scored row by row: all rows would take long."""
+"""The number of rows that a reward has to pay again. All rows would take long for rewards that remember."""
 DIGITS = 1e-6
 """What a float of 7 digits, as C# prints them, can be off: half a unit in the last place is 5e-7 of it, and of the two
 numbers in a difference both are."""
@@ -21,12 +21,12 @@ LOST_SIGNS = 0.01
 
 
 class Guess(NamedTuple):
-    """What paid a run."""
+    """The guess which reward paid a run."""
 
     choice: str | None
-    """As ``harness.registry.choice.choose`` takes it; None if no reward fits."""
+    """The reward as ``harness.registry.choice.choose`` takes it; None if no reward fits."""
     reason: str = ""
-    """Why none fits."""
+    """Why no reward fits."""
 
 
 def guess_reward(recording: Recording, registry: Registry) -> Guess:
@@ -82,7 +82,7 @@ def _arp_of(head: Chunk) -> Iterator[str]:
 
 
 def _gain(value: Float, metres: Float, rows: Mask) -> float | None:
-    """How much is paid per metre, told from rows in which the metres are many; None without a row."""
+    """How much is paid per metre, from rows with many metres; None without a row."""
     if not rows.any():
         return None
     large = rows & (metres >= 0.5 * metres[rows].max())
@@ -90,7 +90,7 @@ def _gain(value: Float, metres: Float, rows: Mask) -> float | None:
 
 
 def _misfit_of(text: str, head: Chunk, registry: Registry) -> str | None:
-    """The first row that the reward pays otherwise; None without one."""
+    """The first row that the reward pays otherwise; None if there is none."""
     choice = choose(registry, "rewards", text)
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
         paid = RecordingScorer(choice.build(registry, "rewards")).score(head)

@@ -1,4 +1,4 @@
-"""Pays recorded runs again by a reward that was chosen then; says why that cannot be done any more."""
+"""Pays recorded runs again by a reward of the experiment, or says why that is not possible any more."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ from harness.score.scorer import score_trace
 
 
 class Payer:
-    """A chosen reward, as it is installed now.
+    """A reward of the experiment, as it is installed now.
 
     Attributes:
         choice: The reward.
@@ -28,7 +28,7 @@ class Payer:
 
     @cached_property
     def fingerprint(self) -> str:
-        """Of its parameters and sources; see `harness.registry.sources.fingerprint`.
+        """The fingerprint of its parameters and sources; see `harness.registry.sources.fingerprint`.
 
         Raises:
             Unscored: There is no such reward any more.
@@ -49,7 +49,7 @@ class Payer:
             return paid
 
     def pays_recorded(self, own: Trace) -> bool:
-        """Whether it pays what is recorded, up to last bits, in which another machine may differ.
+        """Whether it pays what is recorded, except for last bits, in which another machine may differ.
 
         Args:
             own: What it paid itself, with the column ``reward``.
@@ -61,7 +61,7 @@ class Payer:
             return np.allclose(score_trace(self._reward, own), own["reward"], rtol=1e-9, atol=1e-12)
 
     def require_unchanged(self, pays_recorded: bool) -> None:
-        """See `pays_recorded`: one that now pays its own steps differently is another reward.
+        """Check `pays_recorded`. A reward that now pays its own steps differently is another reward.
 
         Raises:
             Unscored: It has changed.
@@ -80,7 +80,7 @@ class Payer:
 
     @contextmanager
     def _told(self) -> Iterator[None]:
-        """Whatever a reward raises is a reason: the rest can still be said."""
+        """Turn any error of a reward into a reason, so that the rest can still be reported."""
         try:
             yield
         except HarnessError as error:  # one that is not installed any more

@@ -47,7 +47,7 @@ class Rows(Protocol):
 
 
 class _Last(NamedTuple):
-    """Of the row before."""
+    """The values of the row before."""
 
     begin_distance: float
     distance: float
@@ -56,7 +56,7 @@ class _Last(NamedTuple):
 
 
 class Scorer:
-    """Scores one run, a piece at a time; remembers what the reward does, and the last distance."""
+    """Scores one run piece by piece. It remembers what the reward remembers, and the last distance."""
 
     def __init__(self, reward: Reward) -> None:
         self._reward = reward
@@ -83,7 +83,7 @@ class Scorer:
         return np.where(rows.start, 0.0, value)
 
     def _has_new_target(self, rows: Rows) -> Mask:
-        """Where the target is another than in the row before, (rows,): all distances before belong to that one."""
+        """Whether the target is another than in the row before, (rows,). Earlier distances belong to the old one."""
         begin = rows.begin_distance
         new: Mask = begin != np.concatenate([[self._last.begin_distance], begin[:-1]])
         if rows.touched is not None:  # the next target may be as far away as the last one was at first
@@ -97,7 +97,7 @@ class Scorer:
         return Sample(begin, rows.previous_best, previous, distance, distance - rows.previous_best, step)
 
     def _score_in_order(self, start: Mask, restart: Mask, sample: Sample) -> Float:
-        """What a reward remembers comes from the rows before: all targets of the block side by side, step by step."""
+        """Score a reward that remembers earlier rows: all targets of the block side by side, step by step."""
         row, ends = np.flatnonzero(_begins(restart)), np.append(np.flatnonzero(restart[1:]) + 1, len(start))
         carry = self._reward.initial_carry(sample.begin_distance[row])
         if self._carry is not None and not restart[0]:  # the first goes on from the block before
@@ -114,7 +114,7 @@ class Scorer:
 
 
 class _Block:
-    """Some of the rows."""
+    """Some of the rows of a run."""
 
     def __init__(self, rows: Rows, part: slice) -> None:
         self.start = rows.start[part]
@@ -175,7 +175,7 @@ def _last_of(rows: Rows, sample: Sample) -> _Last:
 
 
 def _begins(restart: Mask) -> Mask:
-    """The first row of each target, or of what is left of one."""
+    """The first row of each target, or of the rest of a target."""
     begins = restart.copy()
     begins[0] = True
     return begins

@@ -18,7 +18,7 @@ from harness.score.scorer import TOUCHED
 
 
 def open_trace(path: Path) -> Recording:
-    """A recorded run in a Parquet file; what paid it stands in the manifest beside it, if there is one.
+    """A recorded run in a Parquet file. The manifest beside it, if there is one, names the reward that paid it.
 
     Raises:
         SchemaError: It is no trace that this version reads.

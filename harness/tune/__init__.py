@@ -1,1 +1,1 @@
-"""Hyperparameters of one algorithm, searched with an equal budget for every reward."""
+"""Searches hyperparameters of one algorithm, with an equal budget for every reward."""

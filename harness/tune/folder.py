@@ -41,7 +41,7 @@ def tuning_folder(folder: Path, setup: Setup) -> Iterator[None]:
 
 
 def _require_same(folder: Path, setup: Setup) -> None:
-    """More trials are the same search; any other key makes another."""
+    """Check that a search is the same as the folder's. It may ask for more trials; any other difference is refused."""
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"--out '{folder}' is a file: name a folder")
     if not (folder / TUNING).is_file():
@@ -56,6 +56,6 @@ def _require_same(folder: Path, setup: Setup) -> None:
 
 
 def _short(value: Any) -> str:
-    """The value, or where it is long its beginning."""
+    """The value, or its beginning if it is long."""
     text = str(value)
     return text if len(text) <= 80 else f"{text[:77]}..."

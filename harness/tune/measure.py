@@ -25,7 +25,7 @@ from harness.tune.validation import REASON, ValidatePolicy, validate_all
 TRIALS, VALIDATION = "trials", "validation"
 
 Follow: TypeAlias = Callable[[Sequence[Cell], Sequence[Cell]], AbstractContextManager[OnEvent]]
-"""Given all cells of a stage and those that were done before: who is told what happens to them."""
+"""A function of all cells of a stage and of those that were done before. It returns who is told of their events."""
 
 Measure: TypeAlias = Callable[[Plan, Sequence[Cell]], dict[Cell, Outcome | str]]
 """The outcome of each cell of a plan that is asked for, or the reason why it has none."""
@@ -61,7 +61,7 @@ class Measurer:
         return {**reasons, **{cell: self._outcome(order) for cell, order in orders.items()}}
 
     def require_same_plugins(self) -> None:
-        """See that what was trained so far was trained by the plugins that are installed.
+        """Check that the installed plugins trained what was trained so far.
 
         Raises:
             UsageError: It was not: the trials could not be compared.
@@ -71,7 +71,7 @@ class Measurer:
         refuse_changed(changed_cells(sources, self.registry), "another --out searches anew")
 
     def forget_failures(self) -> None:
-        """A validation that failed before is tried again, one that was cut short is done anew."""
+        """Remove failed and interrupted validations, so that they are done again."""
         folder = self.folder / VALIDATION
         folder.mkdir(exist_ok=True)
         for path in [*(reason.parent for reason in folder.glob(f"*/{REASON}")), *folder.glob(".*.partial")]:

@@ -33,7 +33,7 @@ def outcome_of(trace: Trace, success_rate: Metric, final_distance: Metric) -> Ou
 
 
 def mean_outcome(outcomes: Sequence[Outcome]) -> Outcome:
-    """Of several policies, each as important as the next."""
+    """The mean outcome of several policies with equal weights."""
     return Outcome(
         statistics.fmean(outcome.success for outcome in outcomes),
         statistics.fmean(outcome.final_distance for outcome in outcomes),

@@ -1,4 +1,4 @@
-"""One search: draws trials, has their cells measured seed by seed, stops the hopeless ones."""
+"""Does one search: draws trials, has their cells measured seed by seed, stops hopeless trials."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from harness.tune.trial import Status, TrialRecord
 from harness.tune.tuning import Setup
 
 OnTrial: TypeAlias = Callable[[TrialRecord], None]
-"""Told each trial that has ended."""
+"""A function that is told each trial that has ended."""
 
 
 @dataclass
@@ -40,14 +40,14 @@ class Searcher:
     on_trial: OnTrial = lambda trial: None
 
     def run(self) -> None:
-        """Until there are as many trials as asked for, the interrupted ones first."""
+        """Do trials until there are as many as asked for. Interrupted trials come first."""
         while batch := self._next_batch():
             algorithms = {number: algorithm for number in batch if (algorithm := self._algorithm(number)) is not None}
             if algorithms:
                 self._run_batch(algorithms)
 
     def _next_batch(self) -> list[int]:
-        """Trials that were begun, filled up with new ones: an interrupted batch is made whole before it runs."""
+        """The next batch: trials that were begun, filled up with new ones."""
         trials, size = self.study.trials, self.setup.tuning.batch
         batch = [trial.number for trial in trials if trial.status == "running"]
         for number in batch:
@@ -59,13 +59,13 @@ class Searcher:
         return batch
 
     def _first(self) -> dict[str, object] | None:
-        """The algorithm as it was given is tried too, if the space holds it: the best cannot be worse."""
+        """The given settings, if the space holds them. They are tried too, so that the best cannot be worse."""
         given = dict(self.setup.base.params)
         drawn = {dimension.name: dimension.locate(given[dimension.name]) for dimension in self.setup.space}
         return None if None in drawn.values() else drawn
 
     def _algorithm(self, number: int) -> Choice | None:
-        """The algorithm with a trial's settings; None, and the trial is over, if it does not take them."""
+        """The algorithm with a trial's settings. If it refuses them, this ends the trial and returns None."""
         params = self.study.trials[number].params
         try:
             algorithm = choose(self.registry, "algorithms", {**table_of(self.setup.base), **params})
@@ -79,11 +79,11 @@ class Searcher:
         return algorithm
 
     def _plan(self, algorithms: Sequence[Choice]) -> Plan:
-        """One episode of the cell's own evaluation: a cell has to have one, and nothing here reads it."""
+        """The plan of the cells. A cell must have an evaluation. It has one episode, and nothing here reads it."""
         return self.setup.plan(algorithms, self.rewards, self.registry, seeds=self.setup.seeds, evaluation_episodes=1)
 
     def _run_batch(self, algorithms: dict[int, Choice]) -> None:
-        """Seed by seed: every trial that goes on is trained under every reward before any is judged."""
+        """Run a batch seed by seed. Every trial that goes on is trained under every reward before any is judged."""
         plan = self._plan(list(algorithms.values()))
         found: dict[int, list[Outcome]] = {number: [] for number in algorithms}
         for step, seed in enumerate(self.setup.seeds):

@@ -1,4 +1,4 @@
-"""What a search may choose from: ``learning_rate=1e-4..1e-2:log``, ``batch_size=64|128``."""
+"""The values that a search may choose from: ``learning_rate=1e-4..1e-2:log``, ``batch_size=64|128``."""
 
 import math
 import re
@@ -15,7 +15,7 @@ from harness.registry.parameters import parameters_of
 
 SYNTAX = "write LOW..HIGH, LOW..HIGH:log or A|B|C"
 DEFAULTS = {"learning_rate": "1e-4..1e-2:log", "gamma": "0.9..0.999"}
-"""Searched when nothing else is said, where an algorithm has them."""
+"""The parameters that are searched by default, if an algorithm has them."""
 
 _RANGE = re.compile(r"(?P<low>[^|]+?)\.\.(?P<high>[^|]+?)(?P<log>:log)?")
 
@@ -44,7 +44,7 @@ class Range:
         return f"{self.low!r}..{self.high!r}{':log' if self.log else ''}"
 
     def value(self, drawn: Any) -> Any:
-        """What the algorithm gets for a value drawn: six digits, which is what a label shows."""
+        """The value that the algorithm gets for a drawn one. It has six digits, like the label."""
         return int(drawn) if self.whole else min(max(float(f"{drawn:g}"), self.low), self.high)
 
     def locate(self, value: Any) -> Any:
@@ -73,7 +73,7 @@ class Options:
         return list(self.texts)
 
     def value(self, drawn: Any) -> Any:
-        """What the algorithm gets for a text drawn."""
+        """The value that the algorithm gets for a drawn text."""
         return self.values[self.texts.index(drawn)]
 
     def locate(self, value: Any) -> Any:
@@ -154,7 +154,7 @@ class _Field:
         return number
 
     def _convert(self, given: Any) -> Any:
-        """What the field makes of it. What it may be beside other parameters shows when a trial is built.
+        """The value as the field's type. Whether it fits other parameters is checked when a trial is built.
 
         Raises:
             UsageError: The field does not allow it.

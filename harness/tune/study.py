@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 JOURNAL = "study.log"
 OUTCOME, REASON, CELLS, REFUSED = "outcome", "reason", "cells", "refused"
 MOST_BYTES = 256 * 2**20
-"""Of a journal: 10,000 trials of ten parameters have a tenth of it."""
+"""The most bytes of a journal. 10,000 trials of ten parameters take a tenth of this."""
 STARTUP_TRIALS = 5
-"""Finished trials that it takes before the first is pruned."""
+"""The number of finished trials before the first trial may be pruned."""
 
 
 def require_optuna() -> None:
-    """Raises UsageError if it is not installed."""
+    """Raise UsageError if Optuna is not installed."""
     try:
         import optuna  # noqa: F401
     except ImportError as error:
@@ -37,7 +37,7 @@ def require_optuna() -> None:
 
 
 def open_storage(folder: Path) -> "JournalStorage":
-    """The journal in `folder`. Who opens it has to have the folder to itself.
+    """The journal in `folder`. The caller must have locked the folder.
 
     Raises:
         SchemaError: It is damaged or too large, or no regular file.
@@ -53,7 +53,7 @@ def open_storage(folder: Path) -> "JournalStorage":
 
 
 def _drop_half_line(path: Path) -> None:
-    """A line that was not written to its end would spoil the next one."""
+    """Remove a last line that was not written to its end, because it would spoil the next one."""
     if path.exists():
         content = read_bytes(path, MOST_BYTES)
         whole = content[: content.rfind(b"\n") + 1]
@@ -63,7 +63,7 @@ def _drop_half_line(path: Path) -> None:
 
 
 class Study:
-    """One search's trials. What it draws depends on the seed and on what the trials before came to, on nothing else."""
+    """The trials of one search. What it draws depends only on the seed and on the results of earlier trials."""
 
     def __init__(
         self, storage: "JournalStorage", name: str, space: Sequence[Dimension], *, seed: int, pruner: str
@@ -112,11 +112,11 @@ class Study:
         return number
 
     def complete_drawing(self, number: int) -> None:
-        """Draw what a trial lacks whose process was killed while it was drawn; what was drawn stays."""
+        """Draw the values that a trial lacks because its process was killed meanwhile. Values that were drawn stay."""
         self._suggest(self._resume(number))
 
     def report(self, number: int, step: int, value: float, outcome: Outcome, cells: int) -> None:
-        """What a trial came to after `step` + 1 seeds and so many cells; a step that was reported stays as it is."""
+        """Note a trial's value after `step` + 1 seeds and `cells` cells. A step that was noted before stays."""
         trial = self._resume(number)
         trial.set_user_attr(OUTCOME, list(outcome))
         trial.set_user_attr(CELLS, cells)
@@ -128,7 +128,7 @@ class Study:
         return bool(self._resume(number).should_prune())
 
     def end(self, number: int, status: Status, value: float | None = None, reason: str = "") -> None:
-        """The trial is over; `value` is what a complete one is worth."""
+        """End a trial; `value` is the value of a complete one."""
         from optuna.trial import TrialState
 
         if reason:
@@ -146,7 +146,7 @@ class Study:
         return self._drawn()[number]
 
     def _resume(self, number: int) -> "optuna.Trial":
-        """The trial to write to, whichever process began it."""
+        """The trial to write to, no matter which process began it."""
         import optuna
 
         study_id = self._storage.get_study_id_from_name(self._name)
@@ -178,7 +178,7 @@ class Study:
 
 
 def _sampler(seed: int, number: int) -> "BaseSampler":
-    """Of one trial: a search that goes on draws what it would have drawn without the stop."""
+    """The sampler of one trial. So a search that goes on draws what it would have drawn without the stop."""
     import optuna
     from optuna.exceptions import ExperimentalWarning
 
@@ -195,7 +195,7 @@ def _status(trial: "FrozenTrial") -> Status:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Optuna says on standard error that it made a study; restores what it would say."""
+    """Keep Optuna from writing on standard error within the block."""
     import optuna
 
     before = optuna.logging.get_verbosity()

@@ -1,4 +1,4 @@
-"""What a search leaves: its trials, and which is best."""
+"""The results of a search: its trials, and which is best."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ FORMAT = 1
 
 @dataclass(frozen=True)
 class TrialRecord:
-    """One setting and what became of it.
+    """The settings of a trial and its result.
 
     Attributes:
         number: Counted from 0 in each search.
@@ -61,7 +61,7 @@ class Search:
 
     @property
     def best(self) -> TrialRecord | None:
-        """The complete trial that is worth most, the first of equals; None if none is complete."""
+        """The complete trial with the largest value, the first of equals; None if no trial is complete."""
         complete = [trial for trial in self.ranked if trial.value is not None]
         return complete[0] if complete else None
 
@@ -86,7 +86,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Tuned:
-    """All that a folder says of its searches.
+    """All searches in a folder.
 
     Attributes:
         folder: Of the tuning.

@@ -22,7 +22,7 @@ from harness.tune.tuned_file import write_tuned
 from harness.tune.tuning import Setup, check_tuning, resolve
 
 OnTrial: TypeAlias = Callable[[tuple[str, ...], TrialRecord], None]
-"""Told the rewards of the search and each trial that has ended."""
+"""A function that is told the rewards of the search and each trial that has ended."""
 
 
 @contextmanager
@@ -32,7 +32,7 @@ def _follow_nothing(cells: Sequence[Cell], done: Sequence[Cell]) -> Iterator[OnE
 
 @dataclass(frozen=True)
 class Watch:
-    """Who is told what happens; by default nobody."""
+    """The functions that are told what happens; by default none."""
 
     follow: Follow = _follow_nothing
     on_trial: OnTrial = lambda rewards, trial: None
@@ -65,7 +65,7 @@ def tune(
 
 
 def default_folder(setup: Setup) -> Path:
-    """A folder named for what is searched: the same search finds its trials again."""
+    """A folder named for what is searched, so that the same search finds its trials again."""
     names = f"{setup.experiment['sim'][0]['name']}-{setup.base.name}".replace("/", "-")  # of a qualified name
     return DEFAULT_FOLDER / f"tune-{names}-{setup.id}"
 
@@ -97,7 +97,7 @@ def run_searches(
 
 
 def _open_studies(setup: Setup, folder: Path) -> dict[tuple[str, ...], tuple[tuple[Choice, ...], Study]]:
-    """By labels of the rewards: the rewards and their study. All draw from the same seed."""
+    """The rewards and the study of each search, by the rewards' labels. All studies draw from the same seed."""
     storage, tuning = open_storage(folder), setup.tuning
     named = {tuple(reward.label for reward in rewards): rewards for rewards in setup.searches}
     return {

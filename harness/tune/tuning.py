@@ -1,4 +1,4 @@
-"""A search as a user writes it, and what it comes to."""
+"""A search as a user writes it, and the resolved search."""
 
 import hashlib
 import json
@@ -33,11 +33,11 @@ from harness.registry.toml_file import read_toml
 from harness.tune.space import Dimension, parse_space
 
 FIRST_SEED = 1_000_000
-"""Trainings of a search have the seeds from here on: apart from 0, 1, ..., which ``harness run`` trains with."""
+"""The first seed of a search's trainings. It is far from 0, 1, ..., with which ``harness run`` trains."""
 
 NOUN = "search"
 MOST_TRIALS = 10_000
-"""Of a search: the sampler looks at all that were before."""
+"""The most trials of a search, because the sampler looks at all earlier ones."""
 
 Trials: TypeAlias = Annotated[int, Field(gt=0, le=MOST_TRIALS)]
 
@@ -79,7 +79,7 @@ class Tuning:
 
 @dataclass(frozen=True)
 class Setup:
-    """A search resolved.
+    """A resolved search.
 
     Attributes:
         tuning: What was asked for.
@@ -178,7 +178,7 @@ def _is_single(key: str, value: Any) -> bool:
 
 
 def _keys(tuning: Tuning, resolved: Mapping[str, Any], space: Sequence[Dimension]) -> dict[str, Any]:
-    """As they are read back from TOML, so that they can be compared with what a folder says."""
+    """The keys as they are read back from TOML, so that they can be compared with those in a folder."""
     values = {field.name: getattr(tuning, field.name) for field in fields(tuning) if field.name != "trials"}
     names = ("sim", "algo", "reward", "baseline", "task", "robot")
     search = {dimension.name: dimension.text for dimension in space}

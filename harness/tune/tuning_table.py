@@ -16,12 +16,12 @@ def tuning_table(tuned: Tuned) -> RenderableType:
 
 
 def params_text(trial: TrialRecord) -> str:
-    """What was searched: ``learning_rate=0.003, net_arch=64x64``."""
+    """A trial's values of the searched parameters: ``learning_rate=0.003, net_arch=64x64``."""
     return ", ".join(f"{name}={_value_text(value)}" for name, value in trial.params.items())
 
 
 def outcome_text(trial: TrialRecord) -> tuple[str, str]:
-    """Success and final distance; a dash where there is none."""
+    """Success and final distance; a dash if there is none."""
     if trial.outcome is None:
         return "-", "-"
     return f"{trial.outcome.success:.1%}", f"{trial.outcome.final_distance:.4f} m"
@@ -42,7 +42,7 @@ def _search_parts(search: Search) -> list[RenderableType]:
 
 
 def _table(search: Search) -> Table:
-    """Numbers may not wrap, settings may."""
+    """The table of a search. Its settings may wrap, its numbers may not."""
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     for heading in ("trial", "success", "final distance", "cells"):
         table.add_column(Text(heading), justify="right", no_wrap=True)

@@ -24,9 +24,9 @@ from harness.registry.registry import Registry, load_registry
 from harness.robot.load import load_robot
 
 VALIDATION_SEED = 20_230_705
-"""Of the starts and targets of every validation; not the evaluation's, and not a small number."""
+"""Seed of the starts and targets of every validation. It is not the evaluation's, and not a small number."""
 REASON = "reason.txt"
-"""In the folder of a validation that failed: why there is no trace."""
+"""The file in the folder of a failed validation that says why there is no trace."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def validate_all(orders: Sequence[Order], at_once: int) -> None:
 
 
 def record_validation(cell: Cell, registry: Registry, policy: Policy, episodes: int, path: Path) -> None:
-    """Let `policy` do so many episodes in the cell's simulator, one in each env of a batch, and record them."""
+    """Let `policy` do `episodes` episodes in the cell's simulator, one in each env of a batch, and record them."""
     world = build_world(cell, load_robot(cell.robot, registry), registry)
     evaluate(world, policy.act, episodes, path, VALIDATION_SEED)
 

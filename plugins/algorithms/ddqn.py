@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class Ddqn(QLearning):
     """Double deep Q-learning (DDQ), the NOTE's other algorithm for discrete actions.
 
-    Q(s, a) is moved towards r + gamma Q_target(s', argmax_a' Q(s', a')); r alone where the episode is terminated. All
-    else is as in `dqn`.
+    Q(s, a) is moved towards r + gamma Q_target(s', argmax_a' Q(s', a')), or towards r alone if the episode is
+    terminated. Everything else is as in `dqn`.
     """
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:

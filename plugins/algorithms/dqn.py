@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class Dqn(QLearning):
     """Deep Q-learning (DQ), the NOTE's algorithm for discrete actions, by stable-baselines3.
 
-    Q(s, a) is moved towards r + gamma max_a' Q_target(s', a'); r alone where the episode is terminated.
+    Q(s, a) is moved towards r + gamma max_a' Q_target(s', a'), or towards r alone if the episode is terminated.
     """
 
     def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 class Her(SoftActorCritic):
     """stable-baselines3's SAC, which also learns from steps as if another goal had been desired (Andrychowicz 2017).
 
-    The other goal is one that was achieved in the same episode. The step is paid by the reward of the training, as a
-    function of goals, so that a reward which only tells whether the goal was achieved teaches something from the first
-    episode on. It learns in environments with goals alone, and begins when the first episode has ended.
+    The other goal is one that was achieved in the same episode. The reward of the training, as a function of goals,
+    pays the step again for that goal. So even a reward that only tells whether the goal was achieved teaches something
+    from the first episode on. This algorithm learns only in environments with goals. It begins when the first episode
+    has ended.
     """
 
     sampled_goals: Annotated[

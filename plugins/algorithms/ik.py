@@ -1,4 +1,4 @@
-"""The ceiling: the arm is told where to go by its own kinematics."""
+"""Inverse kinematics in place of learning: the ceiling that learners are compared with."""
 
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Ik:
-    """Reaches by inverse kinematics and learns nothing: what a learner could do that knew the arm.
+    """Reaches by inverse kinematics and learns nothing. It shows what a learner could do that knew the arm.
 
-    It knows nothing else: it looks at the same observations, and does not look out for the ground.
+    Otherwise it knows no more than a learner: it gets the same observations. It does not look out for the ground.
     """
 
     num_envs: Annotated[int, Field(gt=0, description="envs that it acts in at once")] = 10

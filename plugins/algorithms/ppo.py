@@ -39,18 +39,19 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
         "ent_coef": 0.005,
     },
 }
-"""What a preset sets where a parameter is not given."""
+"""What each preset sets for parameters that are not given."""
 
 
 @dataclass(frozen=True)
 class Ppo:
     """Proximal policy optimisation (PPO) of stable-baselines3, for continuous and for discrete actions.
 
-    A stochastic policy, NOTE eq. 2, moved up the gradient of NOTE eq. 11, with advantages for rewards, and never far
-    from where the actions were drawn. A training that ends within a rollout does not learn from it.
+    PPO moves a stochastic policy, NOTE eq. 2, up the gradient of NOTE eq. 11, with advantages in place of rewards. An
+    update never moves it far from the policy that drew the actions. A rollout is what is recorded between two updates.
+    If a training ends within a rollout, it does not learn from that rollout.
 
-    The defaults learn the FD100 task in 15,000 steps. With gamma 0.95 and wide actions (log_std 0) they learn under
-    `dense` to dive into the ground instead, which ends the price of the distance.
+    The defaults learn the FD100 task in 15,000 steps. With gamma 0.95 and widely spread actions (log_std 0), under the
+    reward `dense`, the policy learns to dive into the ground instead, because that ends the price of the distance.
     """
 
     preset: Annotated[
@@ -84,20 +85,24 @@ class Ppo:
 
     @classmethod
     def defaults_with(cls, values: Mapping[str, Any]) -> Mapping[str, Any]:
-        """The defaults that the preset brings, of parameters that are not given."""
+        """The defaults that the preset in `values` brings, by the names of the parameters."""
         return PRESETS.get(str(values.get("preset")), {})
 
     @model_validator(mode="before")
     @classmethod
     def _fill_in_the_preset(cls, given: Any) -> Any:
-        """What is given wins, also where it is a default."""
+        """Fill in the defaults of the preset. A value that is given wins, even if it is the class's own default."""
         if isinstance(given, ArgsKwargs):
             values = given.kwargs or {}
             return ArgsKwargs(given.args, {**cls.defaults_with(values), **values})
         return {**cls.defaults_with(given), **given}
 
     def __post_init__(self) -> None:
-        """Minibatches of equal size, and as many decisions of each env."""
+        """Check that minibatches have equal size, and that a rollout has as many decisions of each env.
+
+        Raises:
+            ValueError: `rollout` is not a multiple of `num_envs` and `batch_size`.
+        """
         for name in ("num_envs", "batch_size"):
             if self.rollout % getattr(self, name):
                 raise ValueError(f"rollout={self.rollout} is not a multiple of {name}={getattr(self, name)}")
@@ -128,7 +133,7 @@ class Ppo:
         return bare_training(PPO, env, steps, seed, **self._settings())
 
     def _settings(self) -> dict[str, Any]:
-        """What the library's class is made with."""
+        """The keyword arguments of the library's class."""
         from ..sb3.training import network
 
         return {
@@ -146,5 +151,5 @@ class Ppo:
         }
 
     def _scheduled(self, value: float) -> float | Callable[[float], float]:
-        """A number, or what it is when a share of the training remains."""
+        """A constant, or a function of the share of the training that remains, which falls to 0 at the end."""
         return value if self.schedule == "constant" else lambda remaining: value * remaining

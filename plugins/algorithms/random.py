@@ -1,4 +1,4 @@
-"""The floor: actions drawn uniformly."""
+"""Random actions in place of learning: the floor that learners are compared with."""
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Random:
-    """Acts uniformly at random and learns nothing: what is no better than this has learned nothing.
+    """Acts uniformly at random and learns nothing. An algorithm that is no better has learned nothing.
 
     It spends its budget acting, so that its trace can be compared with those of trainings.
     """

@@ -1,4 +1,4 @@
-"""Soft actor-critic in lean form, with numpy alone."""
+"""Soft actor-critic with numpy alone."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SacFast(SoftActorCritic):
-    """The algorithm of `sac`, with the same settings, some four times as fast with the default networks.
+    """The algorithm of `sac`, with the same settings. It is about four times as fast with the default networks.
 
-    Nothing but numpy: no library to import, no graph to build, nothing large allocated in an update.
+    It uses numpy alone. So it imports no learning library, builds no graph, and allocates nothing large in an update.
     """
 
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.fast_sac", "harness_plugins.episode_means")

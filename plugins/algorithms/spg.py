@@ -1,12 +1,12 @@
 """The stochastic policy gradient of the NOTE, in this one file: REINFORCE with rewards-to-go and a learned baseline.
 
-Maximised is eq. 12, J(theta) = E[sum_k gamma^k R(s_k, a_k)], by gradient ascent along eq. 11,
+The training maximises eq. 12, J(theta) = E[sum_k gamma^k R(s_k, a_k)], by gradient ascent along eq. 11,
 
     grad J = E[ sum_t  grad log pi_theta(a_t | s_t)  (G_t - b(s_t)) ],    G_t = sum_(k >= t) gamma^(k - t) R(s_k, a_k)
 
-where the identity of eq. 10 has made an expectation of eq. 8, which trials estimate. G_t stands for the R(s, a) of
-eq. 11: what was paid before an action does not depend on it. The baseline b(s) depends on no action: it changes no
-expectation, and takes noise away.
+The identity of eq. 10 turns eq. 8 into this expectation, which trials estimate. G_t takes the place of R(s, a) in
+eq. 11, because what was paid before an action does not depend on the action. The baseline b(s) does not depend on the
+action either. So it does not change the expectation, and it reduces the noise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -85,7 +85,7 @@ def rewards_to_go(reward: Float32, ended: Mask, rest: Float32, gamma: float) -> 
     Args:
         reward: (T, num_envs).
         ended: Where episodes ended, (T, num_envs).
-        rest: What is expected after the last decision, where the episode did not end there, (num_envs,).
+        rest: The G that is expected after the last decision, (num_envs,). It counts where the episode goes on.
         gamma: Discount of a decision.
 
     Returns:
@@ -99,7 +99,7 @@ def rewards_to_go(reward: Float32, ended: Mask, rest: Float32, gamma: float) -> 
 
 
 def discounts(ended: Mask, gamma: float) -> Float32:
-    """gamma^t, t counted from the start of each episode, (T, num_envs); every env begins with a new one."""
+    """gamma^t, (T, num_envs), with t counted from the start of each episode. Every env begins with a new episode."""
     discount, now = np.empty(ended.shape, np.float32), np.ones(ended.shape[1], np.float32)
     for t, here in enumerate(ended):
         discount[t] = now
@@ -112,7 +112,7 @@ def surrogate(log_probability: "Tensor", weight: "Tensor") -> "Tensor":
 
     Args:
         log_probability: log pi_theta(a_t | s_t), any shape.
-        weight: G_t - b(s_t), the same shape, no function of theta.
+        weight: G_t - b(s_t), the same shape; it does not depend on theta.
     """
     return (weight * log_probability).mean()
 
@@ -121,7 +121,7 @@ def surrogate(log_probability: "Tensor", weight: "Tensor") -> "Tensor":
 
 
 def forward(net: Net, activation: str, values: "Tensor") -> "Tensor":
-    """The layers of `net` one after the other, with the activation between them."""
+    """The output of `net`, (..., out), for inputs `values`, (..., into); the activation acts between the layers."""
     layers = [name.removesuffix(".weight") for name in net if name.endswith(".weight")]
     for index, layer in enumerate(layers):
         values = values if index == 0 else getattr(values, activation)()
@@ -147,10 +147,11 @@ def draw_layers(sizes: Sequence[int], last: str, scale: float, rng: np.random.Ge
 class Spg:
     """The NOTE's stochastic policy gradient (REINFORCE, rewards-to-go, learned baseline), on the CPU.
 
-    Where an update comes in the middle of an episode, the baseline says what follows, and the episode goes on under
-    the new policy; with `decisions` of a whole episode and `restart` 1 only whole ones count, as in eq. 11.
+    If an update comes in the middle of an episode, the baseline estimates what follows, and the episode goes on under
+    the new policy. If `decisions` is the length of a whole episode and `restart` is 1, only whole episodes count, as in
+    eq. 11.
 
-    The discount is low on purpose: under a reward that charges every step, a learner that looks far ahead finds first
+    The discount is low on purpose. Under a reward that charges every step, a learner that looks far ahead first finds
     that the ground ends the charges.
     """
 
@@ -216,7 +217,7 @@ class Learner:
         self._updates = 0
 
     def begin(self) -> None:
-        """Before every so many updates start a new episode in every env."""
+        """Start a new episode in every env, once in `restart` updates."""
         if self._updates % self._settings.restart == 0:
             self._observation, _ = self._env.reset()
 
@@ -254,7 +255,7 @@ class Learner:
         return losses
 
     def tell(self, progress: Progress, done: int, segment: Segment, losses: Mapping[str, float]) -> None:
-        """What an update brought."""
+        """Report the steps done, the policy and the scalars after an update."""
         progress(done)
         progress.policy(done, self.policy)
         episodes = max(int(segment.ended.sum()), 1)
@@ -266,7 +267,7 @@ class Learner:
         progress.scalars(done, {**told, **losses})
 
     def policy(self) -> Gaussian:
-        """The policy as it is."""
+        """The present policy."""
         box = tuple(self._low.tolist()), tuple(self._high.tolist())
         return Gaussian(pack_tensors(self._policy), self._settings.activation, *box, algorithm="spg")
 
@@ -283,7 +284,7 @@ class Learner:
         return as_state(arrays)
 
     def restore(self, state: TrainingState) -> int:
-        """Be where `state` was written; returns the steps that were done."""
+        """Go on from `state`, which the method of this name returned; returns the steps that were done."""
         self._updates, self._observation = int(state["updates"]), state["observation"]
         restore_generator(self._rng, state["rng"])
         for name, net, optimizer in self._parts():
@@ -316,7 +317,7 @@ class Learner:
         return expected
 
     def _fit_baseline(self, observation: "Tensor", to_go: "Tensor") -> float:
-        """Bring b(s) nearer to the G that followed s, by least squares; returns the loss before."""
+        """Bring b(s) nearer to the G that followed s, by least squares; returns the loss before the first step."""
         first = 0.0
         for update in range(self._settings.baseline_updates):
             value = forward(self._baseline, self._settings.activation, observation)[..., 0]
@@ -327,7 +328,7 @@ class Learner:
 
 
 def _climb(optimizer: "Optimizer", objective: "Tensor") -> None:
-    """One step of the optimiser along the gradient of `objective`, up or down as it was made."""
+    """One step of the optimiser along the gradient of `objective`: upwards if it maximises, else downwards."""
     optimizer.zero_grad()
     objective.backward()  # type: ignore[no-untyped-call]
     optimizer.step()

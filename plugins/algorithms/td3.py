@@ -23,7 +23,7 @@ NotNegative = Annotated[float, Field(ge=0)]
 class Td3(OffPolicy):
     """Twin delayed deep deterministic policy gradient (TD3) of stable-baselines3.
 
-    A policy without spread of its own: noise is added to its actions while it trains.
+    The policy is deterministic. Noise is added to its actions while it trains.
     """
 
     action_noise: Annotated[
@@ -60,7 +60,7 @@ class Td3(OffPolicy):
         return bare_training(TD3, env, steps, seed, **self._settings(env.action_space, steps))
 
     def _settings(self, actions: Any, steps: int) -> dict[str, Any]:
-        """What the library's class is made with, for actions of one env's space."""
+        """The keyword arguments of the library's class; `actions` is the action space of one env."""
         import numpy as np
         from stable_baselines3.common.noise import NormalActionNoise
 

@@ -1,1 +1,1 @@
-"""Arms of engines that step one arm at a time: each in a world of its own, ideal drives or limited ones."""
+"""Parts of simulators whose engine steps one arm at a time. Each arm has a world of its own."""

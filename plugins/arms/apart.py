@@ -1,4 +1,4 @@
-"""Arms that each have a world of their own: all of a simulation but the physics, for simulators that step one arm."""
+"""A simulation without its physics, for engines that step one arm at a time. Each arm has a world of its own."""
 
 from collections.abc import Callable
 from typing import Generic, Protocol, TypeVar
@@ -16,14 +16,14 @@ class ArmAlone(Protocol):
     """One arm on the ground, alone in its world."""
 
     def put(self, qpos: Float) -> None:
-        """At rest at `qpos`, (dof,), as if the world were new, contacts included."""
+        """Put the arm at rest at `qpos`, (dof,), as if the world were new, contacts included."""
 
     def read(self, state: State, env: int) -> None:
-        """Write what holds now into row `env` of `state`."""
+        """Write the present state of the arm into row `env` of `state`."""
 
 
 class Arm(ArmAlone, Protocol):
-    """One that is driven at constant speeds."""
+    """An arm that is driven at constant speeds."""
 
     def turn(self, speeds: Float, duration: float) -> None:
         """Drive each joint at its constant speed, (dof,), [rad/s] or [m/s], for `duration` [s]."""
@@ -33,17 +33,17 @@ AnyArm = TypeVar("AnyArm", bound=ArmAlone)
 
 
 class Frames(Protocol):
-    """Pictures of such an arm."""
+    """Draws frames of an arm."""
 
     def frame(self, qpos: Float, target: Float, width: int, height: int) -> NDArray[np.uint8]:
         """The arm at `qpos`, (dof,), and a marker at `target`, (3,), [m]; RGB, (height, width, 3)."""
 
     def close(self) -> None:
-        """Give back what the pictures need, and all that belongs to the arms' worlds; more than once does nothing."""
+        """Release what the frames need, and the arms' worlds; a second call does nothing."""
 
 
 class Arms(Generic[AnyArm]):
-    """All of `harness.simulator.Simulation` but `drive`."""
+    """Everything of `harness.simulator.Simulation` except `drive`."""
 
     def __init__(
         self, robot: Robot, num_envs: int, build_arm: Callable[[], AnyArm], frames: Frames | None = None
@@ -52,9 +52,9 @@ class Arms(Generic[AnyArm]):
 
         Args:
             robot: The arm.
-            num_envs: How many.
-            build_arm: Makes one, in a new world.
-            frames: Pictures of it; by default the harness draws them.
+            num_envs: How many arms.
+            build_arm: Makes an arm in a new world.
+            frames: Draws the frames; by default the harness does.
         """
         self.arms = [build_arm() for _ in range(num_envs)]
         self._frames = frames or StillFrames(robot)
@@ -94,10 +94,10 @@ class Arms(Generic[AnyArm]):
 
 
 class ArmsApart(Arms[Arm]):
-    """See `harness.simulator.Simulation`.
+    """Arms that are driven at constant speeds; see `harness.simulator.Simulation`.
 
-    Each period a joint gets the constant speed that leads from where it is to its target: what it misses in one
-    period, it makes up for in the next.
+    In each period a joint gets the constant speed that leads from its present position to its target. If it misses the
+    target in one period, it makes up for that in the next.
     """
 
     def drive(self, qpos: Float, duration: float) -> State:

@@ -1,4 +1,4 @@
-"""The joints and masses of an arm, and nothing else: a URDF for engines to which shapes are added by hand."""
+"""A URDF with only the joints and masses of an arm, for engines to which shapes are added by hand."""
 
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -7,13 +7,14 @@ from harness.robot import Robot
 from harness.robot.urdf import parse_urdf
 
 OF_LINK, OF_JOINT = {"inertial"}, {"parent", "child", "origin", "axis"}
-"""What stays of them."""
+"""The tags that are kept in a link and in a joint."""
 
 
 def bare_urdf(robot: Robot) -> tuple[str, str]:
-    """The robot's URDF with its joints, and the masses of the links that they carry.
+    """The robot's URDF with only its joints, and the masses of the links that they carry.
 
-    Shapes, friction, damping, transmissions and materials are gone. What collides are the robot's `joint_shapes`.
+    Shapes, friction, damping, transmissions and materials are left out. The shapes that collide are added later, from
+    the robot's `joint_shapes`.
 
     Returns:
         The URDF as text, and the name of its root link, which is left without a mass.
@@ -24,7 +25,7 @@ def bare_urdf(robot: Robot) -> tuple[str, str]:
     for name, link in urdf.links.items():
         _keep(link, OF_LINK if name != root else set())
     for joint in urdf.joints:
-        # Some readers would take the range of a joint that turns without end for one.
+        # A continuous joint has no range, but some engines would use one that its URDF gives.
         _keep(joint, OF_JOINT if joint.get("type") == "continuous" else OF_JOINT | {"limit"})
     return ElementTree.tostring(urdf.element, encoding="unicode"), root
 

@@ -6,14 +6,14 @@ from harness.arrays import Float
 
 SWEEPS = 100
 STILL = 1e-10
-"""A sweep that changes no joint's speed by more is the last, [rad/s] or [m/s]."""
+"""The sweeps end when one changes no joint's speed by more than this, [rad/s] or [m/s]."""
 
 
 class DryFriction:
-    """The impulses of dry friction in the joints of one arm; by projected Gauss-Seidel, as contact solvers do it."""
+    """The impulses of dry friction in the joints of one arm, by projected Gauss-Seidel as in contact solvers."""
 
     def __init__(self, most: Float) -> None:
-        """Rest.
+        """Start with impulses of 0.
 
         Args:
             most: The largest impulse of each joint, (dof,), [N m s] or [N s].
@@ -22,20 +22,20 @@ class DryFriction:
         self.forget()
 
     def forget(self) -> None:
-        """Start the next search anew."""
+        """Let the next search start with impulses of 0."""
         self._impulses = [0.0] * len(self._most)
 
     @property
     def impulses(self) -> Float:
-        """Those found last, which slow a joint with a positive speed where they are positive, (dof,), a new array."""
+        """The impulses found last, (dof,), [N m s] or [N s], a new array. A positive one reduces a joint's speed."""
         return np.array(self._impulses)
 
     def slow(self, qvel: Float, mobility: Float) -> Float:
-        """The joints' speeds after the friction: 0 where it can hold a joint still, else nearer to 0.
+        """The joints' speeds with friction, (dof,): 0 where it can hold a joint still, else nearer to 0.
 
         Args:
-            qvel: The speeds without it, (dof,), [rad/s] or [m/s].
-            mobility: What an impulse at one joint does to the speeds of all, symmetric, (dof, dof).
+            qvel: The speeds without friction, (dof,), [rad/s] or [m/s].
+            mobility: How much an impulse of 1 at one joint changes the speeds of all joints, symmetric, (dof, dof).
         """
         impulses, rows = self._impulses, mobility.tolist()
         speeds: list[float] = (qvel - mobility @ impulses).tolist()

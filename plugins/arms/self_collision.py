@@ -1,6 +1,7 @@
 """Which links of an arm may touch one another, for engines to which its shapes are added by hand.
 
-A group is what moves together: group 0 the base, group k what the k-th joint moves and no later one.
+A group is a set of links that move together. Group 0 is the base. Group k is what the k-th joint moves and no later
+joint moves.
 """
 
 from collections.abc import Iterable
@@ -27,7 +28,7 @@ def shapes_of_base(robot: Robot) -> tuple[Shape, ...]:
 
 
 def pairs_apart(dof: int) -> frozenset[Pair]:
-    """All pairs of groups of an arm with `dof` joints but those that a joint connects."""
+    """All pairs of groups of an arm with `dof` joints, except those that a joint connects."""
     return frozenset((a, b) for a, b in combinations(range(dof + 1), 2) if b - a > 1)
 
 
@@ -37,5 +38,5 @@ def pair(one: int, other: int) -> Pair:
 
 
 def partners(group: int, pairs: Iterable[Pair]) -> set[int]:
-    """The groups that a group makes one of `pairs` with."""
+    """The groups that stand together with `group` in one of `pairs`."""
     return {a if b == group else b for a, b in pairs if group in (a, b)}

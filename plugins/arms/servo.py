@@ -1,4 +1,4 @@
-"""Arms whose drives have limits, each in a world of its own, for simulators that step one arm."""
+"""A simulation of arms whose drives have limits, for engines that step one arm at a time."""
 
 from collections.abc import Callable, Sequence
 from typing import Protocol
@@ -18,11 +18,16 @@ class ServoArm(ArmAlone, Protocol):
     """One arm that is moved by the drives of its robot.toml, `harness.robot.servo.Servo`."""
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
-        """A physics step for each row of the references, (steps, dof), [rad] or [m] and per second."""
+        """Do one physics step for each row of the references.
+
+        Args:
+            qpos_ref: The positions to follow, (steps, dof), [rad] or [m].
+            qvel_ref: The speeds to follow, (steps, dof), [rad/s] or [m/s].
+        """
 
 
 class ServoArms(Arms[ServoArm]):
-    """See `harness.simulator.Simulation`: each physics step the drives follow a reference of their own."""
+    """Arms whose drives follow a reference in each physics step; see `harness.simulator.Simulation`."""
 
     def __init__(
         self,
@@ -36,10 +41,10 @@ class ServoArms(Arms[ServoArm]):
 
         Args:
             robot: The arm.
-            num_envs: How many.
-            substeps: Of a control period.
-            build_arm: Makes one, in a new world.
-            frames: Pictures of it; by default the harness draws them.
+            num_envs: How many arms.
+            substeps: The physics steps of a control period.
+            build_arm: Makes an arm in a new world.
+            frames: Draws the frames; by default the harness does.
 
         Raises:
             UsageError: The robot.toml describes no drives.
@@ -63,24 +68,24 @@ class ServoArms(Arms[ServoArm]):
 
 
 class FollowingArms(Protocol):
-    """A simulation of such arms."""
+    """A simulation of arms whose drives follow references."""
 
     @property
     def arms(self) -> Sequence[ServoArm]:
-        """In order."""
+        """The arms, in the order of the envs."""
 
     @property
     def track(self) -> ServoTrack:
-        """What they follow."""
+        """The references that the arms follow."""
 
     def place(self, qpos: Float) -> State:
         """See `harness.simulator.Simulation`."""
 
 
 def follow_alone(simulation: FollowingArms, targets: Float, period: float, substeps: int) -> Callable[[], None]:
-    """See `harness.simulator.Simulator`, its ``bare_loop``: the arms follow and are read by the engine's own calls.
+    """See ``bare_loop`` of `harness.simulator.Simulator`: the arms follow and are read by the engine's own calls.
 
-    The references are computed before; the torques are not, since they follow from the state in each physics step.
+    The references are computed beforehand. The torques are not, because they depend on the state in each physics step.
     """
     state = simulation.place(targets[-1])
     told = [simulation.track.advance(qpos, period, substeps) for qpos in targets]

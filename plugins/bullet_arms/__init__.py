@@ -1,4 +1,4 @@
-"""Arms in Bullet's worlds, and frames of them: what the simulator `pybullet` is made of."""
+"""Arms in Bullet's worlds, and frames of them: the parts of the simulator `pybullet`."""
 
 from .arm import Arm, turn_alone
 from .clients import Clients

@@ -1,4 +1,4 @@
-"""One arm in the world of one client."""
+"""One arm in the world of one client. A client is a connection to Bullet that has a world of its own."""
 
 import pybullet
 
@@ -21,9 +21,9 @@ from .world import (
 )
 
 FORCE = 1e6
-"""Of a motor at most, [N m] or [N]: drives are strong enough, whatever a URDF has as effort."""
+"""Largest force of a motor, [N m] or [N]: ideal drives are strong enough, no matter which effort a URDF gives."""
 DISTANCE, NORMAL_FORCE = 8, 9
-"""Their places in a contact point."""
+"""The indices of these two values in a contact point of Bullet's."""
 
 
 class Arm:
@@ -48,7 +48,7 @@ class Arm:
         self._has_moved = False
 
     def put(self, qpos: Float) -> None:
-        """At rest at `qpos`, (dof,), as if the world were new, contacts included."""
+        """Put the arm at rest at `qpos`, (dof,), as if the world were new, contacts included."""
         pybullet.restoreState(self._new, physicsClientId=self.client)
         set_joints(self.client, self.body, self.joints, qpos)
         self._has_moved = False
@@ -73,17 +73,17 @@ class Arm:
         state.qvel[env] = [joint[1] for joint in joints]
         tip = pybullet.getLinkState(self.body, self.tip, computeForwardKinematics=1, physicsClientId=client)
         state.end_effector[env] = tip[4]  # the link's frame, not that of its inertia
-        pybullet.performCollisionDetection(physicsClientId=client)  # a step ends with the contacts of its beginning
+        pybullet.performCollisionDetection(physicsClientId=client)  # a step leaves the contacts of its beginning
         points = pybullet.getContactPoints(self.body, self.ground, physicsClientId=client)
         state.ground_contact[env] = any(
-            # Bullet also tells near misses. One that bears a load is a contact; a placed arm's load is of before.
+            # Bullet also reports near misses. A point that bears a load is a contact. After `put`, loads are old.
             point[DISTANCE] <= 0.0 or (has_moved and point[NORMAL_FORCE] > 0.0)
             for point in points
         )
 
 
 def turn_alone(arm: Arm, speeds: list[float]) -> None:
-    """Bullet's calls for one period of one arm, what is read at its end included."""
+    """Make Bullet's calls for one period of one arm, including those that read its state at the end."""
     body, client = arm.body, {"physicsClientId": arm.client}
     pybullet.setJointMotorControlArray(
         body, arm.joints, pybullet.VELOCITY_CONTROL, targetVelocities=speeds, forces=arm.forces, **client

@@ -1,4 +1,4 @@
-"""The clients of one simulation, which end together."""
+"""Bullet's clients of one simulation, which are closed together."""
 
 import weakref
 
@@ -14,12 +14,12 @@ from .scene import Scene
 
 
 class Clients:
-    """Bullet's clients: one for the world of each arm, and one for frames as soon as somebody asks for one.
+    """Bullet's clients: one for the world of each arm, and one for frames, which is opened for the first frame.
 
-    They are given back with `close`, or when nothing holds this object any more.
+    They are closed by `close`, or when the program no longer refers to this object.
 
     Attributes:
-        numbers: Bullet's, in the order in which they were opened.
+        numbers: Bullet's numbers of the clients, in the order in which they were opened.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -32,7 +32,7 @@ class Clients:
         """The number of a new client without a window.
 
         Raises:
-            UsageError: This process has as many as it can have.
+            UsageError: This process has as many clients as it can have.
         """
         try:
             client = int(pybullet.connect(pybullet.DIRECT))

@@ -1,4 +1,4 @@
-"""The equations of motion of an arm that touches nothing, by Bullet; of joint positions and speeds that are given."""
+"""The equations of motion of an arm that touches nothing, by Bullet, for given joint positions and speeds."""
 
 import numpy as np
 import pybullet
@@ -9,15 +9,17 @@ from harness.robot import Robot
 from .world import GRAVITY, LOAD_FLAGS, load_body, numbers
 
 LOCAL_INERTIA, INERTIA_FRAME = 2, 4
-"""Their places in what Bullet tells of a link."""
+"""The indices of these two values in what ``getDynamicsInfo`` returns."""
 
 
 class FreeArm:
-    """Arms that are never moved: M(q) a + h(q, v) = torque, in SI units, all of shape (dof,) but M.
+    """Computes M(q) a + h(q, v) = torque with arms that are never moved.
 
-    Bullet computes no torques of a link that turns about one axis harder than about both others together, as one with
-    an armature does. They are linear in the inertia: twice those of a link with half of the armature about the other
-    axes, less those of one with all of it.
+    All values are in SI units. M is (dof, dof), all others are (dof,).
+
+    An armature may make a link's inertia about one axis larger than those about both other axes together. Bullet
+    computes no torques for such a link. But torques are linear in the inertia. So they are twice the torques of a link
+    that also has half of the armature about the other axes, less those of a link that has all of it about them.
     """
 
     def __init__(self, client: int, robot: Robot, armature: Float) -> None:
@@ -34,7 +36,7 @@ class FreeArm:
         return self._torque(self._body, qpos, self._still, self._still)
 
     def bias(self, qpos: list[float], qvel: list[float]) -> Float:
-        """h: the torques of weight and of speeds."""
+        """h: the torques due to weight and speeds."""
         return self._torque(self._body, qpos, qvel, self._still)
 
     def inertia(self, qpos: list[float]) -> Float:
@@ -42,7 +44,7 @@ class FreeArm:
         return np.array(pybullet.calculateMassMatrix(self._body, qpos, physicsClientId=self._client))
 
     def torque_with_armature(self, qpos: list[float], qvel: list[float], qacc: list[float]) -> Float:
-        """What accelerates an arm to whose links `add_armature` was done."""
+        """The torques that accelerate an arm whose links have the armature."""
         state = qpos, qvel, qacc
         return 2.0 * self._torque(self._with_half, *state) - self._torque(self._with_all, *state)
 
@@ -51,16 +53,16 @@ class FreeArm:
 
 
 def add_armature(client: int, body: int, robot: Robot, armature: Float, about_others: float = 0.0) -> None:
-    """Give each link that turns the armature of its joint as inertia about the joint's axis, before anything moves.
+    """Add the armature of each turning joint to the inertia of its link about the joint's axis.
 
-    Bullet keeps the moments about the link's principal axes alone.
+    Call it before anything moves. Bullet keeps only the moments about the link's principal axes.
 
     Args:
-        client: Of the body.
-        body: The arm.
-        robot: The same.
-        armature: Of the joints, (dof,), [kg m^2].
-        about_others: Share of it that is added about the axes across, 0 to 1.
+        client: The client of the body.
+        body: Bullet's number of the arm.
+        robot: The arm.
+        armature: Armature of the joints, (dof,), [kg m^2].
+        about_others: Share of the armature that is also added about the other axes, 0 to 1.
     """
     _, joints = numbers(client, body, robot)
     for joint, axis, slides, added in zip(joints, robot.chain.axes, robot.chain.slides, armature, strict=True):

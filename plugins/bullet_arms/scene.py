@@ -11,7 +11,7 @@ from .world import LOAD_FLAGS, load_body, numbers, set_joints
 
 
 class Scene:
-    """A world to look at: ground, arm and target, drawn by Bullet's own software renderer."""
+    """A world that is only drawn: ground, arm and target, by Bullet's own software renderer."""
 
     def __init__(self, client: int, robot: Robot) -> None:
         self.client = client
@@ -31,12 +31,12 @@ class Scene:
             width, height, view, pybullet.computeProjectionMatrixFOV(45.0, width / height, 0.05, 20.0),
             renderer=pybullet.ER_TINY_RENDERER, physicsClientId=client,
         )  # fmt: skip
-        pixels = np.array(image[2], np.uint8).reshape(height, width, 4)  # the array is Bullet's, the copy ours
+        pixels = np.array(image[2], np.uint8).reshape(height, width, 4)  # a copy, since the array is Bullet's
         return np.ascontiguousarray(pixels[..., :3])
 
 
 def _add_shape(client: int, position: list[float], kind: int, **shape: object) -> int:
-    """Something to see at `position`, [m], that touches nothing."""
+    """Add a shape at `position`, (3,), [m], that is drawn and touches nothing; Bullet's number of it."""
     visual = pybullet.createVisualShape(kind, physicsClientId=client, **shape)
     return int(
         pybullet.createMultiBody(0.0, baseVisualShapeIndex=visual, basePosition=position, physicsClientId=client)

@@ -17,11 +17,13 @@ from .world import set_steps
 class ServoArm(Arm):
     """An arm in the world of one client that is driven by torques.
 
-    An arm that touches nothing moves by (M + armature) a + h = torque - friction, the frictions those of the end of the
-    step. Bullet knows neither armature nor such a friction: it gets the torque that accelerates its links like that.
-    So that links that touch something are as heavy as they should be, each one has the armature of its joint as inertia
-    about the joint's axis. The links before it carry it too, and one that slides has none: only for them, and only
-    while something touches, it makes a difference.
+    An arm that touches nothing moves by (M + armature) a + h = torque - friction, where the frictions are those at the
+    end of the step. Bullet knows neither armature nor such a friction. So it gets the torques that give its links the
+    accelerations a.
+
+    A link that touches something should resist with its armature too. So each link has the armature of its joint as
+    inertia about the joint's axis. This is not exact: the links before it carry that inertia too, and a sliding link
+    has none. That makes a difference only for these links, and only while the arm touches something.
     """
 
     def __init__(
@@ -58,11 +60,11 @@ class ServoArm(Arm):
         self._has_moved = True
 
     def _torque(self, qpos: list[float], qvel: list[float], qpos_ref: Float, qvel_ref: Float) -> Float:
-        """What accelerates Bullet's links as the drives accelerate the arm, (dof,)."""
+        """The torques that accelerate Bullet's links as the drives accelerate the arm, (dof,), [N m] or [N]."""
         servo, free, timestep = self._servo, self._free, self._timestep
         gravity = free.gravity(qpos) if servo.gravity_compensated else 0.0
         driven = servo.torque(qpos, qvel, qpos_ref, qvel_ref, gravity)
-        # What turns a torque, or an impulse, of a step into a change of speed; viscous friction is that of its end.
+        # The mobility turns an impulse into a change of speed. Viscous friction is that at the end of the step.
         inertia = free.inertia(qpos) + np.diag(servo.armature + timestep * servo.viscous_friction)
         mobility = np.linalg.inv(inertia).astype(np.float64, copy=False)
         load = driven - servo.viscous_friction * qvel - free.bias(qpos, qvel)

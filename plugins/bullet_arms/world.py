@@ -24,10 +24,12 @@ BASE = -1
 
 
 def load_body(client: int, robot: Robot, flags: int) -> int:
-    """The robot's URDF as a body with a fixed base at the origin, links not touching one another.
+    """Load the robot's URDF as a body with a fixed base at the origin; Bullet's number of it.
+
+    Links do not touch one another, unless `flags` has URDF_USE_SELF_COLLISION.
 
     Raises:
-        UsageError: Bullet cannot load it.
+        UsageError: Bullet cannot load the URDF.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "robot.urdf")
@@ -42,14 +44,15 @@ def load_body(client: int, robot: Robot, flags: int) -> int:
 def exact_timestep(period: float, substeps: int) -> float:
     """The duration of a physics step [s], `period / substeps` in single precision.
 
-    Bullet, which computes in double precision, divides a period by the physics step and keeps the rest for later.
-    With so few bits the quotient is exact: there is never a rest, and no period depends on those before it.
+    Bullet computes in double precision. It divides a period by the physics step and keeps the remainder for later. A
+    physics step in single precision has so few bits that the quotient is exact. So there is never a remainder, and no
+    period depends on those before it.
     """
     return float(np.float32(period / substeps))
 
 
 def set_options(client: int, timestep: float, substeps: int, iterations: int) -> None:
-    """Gravity, solver and physics steps of a world; `stepSimulation` does `substeps` of `timestep` [s]."""
+    """Set gravity, solver and physics steps of a world; `stepSimulation` does `substeps` of `timestep` [s]."""
     pybullet.setGravity(0.0, 0.0, GRAVITY, physicsClientId=client)
     pybullet.setPhysicsEngineParameter(
         numSolverIterations=iterations, deterministicOverlappingPairs=1, physicsClientId=client
@@ -58,7 +61,7 @@ def set_options(client: int, timestep: float, substeps: int, iterations: int) ->
 
 
 def set_steps(client: int, timestep: float, steps: int) -> None:
-    """Let every `stepSimulation` do so many physics steps."""
+    """Let every `stepSimulation` do `steps` physics steps of `timestep` [s]."""
     pybullet.setPhysicsEngineParameter(fixedTimeStep=timestep * steps, numSubSteps=steps, physicsClientId=client)
 
 
@@ -72,7 +75,7 @@ def numbers(client: int, body: int, robot: Robot) -> tuple[dict[str, int], list[
 
 
 def add_ground(client: int, body: int, joints: list[int]) -> int:
-    """The plane z = 0. What no driven joint moves may stand in it."""
+    """Add the plane z = 0; Bullet's number of it. Links that no driven joint moves may stand in the plane."""
     shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
     ground = pybullet.createMultiBody(0.0, shape, physicsClientId=client)
     for link in (link for link, group in _groups(client, body, joints).items() if not group):
@@ -81,9 +84,10 @@ def add_ground(client: int, body: int, joints: list[int]) -> int:
 
 
 def part_neighbours(client: int, body: int, joints: list[int], home: Float) -> None:
-    """Let links of a body that collides with itself touch, but for neighbours and those that touch at `home`, (dof,).
+    """Exclude contacts between neighbours, and between links that touch at `home`, (dof,).
 
-    Neighbours are moved by the same joint or connected by one.
+    The body must have been loaded with URDF_USE_SELF_COLLISION. Two links are neighbours if the same joint moves them,
+    or if one joint connects them.
     """
     groups = _groups(client, body, joints)
     set_joints(client, body, joints, home)
@@ -94,7 +98,7 @@ def part_neighbours(client: int, body: int, joints: list[int], home: Float) -> N
 
 
 def _groups(client: int, body: int, joints: list[int]) -> dict[int, int]:
-    """For each link how many driven joints are between it and the world."""
+    """For each link, how many driven joints are between it and the world."""
     groups = {BASE: 0}
     for link in range(pybullet.getNumJoints(body, physicsClientId=client)):  # parents come first
         parent = pybullet.getJointInfo(body, link, physicsClientId=client)[16]
@@ -110,7 +114,7 @@ def set_joints(client: int, body: int, joints: list[int], qpos: Float) -> None:
 
 @contextmanager
 def _c_prints_on_stderr() -> Iterator[None]:
-    """What Bullet prints about a file goes to stderr: stdout is for results."""
+    """Send to stderr what Bullet prints about a file, because stdout is for results."""
     if os.name != "posix":
         yield
         return

@@ -15,10 +15,10 @@ from harness.record.out_folder import make_folder, storage_errors
 
 
 class Form(NamedTuple):
-    """A kind of model, and what it takes to make one."""
+    """A kind of model, and what is needed to make one."""
 
     module: str
-    """Whose function ``model_of(policy, card)`` gives the bytes of the file."""
+    """The module whose function ``model_of(policy, card)`` returns the bytes of the file."""
     library: str
     extra: str
 
@@ -70,7 +70,7 @@ def _write_models(folder: Path, files: dict[Path, Form]) -> None:
 
 
 def _write_runs(folder: Path, out: Path) -> int:
-    """The exit status: 1 where a cell is damaged."""
+    """Write the trainings as CSV files; the exit status, 1 if a cell is damaged."""
     from harness.results import load_results
 
     from ..exporters.csv_runs import write_runs
@@ -89,7 +89,11 @@ def _write_runs(folder: Path, out: Path) -> int:
 
 
 def _network_in(folder: Path) -> tuple[Network, dict[str, Any]]:
-    """The policy and its card."""
+    """The policy and its card, from the folder of a cell or of a policy.
+
+    Raises:
+        UsageError: The folder holds no policy, or one that is no network.
+    """
     home = next((home for home in (folder, folder / POLICY) if (home / CARD).is_file()), None)
     if home is None:
         raise UsageError(f"{folder} holds no policy: give the folder of a cell that is done, or of a policy")

@@ -19,9 +19,9 @@ OWN, ACHIEVED, DESIRED = "own", "achieved_goal", "desired_goal"
 
 @dataclass(frozen=True)
 class AnyGymnasium:
-    """What ``gymnasium.make(id)`` makes. Its rewards are what it pays, ``own``, and numbers that it tells in ``info``.
+    """The env that ``gymnasium.make(id)`` makes. Its rewards are ``own``, which it pays, and numbers in its ``info``.
 
-    An id behind a colon, as in ``id=(my_package:My-v0)``, has Python import the package that registers it.
+    An id may name the package that registers it, as in ``id=(my_package:My-v0)``. Python then imports that package.
     """
 
     id: Annotated[str, Field(min_length=1, description="the env's id, as Pendulum-v1")]
@@ -59,7 +59,7 @@ class AnyGymnasium:
     def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
         """See `harness.environment.goal_rewards`: what an env with goals pays, by its ``compute_reward``.
 
-        One that asks for more than goals, or for those of one step, is none of these.
+        Empty if ``compute_reward`` needs more than the goals, or takes the goals of one step only.
         """
         space, compute = env.observation_space, getattr(env.unwrapped, "compute_reward", None)
         if compute is None or not (isinstance(space, Dict) and {ACHIEVED, DESIRED} <= space.spaces.keys()):
@@ -71,7 +71,7 @@ class AnyGymnasium:
         goals = [np.zeros((2, *space[name].shape)) for name in (ACHIEVED, DESIRED)]  # type: ignore[misc] # boxes
         try:
             return {OWN: own} if np.shape(own(*goals)) == (2,) else {}
-        except Exception:  # whatever people's functions raise
+        except Exception:  # people's functions raise errors of many kinds
             return {}
 
     def _arguments(self) -> dict[str, Any]:
@@ -89,7 +89,7 @@ def _split(text: str) -> list[str]:
 
 
 def _value_of(text: str) -> Any:
-    """A number, true or false as JSON has them; else the text."""
+    """The value that `text` has in JSON, such as a number, true or false; else the text itself."""
     try:
         return json.loads(text)
     except ValueError:

@@ -20,7 +20,7 @@ class FetchReach:
     """FetchReach-v4: the gripper of a Fetch arm moves to a random point; an episode has 50 steps of 0.04 s.
 
     Both rewards are the environment's own: `sparse` pays 0 within 5 cm of the point and -1 elsewhere, `dense` pays
-    minus the distance. What is observed is a dict: observation, achieved goal and desired goal.
+    minus the distance in metres. An observation is a dict of observation, achieved goal and desired goal.
     """
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
@@ -51,7 +51,7 @@ class FetchReach:
         return {"sparse": sparse, "dense": dense}
 
     def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
-        """See `harness.environment.goal_rewards`: both are."""
+        """See `harness.environment.goal_rewards`: both rewards are functions of goals."""
         return {"sparse": partial(_paid, env, "sparse"), "dense": partial(_paid, env, "dense")}
 
     def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
@@ -60,12 +60,12 @@ class FetchReach:
 
 
 def distance(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
-    """From the gripper to the point, [m]."""
+    """Distance from the gripper to the point, [m]."""
     return float(np.linalg.norm(next_observation["achieved_goal"] - next_observation["desired_goal"]))
 
 
 def _paid(env: AnyEnv, kind: str, achieved: Float, desired: Float) -> Any:
-    """By the environment's own function, told to pay so; goals (..., 3) give payments (...)."""
+    """What the environment's own function pays as reward `kind`, (...), for goals (..., 3)."""
     arm: Any = env.unwrapped
     kept, arm.reward_type = arm.reward_type, kind
     try:

@@ -1,4 +1,4 @@
-"""Gymnasium's inverted double pendulum, paid as its fourth and as its fifth version pay."""
+"""Gymnasium's inverted double pendulum, with the rewards of its fourth and its fifth version."""
 
 from collections.abc import Mapping
 from typing import Any, ClassVar
@@ -9,17 +9,17 @@ from pydantic.dataclasses import dataclass
 from harness.environment import AnyEnv, Measure
 
 ALIVE = 10.0
-"""For each step; from version 5 on not for the step in which the pendulum falls."""
+"""Paid for each step. From version 5 on it is not paid for the step in which the pendulum falls."""
 FALLEN, UPRIGHT = 1.0, 2.0
-"""Height of the tip, [m]: at most this much when it has fallen; where the penalty is least."""
+"""Heights of the tip, [m]. At `FALLEN` or below, the pendulum has fallen. At `UPRIGHT` the penalty is least."""
 
 
 @dataclass(frozen=True)
 class InvertedDoublePendulum:
     """A cart balances two poles, one on the other (MuJoCo); an episode ends when they fall, or after 1,000 steps.
 
-    Versions 4 and 5 of Gymnasium's environment move alike and pay differently: v4 pays the 10 for being upright in the
-    step of the fall too, v5 does not. Both rewards pay for the same steps of version 5.
+    Versions 4 and 5 of Gymnasium's environment move alike and pay differently. For being upright, v4 pays 10 in the
+    step of the fall too, v5 does not. Both rewards pay for the same steps, which are those of version 5.
     """
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"tip_distance"})
@@ -46,7 +46,7 @@ class InvertedDoublePendulum:
         physics = env.unwrapped
 
         def tip_distance(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
-            """From the tip to where it is upright over the middle, [m]."""
+            """Distance from the tip to its place when it is upright over the middle, [m]."""
             x, _, y = physics.data.site_xpos[0]  # type: ignore[attr-defined] # it is MuJoCo's
             return float((x**2 + (y - UPRIGHT) ** 2) ** 0.5)
 
@@ -64,18 +64,18 @@ class StepsBalanced:
         self.steps = 0
 
     def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> int:
-        """Count one more."""
+        """Count one more step; returns the steps so far."""
         self.steps += 1
         return self.steps
 
 
 def _height(physics: Any) -> float:
-    """Of the tip, [m]."""
+    """Height of the tip, [m]."""
     return float(physics.data.site_xpos[0][2])
 
 
 def _penalties(physics: Any) -> float:
-    """For the distance of the tip and the speeds of the joints, the same in both versions."""
+    """The penalty for the distance of the tip and the speeds of the joints. Both versions have the same."""
     x, _, y = physics.data.site_xpos[0]
     v1, v2 = physics.data.qvel[1:3]
     return float(0.01 * x**2 + (y - UPRIGHT) ** 2 + 1e-3 * v1**2 + 5e-3 * v2**2)

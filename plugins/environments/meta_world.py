@@ -13,18 +13,18 @@ from harness.registry.names import unknown_name
 
 OBSERVABLE = "-goal-observable"
 SCALE = 1 / 200
-"""In most tasks brings v1, which pays up to some 2,000 a step, to the range of v2, which pays up to 10."""
+"""In most tasks this factor brings v1, which pays up to about 2,000 a step, to the range of v2, up to 10."""
 
 
 @dataclass(frozen=True)
 class MetaWorld:
-    """A Sawyer arm on a table, in one task of Meta-World's.
+    """A Sawyer arm on a table, in one task of Meta-World.
 
     Start and goal are drawn anew in every episode, and the goal is observed. Two rewards are Meta-World's own, computed
-    by the same env: `v1`, and `v2`, with which its newer results were obtained. `v1-scaled` is v1 divided by 200: it
-    shows what the size of v1's numbers alone does to a learner. Success and distance are those that Meta-World tells
-    while it pays v2, whatever the learner is paid. `success` is that of any step of the episode, as Meta-World's own
-    results count it; `success_at_end` is that of the last step alone.
+    by the same env: `v1`, and `v2`, with which its newer results were obtained. `v1-scaled` is v1 divided by 200. It
+    shows what the size of v1's numbers alone does to a learner. Success and distance are those that Meta-World reports
+    when it pays v2, no matter which reward pays the learner. `success` says whether any step of the episode was a
+    success, as Meta-World's own results count it. `success_at_end` looks at the last step alone.
     """
 
     task: Annotated[str, Field(description="a task of Meta-World, as reach-v3 or push-v3")] = "reach-v3"
@@ -68,7 +68,7 @@ class MetaWorld:
 
 
 class AnySuccess:
-    """Whether a step of the episode was a success so far."""
+    """Whether any step of the episode was a success so far."""
 
     def __init__(self) -> None:
         self.found = False
@@ -84,7 +84,10 @@ class AnySuccess:
 
 
 class Seeded(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """Meta-World's envs are seeded by a method of their own, and declare the goal as if it were always hidden."""
+    """Lets Gymnasium seed an env of Meta-World, and corrects its observation space.
+
+    Meta-World's envs are seeded by a method of their own, and declare the goal as if it were always hidden.
+    """
 
     def __init__(self, env: AnyEnv) -> None:
         super().__init__(env)
@@ -98,7 +101,7 @@ class Seeded(gymnasium.Wrapper[Any, Any, Any, Any]):
 
 
 def _paid(env: AnyEnv, version: str, action: Any, observation: Any) -> float:
-    """By the env's own function, told to pay so."""
+    """What the env's own function pays as version `version` of the reward."""
     arm: Any = env.unwrapped
     kept, arm.reward_function_version = arm.reward_function_version, version
     try:

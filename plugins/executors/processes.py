@@ -9,7 +9,7 @@ from harness.experiment.jobs import run_jobs
 
 @dataclass(frozen=True)
 class Processes:
-    """Cells in processes of this machine, one thread each; a process does one cell after the other."""
+    """Runs cells in processes of this machine, with one thread each. A process does one cell after the other."""
 
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
         """See `harness.executor.Executor`."""

@@ -14,7 +14,7 @@ LOCAL = "local"
 
 @dataclass(frozen=True)
 class Ray:
-    """Cells on the nodes of a Ray cluster, in processes that are like those of ``processes``."""
+    """Runs cells on the nodes of a Ray cluster, in processes like those of the executor ``processes``."""
 
     address: Annotated[
         str, Field(min_length=1, description="of the cluster, 'auto' for the one of this machine; 'local' starts one")

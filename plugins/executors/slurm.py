@@ -11,7 +11,7 @@ from harness.executor import Job, OnEvent
 
 @dataclass(frozen=True)
 class Slurm:
-    """An array of Slurm jobs, a cell each, by submitit; the nodes see the experiment's folder."""
+    """Runs an array of Slurm jobs by submitit, one job for each cell. The nodes must see the experiment's folder."""
 
     partition: Annotated[str, Field(description="of the cluster; by default its own choice")] = ""
     account: Annotated[str, Field(description="that is charged; by default the user's own")] = ""

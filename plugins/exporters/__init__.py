@@ -1,5 +1,5 @@
-"""Policies as models that other programs run: what goes in are observations, what comes out are actions.
+"""Writes policies as models that other programs run, and trainings as CSV files.
 
-A model is what `harness.policy.Policy.act` does without a generator, NOTE eq. 36, scaling of observations and actions
-included.
+A model takes observations and returns actions. It does what `harness.policy.Policy.act` does without a random
+generator, NOTE eq. 36, and includes the scaling of observations and actions.
 """

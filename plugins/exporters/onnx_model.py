@@ -12,12 +12,12 @@ from harness.policy.continuous import ContinuousNetwork
 from harness.policy.network import MEAN, STD, Network
 
 OPSET, IR_VERSION = 17, 8
-"""Of 2022: all that these models need, and readable by programs of that age."""
+"""Versions of ONNX from 2022. They have all that these models need, and programs of that age can read them."""
 OBSERVATION, ACTION = "observation", "action"
 
 
 class Graph:
-    """Nodes one after another; each takes the output of the one before, and constants."""
+    """Nodes one after another. Each takes the output of the node before it, and constants."""
 
     def __init__(self, first: str) -> None:
         self.nodes: list[onnx.NodeProto] = []
@@ -38,10 +38,10 @@ class Graph:
 
 
 def model_of(policy: Network, card: Mapping[str, Any]) -> bytes:
-    """The file of the model; the card is in its metadata, under ``card``.
+    """The bytes of a model's file. Its metadata has the policy's card, under ``card``.
 
-    Input ``observation``, (batch, observation_size) of float32; output ``action``, (batch, action_size) of float32, or
-    (batch,) of int64 where the policy chooses.
+    The input ``observation`` is (batch, observation_size) of float32. The output ``action`` is (batch, action_size) of
+    float32, or (batch,) of int64 if the policy chooses between discrete actions.
     """
     graph = Graph(OBSERVATION)
     _add_network(graph, policy)
@@ -63,7 +63,7 @@ def model_of(policy: Network, card: Mapping[str, Any]) -> bytes:
 
 
 def _add_network(graph: Graph, policy: Network) -> None:
-    """From the observation to the first head."""
+    """Add the nodes that lead from the observation to the network's first head."""
     if policy.is_normalised:
         graph.add("Sub", {MEAN: policy.weights[MEAN]})
         graph.add("Div", {STD: policy.weights[STD]})

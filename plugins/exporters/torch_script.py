@@ -16,7 +16,7 @@ ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
 
 
 class Scale(torch.nn.Module):
-    """Observations less their mean, in standard deviations."""
+    """Scales observations: subtracts their mean and divides by their standard deviation."""
 
     mean: torch.Tensor
     std: torch.Tensor
@@ -27,12 +27,12 @@ class Scale(torch.nn.Module):
         self.register_buffer("std", std)
 
     def forward(self, observation: torch.Tensor) -> torch.Tensor:
-        """(batch, observation_size), the same."""
+        """Scaled observations, (batch, observation_size), of observations of the same shape."""
         return (observation - self.mean) / self.std
 
 
 class Box(torch.nn.Module):
-    """Numbers clipped to the action box, squashed into it before or not."""
+    """Clips actions to the action box. If `squashes`, tanh squashes them into the box before."""
 
     low: torch.Tensor
     high: torch.Tensor
@@ -46,30 +46,30 @@ class Box(torch.nn.Module):
         self.squashes = squashes
 
     def forward(self, action: torch.Tensor) -> torch.Tensor:
-        """(batch, action_size), the same."""
+        """Actions in the box, (batch, action_size), from numbers of the same shape."""
         if self.squashes:
             action = (torch.tanh(action) + 1.0) * self.half_range + self.low
         return torch.minimum(torch.maximum(action, self.low), self.high)
 
 
 class First(torch.nn.Module):
-    """The first of the largest."""
+    """Chooses the largest value; the first of them if several are equal."""
 
     def forward(self, values: torch.Tensor) -> torch.Tensor:
-        """(batch, choices), (batch,)."""
+        """The numbers of the choices, (batch,), for values (batch, choices)."""
         return torch.argmax(values, dim=1)
 
 
 def model_of(policy: Network, card: Mapping[str, Any]) -> bytes:
-    """The file of the model, for `torch.jit.load`; the card is the extra file ``card.json``.
+    """The bytes of a model's file, for `torch.jit.load`. The policy's card is the extra file ``card.json``.
 
-    It takes (batch, observation_size) of float32, and gives (batch, action_size) of float32, or (batch,) of int64 where
-    the policy chooses.
+    The model takes (batch, observation_size) of float32. It returns (batch, action_size) of float32, or (batch,) of
+    int64 if the policy chooses between discrete actions.
     """
     module = torch.nn.Sequential(*_steps(policy)).eval().requires_grad_(False)
     file = io.BytesIO()
     with warnings.catch_warnings():
-        # torch advises torch.export instead, whose files need Python: no substitute for those who ask for this.
+        # torch advises torch.export instead. But its files need Python, so it cannot replace TorchScript here.
         warnings.filterwarnings("ignore", "`torch.jit.*` is deprecated", DeprecationWarning)
         torch.jit.save(torch.jit.script(module), file, _extra_files={CARD: json.dumps(card)})
     return file.getvalue()

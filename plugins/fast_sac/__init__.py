@@ -1,1 +1,1 @@
-"""Soft actor-critic with numpy alone: the large arrays are allocated once, every gradient is written out."""
+"""Soft actor-critic with numpy alone. The large arrays are allocated once, and each gradient is coded by hand."""

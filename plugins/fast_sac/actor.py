@@ -1,4 +1,4 @@
-"""The soft actor's draw, a = tanh(mean + std * noise), and the way back through it."""
+"""The draw of the soft actor's actions, a = tanh(mean + std * noise), and the gradient through it."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ SMALL = 1e-6
 
 
 class Draw(NamedTuple):
-    """Actions with what they came from."""
+    """Actions, and the quantities from which they were computed."""
 
     action: Float32
     """In (-1, 1), (..., action_size)."""
@@ -24,11 +24,11 @@ class Draw(NamedTuple):
     std: Float32
     """(..., action_size)."""
     slope: Float32
-    """Of tanh, 1 - a^2, (..., action_size)."""
+    """Slope of tanh, 1 - a^2, (..., action_size)."""
 
 
 def draw(output: Float32, noise: Float32) -> Draw:
-    """Actions of the network's output.
+    """Draw actions from the output of the actor's network.
 
     Args:
         output: Means and logarithms of the standard deviations side by side, (..., 2 * action_size).
@@ -45,12 +45,12 @@ def draw(output: Float32, noise: Float32) -> Draw:
 
 
 def put_error(output: Float32, drawn: Draw, by_action: Float32, by_log_prob: float, error: Float32) -> None:
-    """The gradient of a loss by the network's output.
+    """Compute the gradient of a loss by the network's output.
 
     Args:
-        output: Of which the actions were drawn, (rows, 2 * action_size).
-        drawn: From it.
-        by_action: Gradient of the loss by the actions, but for what they change in log_prob, (rows, action_size).
+        output: The output from which the actions were drawn, (rows, 2 * action_size).
+        drawn: The draw from this output.
+        by_action: Gradient of the loss by the actions, without their effect on log_prob, (rows, action_size).
         by_log_prob: Gradient of the loss by each log_prob.
         error: Gets the result, (rows, 2 * action_size).
     """
@@ -60,4 +60,4 @@ def put_error(output: Float32, drawn: Draw, by_action: Float32, by_log_prob: flo
     error[:, :size] = by_mean
     error[:, size:] = by_mean * drawn.noise * drawn.std - by_log_prob
     log_std = output[:, size:]
-    error[:, size:] *= (log_std >= LOWEST_LOG_STD) & (log_std <= HIGHEST_LOG_STD)  # beyond, it is cut off
+    error[:, size:] *= (log_std >= LOWEST_LOG_STD) & (log_std <= HIGHEST_LOG_STD)  # beyond, it was clipped

@@ -15,20 +15,20 @@ class Adam:
     """
 
     def __init__(self, parameters: Float32, gradient: Float32, learning_rate: float) -> None:
-        """Begin with `parameters`, (size,), to be changed in place by what stands in `gradient`, (size,)."""
+        """Begin with `parameters`, (size,). Each step changes them in place by what stands in `gradient`, (size,)."""
         self._parameters, self._gradient, self._learning_rate = parameters, gradient, learning_rate
         self._first, self._second = np.zeros_like(parameters), np.zeros_like(parameters)
         self._room = np.empty_like(parameters)
         self._steps = 0
 
     def state(self) -> TrainingState:
-        """All that `restore` needs, the parameters included."""
+        """Everything that `restore` needs, the parameters included."""
         return as_state(
             {"parameters": self._parameters, "first": self._first, "second": self._second, "steps": self._steps}
         )
 
     def restore(self, state: TrainingState) -> None:
-        """Be where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self._parameters[...], self._steps = state["parameters"], int(state["steps"])
         self._first[...], self._second[...] = state["first"], state["second"]
 

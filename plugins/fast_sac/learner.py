@@ -25,17 +25,17 @@ from .replay import Batch
 
 
 class Losses(NamedTuple):
-    """Of one update."""
+    """The losses of one update, and the entropy."""
 
     policy: float
     value: float
-    """Half the mean squared errors, of both critics together."""
+    """Half the mean squared error, summed over both critics."""
     entropy: float
-    """Of the actions that would be drawn, in nats, estimated from one draw per observation."""
+    """Entropy of the actions that the actor would draw, in nats, estimated from one draw per observation."""
 
 
 class Trained:
-    """Networks with their gradients and what takes them downhill."""
+    """Networks with their gradients and their optimiser."""
 
     def __init__(self, count: int, sizes: Sequence[int], learning_rate: float, rng: np.random.Generator) -> None:
         """Draw the first weights."""
@@ -48,16 +48,16 @@ class Trained:
 
 
 class Learner:
-    """An actor, two critics side by side, the targets that follow them, and the entropy coefficient.
+    """An actor, two critics side by side, their target networks, and the entropy coefficient.
 
-    The critics learn first, and the actor from the new critics, as in stable-baselines3; the coefficient that counts
-    in an update is that from before it.
+    In an update the critics learn first. The actor then learns from the new critics, as in stable-baselines3. Both use
+    the coefficient from before the update.
     """
 
     def __init__(
         self, settings: SoftActorCritic, observation_size: int, action_size: int, rng: np.random.Generator
     ) -> None:
-        """Begin with weights drawn from `rng`, of which all noise is drawn later."""
+        """Begin with weights drawn from `rng`. All noise is drawn from it later."""
         self._settings, self._rng = settings, rng
         self._action_size = action_size
         actor = [observation_size, *settings.net_arch, 2 * action_size]
@@ -68,7 +68,7 @@ class Learner:
         self._targets = networks_in(self._target_parameters, 2, critic)
         self._lag = np.empty_like(self._target_parameters)
         self._coefficient = EntropyCoefficient(settings, action_size)
-        # The actor meets the observations before and after a decision, one after the other.
+        # The actor gets the observations before a decision first, then those after it.
         self._actor_room = Room.of(2, settings.batch_size, actor)
         self._critic_room = Room.of(2, settings.batch_size, critic)
 
@@ -83,7 +83,7 @@ class Learner:
         return self._coefficient.value
 
     def state(self) -> TrainingState:
-        """All that `restore` needs, but for the random generator."""
+        """Everything that `restore` needs, except the random generator."""
         return {
             **prefixed("actor.", self._actor.descent.state()),
             **prefixed("critics.", self._critics.descent.state()),
@@ -92,14 +92,14 @@ class Learner:
         }
 
     def restore(self, state: TrainingState) -> None:
-        """Be where `state` was told."""
+        """Go on from `state`, which the method of this name returned."""
         self._actor.descent.restore(under("actor.", state))
         self._critics.descent.restore(under("critics.", state))
         self._coefficient.restore(under("coefficient.", state))
         self._target_parameters[...] = state["targets"]
 
     def update(self, batch: Batch) -> Losses:
-        """Learn once from transitions; their actions are written over."""
+        """Learn once from transitions. Their actions are overwritten."""
         settings, coefficient, size = self._settings, self.coefficient, self._action_size
         now, following = batch.inputs
         output = forward(self.actor, settings.activation, batch.inputs[..., size:], self._actor_room)
@@ -123,7 +123,7 @@ class Learner:
         return np.minimum(values[0, :, 0], values[1, :, 0])
 
     def _improve_critics(self, inputs: Float32, target: Float32) -> float:
-        """Move both towards the target, (rows,), of inputs (rows, into + 1); returns the loss."""
+        """Move both critics towards `target`, (rows,), for `inputs`, (rows, into + 1); returns the loss."""
         values = forward(self._critics.networks, self._settings.activation, inputs, self._critic_room)
         error = self._critic_room.error[-1]
         np.subtract(values, target[:, np.newaxis], out=error)
@@ -134,7 +134,7 @@ class Learner:
         return loss
 
     def _improve_actor(self, inputs: Float32, drawn: Draw, coefficient: float) -> float:
-        """Move it to where the lesser critic, and the entropy, are higher; returns the mean of the lesser critic.
+        """Move the actor to where the lesser critic and the entropy are higher; returns the lesser critic's mean.
 
         Args:
             inputs: The drawn actions and observations side by side, (rows, into + 1).
@@ -156,7 +156,7 @@ class Learner:
         return expected
 
     def _follow(self) -> None:
-        """The targets go a share of their way to the critics."""
+        """Move the target networks towards the critics by the share `tau` of the difference."""
         np.subtract(self._critics.parameters, self._target_parameters, out=self._lag)
         np.multiply(self._lag, self._settings.tau, out=self._lag)
         np.add(self._target_parameters, self._lag, out=self._target_parameters)

@@ -1,7 +1,7 @@
-"""Multi-layer perceptrons side by side, forwards and backwards, in arrays that are there before.
+"""Multi-layer perceptrons side by side, forwards and backwards, in arrays that are allocated before.
 
-A bias is the weight of an input that is always 1: every layer's inputs end with a column of ones, and one matrix
-product does weights and biases, forwards and backwards.
+A bias is the weight of an input that is always 1. So the inputs of every layer end with a column of ones, and one
+matrix product computes weights and biases, forwards and backwards.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,12 +18,12 @@ Networks: TypeAlias = tuple[Float32, ...]
 
 
 def count_parameters(count: int, sizes: Sequence[int]) -> int:
-    """Of `count` networks with layers of these sizes, input and output included."""
+    """How many weights and biases `count` networks have, with layers of these sizes, input and output included."""
     return count * sum((into + 1) * out for into, out in pairwise(sizes))
 
 
 def networks_in(flat: Float32, count: int, sizes: Sequence[int]) -> Networks:
-    """See the numbers in `flat`, as many as `count_parameters` says, as `count` networks."""
+    """Views of `flat` as `count` networks. `flat` has as many numbers as `count_parameters` says."""
     layers, start = [], 0
     for into, out in pairwise(sizes):
         end = start + count * (into + 1) * out
@@ -41,14 +41,14 @@ def draw_weights(networks: Networks, rng: np.random.Generator) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """What a pass through the networks leaves behind, for the way back and until the next pass.
+    """What a pass through the networks leaves for the way back. The next pass overwrites it.
 
     Attributes:
-        value: Of each hidden layer, after the activation, (count, rows, out + 1), ending with ones; then the output,
-            (count, rows, out).
-        slope: Of the activation, (count, rows, out + 1) for each hidden layer.
-        error: Gradient of the loss by each layer's values before the activation, (count, rows, out). Who goes
-            backwards puts the output's there.
+        value: Values of each hidden layer after the activation, (count, rows, out + 1), with ones in the last column;
+            then the output, (count, rows, out).
+        slope: Slopes of the activation, (count, rows, out + 1) for each hidden layer.
+        error: Gradients of the loss by each layer's values before the activation, (count, rows, out). Write the
+            gradient by the output there before you call `backward`.
     """
 
     value: tuple[Float32, ...]
@@ -66,18 +66,18 @@ class Room:
         return cls(ones([*hidden, sizes[-1]]), ones(hidden), ones(sizes[1:]))
 
     def first(self) -> Self:
-        """Of the first of the networks."""
+        """The room of the first network, as views."""
         return type(self)(*(tuple(array[:1] for array in arrays) for arrays in vars(self).values()))
 
 
 def relu(value: Float32, slope: Float32) -> None:
-    """In place, and its slope: one comparison for both. Of the ones it makes ones."""
+    """Apply it to `value` in place, and write its slope; one comparison does both. The column of ones stays ones."""
     np.greater(value, 0.0, out=slope, casting="unsafe")
     np.multiply(value, slope, out=value)
 
 
 def tanh(value: Float32, slope: Float32) -> None:
-    """In place, and its slope; the ones are left alone."""
+    """Apply it to `value` in place, and write its slope. The column of ones is left alone."""
     value, slope = value[..., :-1], slope[..., :-1]
     np.tanh(value, out=value)
     np.multiply(value, value, out=slope)
@@ -88,10 +88,10 @@ ACTIVATIONS: dict[str, Callable[[Float32, Float32], None]] = {"relu": relu, "tan
 
 
 def forward(networks: Networks, activation: str, inputs: Float32, room: Room) -> Float32:
-    """What the networks make of `inputs`.
+    """The output of the networks for `inputs`.
 
     Args:
-        networks: `count` of them, or one for all.
+        networks: `count` networks, or one for all inputs.
         activation: Between the layers.
         inputs: (count, rows, into + 1), or (rows, into + 1), the same for all; the last column is 1.
         room: Keeps what `backward` needs.
@@ -109,16 +109,17 @@ def forward(networks: Networks, activation: str, inputs: Float32, room: Room) ->
 
 
 def backward(networks: Networks, inputs: Float32, room: Room, gradient: Networks | None) -> Float32:
-    """The way back of the last pass, from the error of the output, which stands in ``room.error[-1]``.
+    """Go back through the last pass, from the gradient by the output, which stands in ``room.error[-1]``.
 
     Args:
         networks: As in that pass.
         inputs: As in that pass.
-        room: Of that pass.
+        room: The room of that pass.
         gradient: Filled with the gradients, summed over rows; None if they are not wanted.
 
     Returns:
-        The error of the first layer, (count, rows, out); times its weights, it is that of the inputs.
+        The error of the first layer, (count, rows, out). Multiply it by that layer's weights for the gradient by the
+        inputs.
     """
     for layer in reversed(range(len(networks))):
         error = room.error[layer]
@@ -127,7 +128,7 @@ def backward(networks: Networks, inputs: Float32, room: Room, gradient: Networks
             np.matmul(before.swapaxes(-1, -2), error, out=gradient[layer])
         if layer:
             weight = networks[layer][:, :-1].swapaxes(-1, -2)
-            # From one output a product of a column and a row, at which the matrix product is slow.
+            # With one output this is the product of a column and a row, for which matmul is slow.
             product = np.multiply if weight.shape[1] == 1 else np.matmul
             product(error, weight, out=room.error[layer - 1])
             np.multiply(room.error[layer - 1], room.slope[layer - 1][..., :-1], out=room.error[layer - 1])

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
 
 COUNTERS = ("rounds", "decisions", "told", "scalars_told")
-"""Of a training."""
+"""The counters of a training, which a checkpoint holds."""
 
 
 class Training:
@@ -30,7 +30,7 @@ class Training:
     def __init__(
         self, settings: SoftActorCritic, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress
     ) -> None:
-        """Make all that it needs."""
+        """Make the learner, the replay buffer and what else the training needs."""
         self._settings, self._env, self._steps, self._progress = settings, env, steps, progress
         self._rng = np.random.default_rng(seed)
         observation_size, action_size = _sizes(env)
@@ -45,7 +45,7 @@ class Training:
         self._told = self._scalars_told = 0
 
     def run(self) -> SquashedGaussian:
-        """Spend the budget."""
+        """Train until the budget of environment steps is spent; returns the policy."""
         settings, progress = self._settings, self._progress
         observation = self._begin(progress.restored())
         while self._done < self._steps:
@@ -59,7 +59,7 @@ class Training:
         return self._policy()
 
     def _state(self, observation: Float32) -> TrainingState:
-        """All that `_begin` needs; `observation` is what the next decision is for."""
+        """Everything that `_begin` needs; `observation` is the one for the next decision."""
         own = {name: getattr(self, f"_{name}") for name in COUNTERS}
         if self._losses is not None:
             own["losses"] = self._losses
@@ -71,7 +71,7 @@ class Training:
         }
 
     def _begin(self, state: TrainingState | None) -> Float32:
-        """Start, or be where `state` was told; returns what the next decision is for."""
+        """Start, or go on from `state`; returns the observation for the next decision."""
         if state is None:
             return self._env.reset()[0]
         for name in COUNTERS:
@@ -103,7 +103,7 @@ class Training:
         return following
 
     def _act(self, observation: Float32) -> Float32:
-        """At random in the beginning, later as the actor draws, (num_envs, action_size)."""
+        """Actions, (num_envs, action_size): at random at the beginning, later drawn by the actor."""
         if self._decisions < self._settings.learning_starts:
             return self._rng.uniform(-1.0, 1.0, self._action_shape).astype(np.float32)
         self._observed[:, :-1] = observation
@@ -111,7 +111,7 @@ class Training:
         return draw(output, self._rng.standard_normal(self._action_shape, dtype=np.float32)).action
 
     def _learn(self) -> None:
-        """The updates that are due."""
+        """Do the updates that are due."""
         settings = self._settings
         updates = settings.gradient_steps if settings.gradient_steps >= 0 else settings.train_freq * settings.num_envs
         for _ in range(updates):
@@ -139,7 +139,7 @@ class Training:
         }
 
     def _policy(self) -> SquashedGaussian:
-        """The policy as it is."""
+        """The present policy."""
         space: Any = self._env.single_action_space
         box = tuple(space.low.tolist()), tuple(space.high.tolist())
         return SquashedGaussian(_weights(self._learner.actor), self._settings.activation, *box, algorithm="sac-fast")
@@ -153,7 +153,7 @@ def _sizes(env: "ReachVectorEnv") -> tuple[int, int]:
 
 
 def _weights(actor: Networks) -> dict[str, Float32]:
-    """Copies, under the names that policies give them."""
+    """Copies of the actor's weights, under the names that policies give them."""
     layers = [(weight[0, :-1].T, weight[0, -1]) for weight in actor]
     named = {f"hidden.{index}": layer for index, layer in enumerate(layers[:-1])}
     weight, bias = layers[-1]

@@ -1,4 +1,4 @@
-"""Built-in metrics: how well a robot behaves, whatever it was paid."""
+"""Built-in metrics. They say how well a robot behaves, no matter which reward paid it."""
 
 import harness
 

@@ -8,10 +8,11 @@ from harness.record.trace import Trace
 
 @dataclass(frozen=True)
 class ClosestDistance:
-    """Mean over the finished episodes of the smallest distance from end effector to target, the start's included, [m].
+    """Smallest distance from end effector to target in an episode, [m]; mean over the finished episodes.
 
-    Of a task with another error that error, in its unit. Where no episode ends at the target, or all end on the ground,
-    this tells more than where they end.
+    The distance at the start counts too. If the task measures another error, such as a pose error, the metric takes
+    that error in its unit. If no episode ends at the target, or all end on the ground, this metric says more than
+    `final_distance`.
     """
 
     unit: ClassVar[str] = "m"

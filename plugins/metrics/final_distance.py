@@ -10,7 +10,7 @@ from harness.record.trace import Trace
 class FinalDistance:
     """Mean distance from end effector to target at the end of the finished episodes, [m].
 
-    Of a task with another error that error, in its unit.
+    If the task measures another error, such as a pose error, the metric takes that error in its unit.
     """
 
     unit: ClassVar[str] = "m"

@@ -1,4 +1,4 @@
-"""How fast the target is reached, beside the arm's own kinematics."""
+"""How fast a policy reaches the target, compared with the arm's inverse kinematics."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -12,18 +12,18 @@ from ..way_to_target import steps_to_target
 
 @dataclass(frozen=True)
 class Optimality:
-    """Steps that the arm's own kinematics take to the target over the steps that the policy takes, mean.
+    """Steps that inverse kinematics take to the target, divided by the steps that the policy takes; mean over episodes.
 
-    Over the finished episodes in which the kinematics reach the target; one in which the policy fails counts 0. The
-    kinematics go to one pose as fast as the joints can, which is seldom the nearest: a value above 1 says that the
-    policy is faster, and is not cut off.
+    The mean is over the finished episodes whose target inverse kinematics reach. An episode in which the policy fails
+    counts 0. Inverse kinematics drive the joints to one pose as fast as they can. That pose is seldom the nearest one,
+    so the policy may be faster: the value is then above 1.
     """
 
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "higher"
 
     def __call__(self, trace: Trace) -> float | None:
-        """None where the trace does not tell the kinematics' steps, or no finished episode counts."""
+        """None if the trace does not record the steps of inverse kinematics, or if no episode counts."""
         if trace.facts.ik_steps is None:
             return None
         ik_steps = [trace.facts.ik_steps[trace["env"][rows[0]]] for rows in trace.episodes]

@@ -12,17 +12,18 @@ from ..way_to_target import paths_to_target
 
 @dataclass(frozen=True)
 class PathRatio:
-    """Length of the end effector's path to the target over the straight line from its start to its end, mean, >= 1.
+    """Length of the end effector's path to the target, divided by the straight line between the path's ends.
 
-    Over the successful episodes only, up to the first time that they reach the target: of the others the end is
-    anywhere. One that ends where it began has no straight line, and does not count. `spl` counts all episodes.
+    The metric is the mean over the successful episodes, >= 1. A path ends when its episode first reaches the target.
+    Failed episodes do not count, because they may end anywhere; `spl` counts them. A path that ends where it began does
+    not count either, because it has no straight line.
     """
 
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "lower"
 
     def __call__(self, trace: Trace) -> float | None:
-        """None if no episode reaches the target, away from its start."""
+        """None if no episode counts."""
         path, straight = paths_to_target(trace).T
         counts = straight > 0.0
         return float(np.mean(path[counts] / straight[counts])) if counts.any() else None

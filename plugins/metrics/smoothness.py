@@ -10,9 +10,9 @@ from harness.record.trace import Trace
 
 @dataclass(frozen=True)
 class Smoothness:
-    """Root mean square of the second difference of the joint positions, per step squared; 0 is a constant speed.
+    """Root mean square of the second difference of the joint positions, per step squared; 0 at constant speed.
 
-    Over all finished episodes, each joint by itself, then the mean over joints.
+    It is computed for each joint over all finished episodes. The metric is the mean over the joints.
     """
 
     unit: ClassVar[str] = "rad/step^2"

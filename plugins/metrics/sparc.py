@@ -9,31 +9,32 @@ from harness.arrays import Float
 from harness.record.trace import Trace
 
 CUT_OFF = 10.0
-"""[Hz]; above it no motion is looked for."""
+"""Higher frequencies are left out, [Hz]."""
 THRESHOLD = 0.05
-"""Of the normalised magnitude: the spectrum ends where it is below this for good."""
+"""The spectrum ends at the last frequency whose normalised magnitude is at least this."""
 PADDING = 4
-"""The speeds are padded with zeros to the next power of 2, and to this power of 2 times that."""
+"""The speeds are padded with zeros to the next power of 2, times 2 to the power of this number."""
 FEWEST = 4
-"""Speeds of an episode that counts: fewer have next to no spectrum."""
+"""An episode with fewer speeds does not count, because it has almost no spectrum."""
 STANDING = 1e-6
-"""[m]; an end effector whose path is shorter does not move."""
+"""An end effector whose path is shorter than this counts as standing still, [m]."""
 
 
 @dataclass(frozen=True)
 class Sparc:
     """Spectral arc length of the end effector's speed, mean over the finished episodes, < 0; nearer to 0 is smoother.
 
-    The length of the curve that the magnitude of the speed's Fourier spectrum draws, up to the cut-off of 10 Hz or half
-    the control rate, both axes from 0 to 1, with a minus (Balasubramanian et al. 2015, SPARC). Neither duration nor
-    amplitude of the motion matter. Episodes with fewer than 4 steps, or without motion, do not count.
+    The magnitude of the speed's Fourier spectrum draws a curve up to the cut-off, which is 10 Hz or half the control
+    rate, whichever is lower. Both axes are scaled to the range from 0 to 1. The spectral arc length is minus the length
+    of this curve (Balasubramanian et al. 2015, SPARC). Neither duration nor amplitude of the motion matter. Episodes
+    with fewer than 4 steps, or without motion, do not count.
     """
 
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "higher"
 
     def __call__(self, trace: Trace) -> float | None:
-        """None where the trace does not tell the control period, or no episode counts."""
+        """None if the trace does not record the control period, or if no episode counts."""
         period = trace.facts.control_period
         if period is None:
             return None
@@ -44,7 +45,7 @@ class Sparc:
 
 
 def spectral_arc(speed: Float, period: float) -> float:
-    """The spectral arc length of a speed profile, (samples,), in any unit, one sample per period [s]."""
+    """The spectral arc length, < 0, of a speed profile, (samples,), in any unit, with one sample per `period` [s]."""
     size = 2 ** (int(np.ceil(np.log2(len(speed)))) + PADDING)
     within = int(min(max(CUT_OFF * period * size, 1.0), size // 2)) + 1
     magnitude = np.abs(np.fft.rfft(speed, size)[:within])

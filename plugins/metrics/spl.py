@@ -12,8 +12,8 @@ from ..way_to_target import paths_to_target
 class Spl:
     """Success weighted by path length, mean over all finished episodes, in [0, 1] (Anderson et al. 2018, SPL).
 
-    An episode that reaches the target counts the straight line over the end effector's path, both as in `path_ratio`;
-    one that fails, or ends where it began, counts 0.
+    An episode that reaches the target counts the straight line divided by the end effector's path, both as in
+    `path_ratio`. An episode that fails, or ends where it began, counts 0.
     """
 
     unit: ClassVar[str] = ""

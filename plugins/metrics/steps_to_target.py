@@ -10,15 +10,15 @@ from ..way_to_target import steps_to_target
 
 @dataclass(frozen=True)
 class StepsToTarget:
-    """Mean number of steps to the target, over the successful episodes only; the first time counts.
+    """Mean number of steps to the first target, over the successful episodes only.
 
-    Who fails more often in the far corners has a better value: `time_to_target` counts all episodes.
+    A policy that fails more often in the far corners gets a better value. `time_to_target` counts all episodes.
     """
 
     unit: ClassVar[str] = "steps"
     better: ClassVar[str] = "lower"
 
     def __call__(self, trace: Trace) -> float | None:
-        """None if no episode reaches it."""
+        """None if no episode reaches a target."""
         steps = steps_to_target(trace)
         return float(steps[steps > 0].mean()) if steps.any() else None

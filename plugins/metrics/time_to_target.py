@@ -12,19 +12,19 @@ from ..way_to_target import steps_to_target
 
 @dataclass(frozen=True)
 class TimeToTarget:
-    """Mean time to the first target over all finished episodes, [s]; one that fails counts as the whole horizon.
+    """Mean time to the first target over all finished episodes, [s]. A failed episode counts as the whole horizon.
 
-    The restricted mean of survival analysis, whatever ended the episode that failed: on the ground, too, the target is
-    not reached before the horizon.
+    This is the restricted mean of survival analysis. How an episode fails does not matter: if it ends on the ground,
+    the target is not reached before the horizon either.
     """
 
     unit: ClassVar[str] = "s"
     better: ClassVar[str] = "lower"
 
     def __call__(self, trace: Trace) -> float | None:
-        """None without a finished episode, or where the trace does not tell the control period or the horizon.
+        """None without a finished episode, or if the trace does not record the control period.
 
-        The horizon is needed where an episode fails.
+        It is also None if an episode fails and the trace does not record the horizon.
         """
         steps, horizon, period = steps_to_target(trace), trace.facts.horizon, trace.facts.control_period
         if len(steps) == 0 or period is None or (horizon is None and not steps.all()):

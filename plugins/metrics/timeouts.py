@@ -8,11 +8,12 @@ from harness.record.trace import Trace
 
 @dataclass(frozen=True)
 class Timeouts:
-    """Share of the finished episodes that are truncated, the target not reached in them, in [0, 1].
+    """Share of the finished episodes whose time runs out before they reach the target, in [0, 1].
 
-    This share, that of `success_rate`, and that of the episodes that end on the ground before they reach a target make
-    1. `ground_hits` is the last of these where reaching the target ends the episode, but for a step that does both;
-    where episodes go on, it counts those as well that hit the ground after their first target.
+    Without obstacles, three shares add up to 1: this one, `success_rate`, and the share of episodes that end on the
+    ground before they reach a target. If reaching the target ends an episode, `ground_hits` is the third share, but it
+    also counts a step that reaches the target and hits the ground. If episodes go on after a target, `ground_hits` also
+    counts those that hit the ground after their first target.
     """
 
     unit: ClassVar[str] = ""

@@ -8,18 +8,18 @@ from harness.record.trace import Trace
 
 @dataclass(frozen=True)
 class Work:
-    """Mean mechanical work of a finished episode, [J]: what the joints put into the links at least.
+    """Mean mechanical work of a finished episode, [J]: the least that the joints must have put into the links.
 
-    The sum of all gains in kinetic and potential energy from row to row, see `harness.robot.energy.least_work`: what
-    comes back when the energy falls is lost, and friction is not counted. An arm that stands still does no work: read
-    it beside the success rate.
+    It is the sum of all gains in kinetic and potential energy from row to row, see `harness.robot.energy.least_work`.
+    Energy that comes back when it falls counts as lost. Friction is not counted. An arm that stands still does no work,
+    so read this metric together with the success rate.
     """
 
     unit: ClassVar[str] = "J"
     better: ClassVar[str] = "lower"
 
     def __call__(self, trace: Trace) -> float | None:
-        """None where the trace does not tell it, or without a finished episode."""
+        """None if the trace does not record the work, or without a finished episode."""
         if trace.facts.work is None or not trace.episodes:
             return None
         works = [trace.facts.work[trace["env"][rows[0]]] for rows in trace.episodes]

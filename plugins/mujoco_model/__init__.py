@@ -1,6 +1,6 @@
-"""What the simulators on MuJoCo's engine share: the engine, the model of an arm, and its frames."""
+"""What the simulators on MuJoCo's engine share: the engine, the model of an arm, and frames of it."""
 
-from .arms import Batch, OneArm  # first: MuJoCo is imported as `engine` does it
+from .arms import Batch, OneArm  # first, so that `engine` is what imports MuJoCo
 from .engine import import_engine, mujoco
 from .feeds import RampFeed, ServoFeed
 from .model import GROUND, TARGET, TOUCH, build_model

@@ -1,4 +1,4 @@
-"""Arms of a model that move: one in MuJoCo's own data, or many by `mujoco.rollout`."""
+"""Arms that MuJoCo moves: one arm in MuJoCo's own data, or many by `mujoco.rollout`."""
 
 from typing import Any
 
@@ -11,15 +11,15 @@ from harness.simulator import State
 from .engine import mujoco
 
 FULL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
-"""Time, positions, speeds, and what integrating actuators hold."""
+"""The parts of a state: time, positions, speeds, and what integrating actuators hold."""
 
 
 class OneArm:
-    """One arm of a model by `build_model`, whose actuators are fed the same in all physics steps of a drive."""
+    """One arm of a model from `build_model`. Its actuators are fed the same in all physics steps of a drive."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
         self._model, self._data = model, mujoco.MjData(model)
-        data, seen = self._data, self._data.sensordata  # a view, as all of MjData's arrays
+        data, seen = self._data, self._data.sensordata  # a view, like all arrays of MjData
         self.held: Float = data.act[None]
         """What integrating actuators hold, (1, na)."""
         self.controls: Float = data.ctrl[None, None]
@@ -33,7 +33,10 @@ class OneArm:
             rest_at(self._model, self._data, qpos[0])
 
     def advance(self, controls: Float, steps: int) -> None:
-        """So many physics steps, shifted by half a step: links and contacts are those of the end, not of one before."""
+        """Do `steps` physics steps with `controls`, (1, 1, nu).
+
+        The calls are shifted by half a step. So links and contacts are those at the end, not those of one step before.
+        """
         model, data = self._model, self._data
         self.controls[...] = controls
         mujoco.mj_step2(model, data)
@@ -42,22 +45,22 @@ class OneArm:
         mujoco.mj_step1(model, data)
 
     def rest(self, mask: Mask) -> None:
-        """Nothing is saved by it."""
+        """Does nothing: with one arm it would save no time."""
 
     def read(self) -> State:
-        """The state as it stands."""
+        """The present state."""
         self._state.ground_contact[0] = self._touch[0] > 0.0
         return self._state
 
     def close(self) -> None:
-        """There is nothing to release."""
+        """Does nothing: there is nothing to release."""
 
 
 class Batch:
-    """Many arms of a model by `build_model`, or one whose actuators are fed otherwise in each physics step."""
+    """Many arms of a model from `build_model`, or one arm whose controls differ between physics steps."""
 
     def __init__(self, model: mujoco.MjModel, num_envs: int, threads: int) -> None:
-        from mujoco import rollout  # by now as `harness_plugins.mujoco_model` imported it
+        from mujoco import rollout  # `engine` has imported MuJoCo by now
 
         n, dof = num_envs, model.nv
         self._model, self._data, self._num_envs = model, mujoco.MjData(model), n
@@ -83,16 +86,16 @@ class Batch:
             self._touch[k], self._state.end_effector[k] = data.sensordata[0], data.sensordata[1:]
 
     def advance(self, controls: Float, steps: int) -> None:
-        """So many physics steps with `controls`, (num_envs, steps or 1, nu)."""
+        """Do `steps` physics steps with `controls`, (num_envs, steps or 1, nu)."""
         if controls.shape[1] > 1:
             controls = np.concatenate([controls, controls[:, -1:]], axis=1)
-        # One step more, which is forgotten: links and contacts of a state are seen by the step that starts from it.
+        # The result of one more step is dropped: the step that starts from a state computes its links and contacts.
         found, awake = self._roll_out(controls, steps + 1), self._awake
         self._states[awake], seen = found["state"][:, -2], found["sensordata"][:, -1]
         self._touch[awake], self._state.end_effector[awake] = seen[:, 0], seen[:, 1:]
 
     def _roll_out(self, controls: Float, steps: int) -> dict[str, Float]:
-        """What so many physics steps of the arms that are awake bring; valid until the next call."""
+        """States and sensor data of `steps` physics steps of the arms that are awake; valid until the next call."""
         awake = self._awake
         if not awake.size:
             return {name: array[:0] for name, array in self._outputs_of(steps).items()}
@@ -104,7 +107,7 @@ class Batch:
         return outputs
 
     def _outputs_of(self, steps: int) -> dict[str, Float]:
-        """Where `mujoco.rollout` writes so many physics steps; allocated once."""
+        """The arrays into which `mujoco.rollout` writes `steps` physics steps. They are allocated once."""
         if steps not in self._outputs:
             self._outputs[steps] = {
                 "state": np.zeros((self._num_envs, steps, self._states.shape[1])),
@@ -117,7 +120,7 @@ class Batch:
         self._awake = np.flatnonzero(~mask)
 
     def read(self) -> State:
-        """The state as it stands."""
+        """The present state."""
         np.greater(self._touch, 0.0, out=self._state.ground_contact)
         return self._state
 

@@ -1,4 +1,4 @@
-"""MuJoCo, imported in a way that nothing about rendering can keep an arm from moving."""
+"""Imports MuJoCo in such a way that arms move even if rendering does not work."""
 
 import importlib
 import os
@@ -14,25 +14,26 @@ CHOICES = ("MUJOCO_GL", "PYOPENGL_PLATFORM")
 
 
 def import_engine(name: str) -> ModuleType:
-    """Import `mujoco`, or what builds on it.
+    """Import `mujoco`, or a library that builds on it.
 
-    Both MuJoCo and dm_control load the library that MUJOCO_GL names while they are imported, and cannot be imported
-    where it is missing. They are then imported without one: a training renders nothing.
+    While MuJoCo and dm_control are imported, they load the rendering library that MUJOCO_GL names. If that is missing,
+    they cannot be imported. They are then imported without a rendering library, since a training renders nothing.
     """
     with choices_kept():
         try:
             with warnings.catch_warnings():
-                # Without a screen GLFW only warns, and dm_control would take it; an error makes it try EGL and OSMesa.
+                # Without a screen GLFW only warns, so dm_control would choose it. After an error dm_control tries EGL
+                # and OSMesa.
                 warnings.filterwarnings("error", category=UserWarning, module="glfw")
                 return importlib.import_module(name)
-        except (AttributeError, ImportError, OSError, RuntimeError):  # as the GL libraries please
+        except (AttributeError, ImportError, OSError, RuntimeError):  # the GL libraries raise any of these
             os.environ["MUJOCO_GL"] = "off"
-            return importlib.import_module(name)  # another cause comes up again
+            return importlib.import_module(name)  # raises the error again if it has another cause
 
 
 @contextmanager
 def choices_kept() -> Iterator[None]:
-    """What the block sets is forgotten: processes that are started later choose for themselves."""
+    """Undo what the block does to the variables in `CHOICES`, so that later processes choose for themselves."""
     kept = {name: os.environ.get(name) for name in CHOICES}
     try:
         yield

@@ -1,4 +1,4 @@
-"""What the actuators of a model by `build_model` are fed along a drive."""
+"""Computes what the actuators of a model from `build_model` are fed during a drive."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from harness.robot.servo import Servo
 
 
 class RampFeed:
-    """Of ideal drives: the joints' speeds twice, the same in all physics steps.
+    """Computes the controls of ideal drives: the joints' speeds twice, the same in all physics steps.
 
     Args:
         held: What the integrating actuators hold, (num_envs, dof); a view.
@@ -20,11 +20,11 @@ class RampFeed:
         self._speeds = controls.reshape(len(held), 2, held.shape[1])
 
     def reset(self, qpos: Float, mask: Mask) -> None:
-        """The actuators hold the pose already."""
+        """Does nothing: the actuators hold the pose already."""
 
     def controls(self, qpos: Float, duration: float, steps: int) -> Float:
-        """Of the physics steps to `qpos`, (num_envs, dof), (num_envs, 1, 2 dof)."""
-        # From where the servos hold now to the target: rounding cannot add up over periods.
+        """The controls that lead to `qpos`, (num_envs, dof), in `duration` [s]; (num_envs, 1, 2 dof)."""
+        # The speeds lead from the positions that the servos hold now, so rounding cannot add up over periods.
         speeds = qpos - self._held
         speeds /= duration
         self._speeds[...] = speeds[:, None]
@@ -32,7 +32,7 @@ class RampFeed:
 
 
 class ServoFeed:
-    """Of drives with limits: what the references alone make the torques, in each physics step.
+    """Computes the controls of drives with limits: in each physics step, the torque that the references alone cause.
 
     Args:
         servo: The drives.
@@ -44,11 +44,11 @@ class ServoFeed:
         self._servo, self._track = servo, ServoTrack(servo, num_envs, timestep)
 
     def reset(self, qpos: Float, mask: Mask) -> None:
-        """The arms of `mask`, (num_envs,), have been put at `qpos`, (num_envs, dof)."""
+        """Begin new references for the arms of `mask`, (num_envs,), which were put at `qpos`, (num_envs, dof)."""
         self._track.reset(qpos, mask)
 
     def controls(self, qpos: Float, duration: float, steps: int) -> Float:
-        """Of the physics steps to `qpos`, (num_envs, dof), (num_envs, steps, dof), [N m]."""
+        """The controls that lead to `qpos`, (num_envs, dof), for `duration` [s]: (num_envs, steps, dof), [N m]."""
         position, speed = self._track.advance(qpos, duration, steps)
         wanted = self._servo.stiffness * position + self._servo.damping * speed
         return np.ascontiguousarray(wanted.swapaxes(0, 1))

@@ -1,7 +1,7 @@
 """The meshes of an arm in a MuJoCo model, added by hand.
 
-MuJoCo's own reader of URDFs cuts the folders off mesh paths, takes two files of one name for one mesh, stops at a
-format that it does not know, and draws of an OBJ with several objects only one.
+MuJoCo's own reader of URDFs has four faults. It cuts the folders off mesh paths, takes two files of one name for one
+mesh, stops at a format that it does not know, and draws only one object of an OBJ file that has several.
 """
 
 import re
@@ -22,14 +22,14 @@ from harness.robot.meshes import is_readable, read_mesh
 from harness.robot.shapes import Shape, read_origin, read_scale
 
 GREY = [0.7, 0.7, 0.7, 1.0]
-"""Of a surface without colour."""
+"""Red, green, blue and opacity, 0 to 1, of a surface without a colour."""
 COLOR = re.compile(r"(\s*(\d+\.?\d*|\.\d+)(?=\s|$)){4}\s*")
-"""Four numbers."""
+"""Matches four numbers with spaces between them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Something to see.
+    """A surface that is drawn and touches nothing.
 
     Attributes:
         vertices: In the mesh's frame, scaled, shape (count, 3), [m].
@@ -59,7 +59,7 @@ def add_meshes(spec: mujoco.MjSpec, urdf: Element, link_shapes: Mapping[str, Seq
 
     Args:
         spec: The arm without meshes.
-        urdf: `<robot>` of the arm's URDF.
+        urdf: The element `<robot>` of the arm's URDF.
         link_shapes: As in `harness.robot.Robot`.
     """
     bodies = {body.name: body for body in spec.bodies}
@@ -69,13 +69,13 @@ def add_meshes(spec: mujoco.MjSpec, urdf: Element, link_shapes: Mapping[str, Seq
         for shape in (shape for shape in shapes if shape.kind == "mesh"):
             mesh = _new_mesh(spec, uservert=shape.points.ravel())
             geom = _add_geom(body, mesh, shape.T_link_shape)
-            geom.group = 3 if surfaces[link] else 0  # seen only where there is nothing else to see
+            geom.group = 3 if surfaces[link] else 0  # drawn only if the link has no surface
         for surface in surfaces[link]:
             _add_surface(spec, body, surface)
 
 
 def _read_surfaces(urdf: Element) -> dict[str, list[Surface]]:
-    """The surfaces of each link; formats beside STL and OBJ are left out."""
+    """The surfaces of each link. Formats other than STL and OBJ are left out."""
     colors = dict(_colors(urdf))
     return {link.get("name", ""): list(_surfaces(link, colors)) for link in urdf.findall("link")}
 
@@ -92,7 +92,7 @@ def _surfaces(link: Element, colors: dict[str, list[float]]) -> Iterator[Surface
 
 
 def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:
-    """Named materials and their colours, red, green, blue and opacity; a colour that is none is left out."""
+    """Named materials and their colours: red, green, blue and opacity. A malformed colour is left out."""
     for material in robot.iter("material"):
         color = material.find("color")
         words = "" if color is None else color.get("rgba", "")
@@ -102,7 +102,7 @@ def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:
 
 def _add_surface(spec: mujoco.MjSpec, body: Any, surface: Surface) -> None:
     mesh = _new_mesh(spec, uservert=surface.vertices.ravel(), userface=surface.faces.ravel())
-    spec.mesh(mesh).inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # it need not enclose anything
+    spec.mesh(mesh).inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # the surface may be open
     geom = _add_geom(body, mesh, surface.pose)
     geom.contype = geom.conaffinity = 0
     geom.group, geom.rgba = 1, surface.color
@@ -115,7 +115,7 @@ def _new_mesh(spec: mujoco.MjSpec, **settings: Any) -> str:
 
 
 def _add_geom(body: Any, mesh: str, pose: Float) -> Any:
-    """A mesh in the frame `pose` of a link, (4, 4), [m]."""
+    """Add a mesh to a link, at `pose` in the link's frame, (4, 4), [m]."""
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, pose[:3, :3].ravel())
     return body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=mesh, pos=pose[:3, 3], quat=quat)

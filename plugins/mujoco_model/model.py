@@ -16,7 +16,7 @@ from harness.robot.servo import Servo
 from .meshes import add_meshes, without_meshes
 
 STIFF = [0.999, 0.999, 0.001, 0.5, 2.0]
-"""How hard dry friction is, MuJoCo's ``solimp``: by its default, of 0.9, a joint that friction holds creeps."""
+"""MuJoCo's ``solimp`` of dry friction: how hard it is. With the default of 0.9 a joint that friction holds creeps."""
 GROUND, TARGET, TOUCH, TIP = "harness_ground", "harness_target", "harness_touch", "harness_tip"
 
 
@@ -25,15 +25,15 @@ def build_model(
 ) -> mujoco.MjModel:
     """The robot's URDF with ground, target marker, servos, and sensors: ground contact, then the end effector.
 
-    Without `servo` the servos stand for drives that are strong enough and make up for weight, friction and damping: the
-    model has none of these, nor the URDF's efforts.
+    Without `servo` the drives are ideal: they are strong enough and make up for weight, friction and damping. So the
+    model has none of these, and it ignores the URDF's efforts.
 
     Args:
         robot: The arm.
-        timestep: A physics step, [s].
-        bandwidth: Of ideal drives, [rad/s].
-        servo: Drives with limits in their place, one actuator per joint. It is fed stiffness times the reference's
-            position plus damping times its speed, [N m].
+        timestep: Duration of a physics step, [s].
+        bandwidth: Bandwidth of ideal drives, [rad/s].
+        servo: Drives with limits, in place of ideal ones. Each joint then has one actuator. It is fed stiffness times
+            the reference's position plus damping times its speed, [N m].
         self_collision: Whether links collide with one another.
 
     Raises:
@@ -41,14 +41,14 @@ def build_model(
     """
     urdf = ElementTree.fromstring(robot.urdf)
     spec = _read_arm(robot, urdf)
-    inertia = _inertia_at_home(spec, robot)  # before the meshes, which take long and weigh nothing
+    inertia = _inertia_at_home(spec, robot)  # before meshes are added, which take long and have no mass
     add_meshes(spec, urdf, robot.link_shapes)
     _set_contacts(spec)
     _set_options(spec, timestep)
     floor = spec.worldbody
     if self_collision:
         _let_links_collide(spec, robot)
-        floor = spec.worldbody.add_body(name=GROUND)  # what collides with no part of the base does with the ground
+        floor = spec.worldbody.add_body(name=GROUND)  # apart from the base, whose pairs are excluded
     ground = floor.add_geom(name=GROUND, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[3, 3, 0.1], contype=0)
     ground.conaffinity, ground.rgba = 1, [0.82, 0.84, 0.86, 1]
     spec.worldbody.add_light(pos=[1.5, -1.5, 3], dir=[-0.4, 0.4, -0.8])
@@ -69,7 +69,7 @@ def build_model(
 
 
 def _read_arm(robot: Robot, urdf: Element) -> mujoco.MjSpec:
-    """The arm alone, without meshes; neither weight nor friction is left to the servos."""
+    """The arm alone, without meshes. Its weight is compensated. Its joints have no friction and no limit of force."""
     try:
         spec = mujoco.MjSpec.from_string(without_meshes(urdf))
     except ValueError as error:
@@ -85,13 +85,13 @@ def _read_arm(robot: Robot, urdf: Element) -> mujoco.MjSpec:
 
 
 def _set_contacts(spec: mujoco.MjSpec) -> None:
-    """Let links touch the ground, not one another; what is only there to be seen touches nothing."""
+    """Let links touch the ground but not one another. Shapes that are only drawn touch nothing."""
     for geom in (geom for body in spec.bodies for geom in body.geoms):
         geom.contype, geom.conaffinity = int(bool(geom.contype)), 0
 
 
 def _let_links_collide(spec: mujoco.MjSpec, robot: Robot) -> None:
-    """Let links touch one another, but for those that one joint connects and those that touch at the home pose."""
+    """Let links touch one another, except those that one joint connects and those that touch at the home pose."""
     for geom in (geom for body in spec.bodies for geom in body.geoms):
         geom.contype, geom.conaffinity = 3 * int(geom.contype), 2 * int(geom.contype)
     model = _compile(spec, robot)
@@ -109,7 +109,7 @@ def _bodies_of(model: mujoco.MjModel, geoms: Sequence[int]) -> tuple[int, int]:
 
 
 def _neighbours_of_the_base(model: mujoco.MjModel) -> set[tuple[int, int]]:
-    """What the first joint connects, by numbers of bodies; MuJoCo leaves out all other neighbours by itself."""
+    """Pairs of bodies, by number, that the first joint connects. MuJoCo excludes all other neighbours by itself."""
     welded, parents = model.body_weldid, model.body_parentid
     base = [body for body in range(model.nbody) if not welded[body]]
     first = [body for body in range(model.nbody) if welded[body] and not welded[parents[welded[body]]]]
@@ -131,7 +131,7 @@ def _refusal(robot: Robot, error: ValueError) -> UsageError:
 def _set_options(spec: mujoco.MjSpec, timestep: float) -> None:
     spec.option.timestep = timestep
     spec.option.integrator = int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
-    # A step must depend on the state alone, not on the step before; and a state that is no number any more must show.
+    # A step must depend on the state alone, not on the step before. A state with NaN must stay visible.
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_WARMSTART)
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
 
@@ -160,8 +160,8 @@ def _add_servos(spec: mujoco.MjSpec, robot: Robot, inertia: Float, bandwidth: fl
 
 
 def _add_limited_servos(spec: mujoco.MjSpec, robot: Robot, servo: Servo) -> None:
-    """One actuator per joint, `harness.robot.servo.Servo`, and what it moves beside the links."""
-    # A drive computes its torque at the begin of a physics step and holds it: no implicit integration of its damping.
+    """One actuator per joint, as `harness.robot.servo.Servo` says, and the armature and friction of each joint."""
+    # A drive computes its torque at the beginning of a physics step and holds it, so its damping is not implicit.
     spec.option.integrator = int(mujoco.mjtIntegrator.mjINT_EULER)
     for body in spec.bodies:
         body.gravcomp = float(servo.gravity_compensated)
@@ -170,7 +170,7 @@ def _add_limited_servos(spec: mujoco.MjSpec, robot: Robot, servo: Servo) -> None
         joint.armature = servo.armature[j]
         joint.damping, joint.frictionloss = [servo.viscous_friction[j], 0.0, 0.0], servo.dry_friction[j]
         joint.solref_friction, joint.solimp_friction = [2.0 * spec.option.timestep, 1.0], STIFF  # no creeping
-        joint.actgravcomp = True  # holding the weight takes its part of the limit
+        joint.actgravcomp = True  # holding the weight counts towards the limit
         joint.actfrclimited = int(mujoco.mjtLimited.mjLIMITED_TRUE)
         joint.actfrcrange = [-servo.max_torque[j], servo.max_torque[j]]
         spec.add_actuator(

@@ -1,7 +1,8 @@
 """Frames of an arm, for the simulators on MuJoCo's engine.
 
-MuJoCo's own `Renderer` opens a context of the library that MUJOCO_GL named while MuJoCo was imported, aborts the
-interpreter where that opens none, and frees what belongs to another renderer when it is closed.
+MuJoCo's own `Renderer` is not used, for three reasons. It opens a context of the library that MUJOCO_GL named while
+MuJoCo was imported. It aborts the interpreter if that library opens none. When it is closed, it frees what belongs to
+another renderer.
 """
 
 import atexit
@@ -23,19 +24,19 @@ from harness.errors import UsageError, one_line
 from .engine import choices_kept, mujoco
 
 WITHOUT_DISPLAY = ("egl", "osmesa")
-"""What MUJOCO_GL may be on Linux to render without a display."""
+"""Values of MUJOCO_GL with which Linux renders without a display."""
 MAX_GEOMS = 10_000
-"""Of a frame, as in MuJoCo's own renderer."""
+"""The largest number of shapes in a frame, as in MuJoCo's own renderer."""
 
 _failures: list[str] = []
-"""Why MuJoCo could not draw into a context. It may abort the interpreter where it is asked a second time."""
+"""Why MuJoCo could not draw into a context. It may abort the interpreter if it is asked a second time."""
 
 
 class Renderer:
-    """A world to look at, apart from those that move.
+    """Draws frames of an arm in a world of its own, apart from the simulated ones.
 
     Args:
-        model: Of the arm, with a target, by `build_model`; stays as it is.
+        model: The model of the arm and a target, from `build_model`; it is not changed.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -53,7 +54,7 @@ class Renderer:
                 self.close()
                 self._canvas = Canvas(self._model, width, height)
             return self._canvas.draw(qpos, target)
-        except Exception as error:  # the GL libraries raise what they like
+        except Exception as error:  # the GL libraries raise errors of many kinds
             raise _refusal(error) from error
 
     def close(self) -> None:
@@ -64,7 +65,7 @@ class Renderer:
 
 
 class Canvas:
-    """Where frames of one size are drawn."""
+    """Draws frames of one size."""
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
         self.size = (width, height)
@@ -75,8 +76,8 @@ class Canvas:
         self._option, self._camera, self._area = mujoco.MjvOption(), _camera(), mujoco.MjrRect(0, 0, width, height)
         self._context = _open_context(width, height)
         self._drawing = _open_drawing(self._model)
-        # Called by whatever comes first: `close`, the garbage collector, the end of the interpreter. There it has to
-        # come before the libraries' own ends, which `weakref` does not see to.
+        # `close`, the garbage collector or the end of the interpreter calls it, whichever comes first. At the end of
+        # the interpreter it must run before the libraries clean up. `atexit` ensures that, `weakref` does not.
         self._release = weakref.finalize(self, _release, self._context, self._drawing)
         self._release.atexit = False
         atexit.register(self._release)
@@ -103,7 +104,7 @@ class Canvas:
 
 def _release(context: Any, drawing: Any) -> None:
     with suppress(Exception):  # what cannot be freed any more need not be
-        context.make_current()  # MuJoCo frees in the context that is current, whosever it is
+        context.make_current()  # MuJoCo frees in whichever context is current
         drawing.free()
         context.free()
 
@@ -121,10 +122,10 @@ def _open_context(width: int, height: int) -> Any:
 
 
 def _context_class() -> Any:
-    """Of the library that MUJOCO_GL names now; EGL where it names none and there is no display.
+    """The context class of the library that MUJOCO_GL names now; EGL if it names none and there is no display.
 
-    Asked for by each frame's canvas and not while MuJoCo is imported: no environment variable has to be set for that,
-    a training loads no GL library that it does not need, and who imported MuJoCo first does not matter.
+    Each canvas asks for it, not the import of MuJoCo. So no environment variable has to be set before the import, a
+    training loads no GL library that it does not need, and it does not matter who imported MuJoCo first.
     """
     chosen = os.environ.get("MUJOCO_GL", "").strip().lower() or ("egl" if _lacks_display() else "")
     if sys.platform == "linux" and chosen in WITHOUT_DISPLAY:
@@ -150,7 +151,7 @@ def _lacks_display() -> bool:
 
 
 def _open_drawing(model: mujoco.MjModel) -> Any:
-    """What MuJoCo draws with, in the current context."""
+    """MuJoCo's own resources for drawing, in the current context."""
     if _failures:
         raise mujoco.FatalError(_failures[0])
     try:

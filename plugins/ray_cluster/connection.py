@@ -1,4 +1,4 @@
-"""A Ray cluster, for as long as it is needed."""
+"""Connects this process to a Ray cluster, for as long as it is needed."""
 
 import logging
 import math
@@ -18,11 +18,13 @@ QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "
 
 @contextmanager
 def connected(address: str, cpus: float | None, environment: Mapping[str, Any]) -> Iterator[None]:
-    """Within the block this process belongs to a cluster; one that it belonged to before is used, and stays.
+    """Within the block this process belongs to a cluster.
+
+    If it belonged to one before, that cluster is used, and the process stays in it.
 
     Args:
         address: As ``ray.init`` takes it; ``local`` starts a cluster of this machine, which ends with the block.
-        cpus: That a new cluster offers, at least; those of the machine at least. None where there is a cluster.
+        cpus: CPUs that a new cluster offers; it offers those of the machine if they are more. None if a cluster exists.
         environment: Ray's runtime environment of what runs on the nodes.
 
     Raises:
@@ -56,7 +58,7 @@ def connected(address: str, cpus: float | None, environment: Mapping[str, Any]) 
 
 @contextmanager
 def _environment(values: Mapping[str, str]) -> Iterator[None]:
-    """Environment variables for the processes that start within the block; those that are set stay as they are."""
+    """Set environment variables for processes that start within the block. Those that are set already are kept."""
     added = [name for name in values if name not in os.environ]
     os.environ.update({name: values[name] for name in added})
     try:

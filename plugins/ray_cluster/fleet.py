@@ -1,4 +1,4 @@
-"""Cells on the nodes of a cluster: who does which, and what becomes of those whose node is lost."""
+"""Gives cells to the nodes of a cluster, and begins a cell again if its node is lost."""
 
 import shutil
 import sys
@@ -21,13 +21,13 @@ from .node import Ended, Slot, Told
 from .nodes import Node, Nodes
 
 WAIT: Final = 0.5
-"""Seconds that are waited for news before the cluster is looked at again."""
+"""Seconds to wait for news before looking at the cluster again."""
 UNHEARD: Final = 16
-"""Parts of a cell's files that wait to be fetched, at most."""
+"""The largest number of parts of a cell's files that wait to be fetched."""
 
 
 class Needs(NamedTuple):
-    """What a cell needs, and what is done for it."""
+    """CPUs and GPUs that a cell reserves, how often it is begun again, and whether its files are fetched."""
 
     cpus: float
     gpus: float
@@ -41,17 +41,17 @@ class _Task:
 
     job: Job
     losses: int = 0
-    """How many nodes or processes were lost that did it."""
+    """How many nodes or processes were lost while they did it."""
 
 
 @dataclass(eq=False)
 class _Seat:
-    """A slot on a node, as it is seen from here."""
+    """A slot on a node, as this process sees it. A `Slot` does one cell after the other."""
 
     node: Node
     slot: Any
     heard: Any
-    """What is waited for: the reference that tells that it is ready, or the stream of what it tells; None if idle."""
+    """What to wait for: the reference that says that the slot is ready, or the stream of its news; None if idle."""
     task: _Task | None = None
 
 
@@ -68,10 +68,10 @@ class Fleet:
         self._seats: list[_Seat] = []
 
     def run(self) -> None:
-        """Do them all.
+        """Do all jobs.
 
         Raises:
-            UsageError: No node of the cluster can.
+            UsageError: No node of the cluster can do them.
         """
         try:
             while self._waiting or any(seat.task for seat in self._seats):
@@ -85,7 +85,7 @@ class Fleet:
             self._nodes.close()
 
     def _take_seats(self) -> None:
-        """As many slots as there is work for, on the nodes with most room left."""
+        """Open as many slots as there is work for, on the nodes with most room left."""
         work = len(self._waiting) + sum(seat.task is not None for seat in self._seats)
         while len(self._seats) < min(self._at_once, work):
             taken = {node: sum(seat.node is node for seat in self._seats) for node in self._nodes.usable}
@@ -111,7 +111,7 @@ class Fleet:
         partial.mkdir(parents=True, exist_ok=True)
         options = {"num_returns": "streaming", "_generator_backpressure_num_objects": UNHEARD}
         if self._sends(seat):
-            shutil.rmtree(_arrivals(job.folder), ignore_errors=True)  # of a node that was lost as it sent them
+            shutil.rmtree(_arrivals(job.folder), ignore_errors=True)  # of a node that was lost while it sent
             left = list(parts_of(partial))
             seat.heard = seat.slot.do_and_send.options(**options).remote(job.to_json(), sys.argv, left)
         else:
@@ -123,7 +123,7 @@ class Fleet:
         return self._needs.fetch or not seat.node.sees_folder
 
     def _listen(self) -> None:
-        """Hear those who have something to say."""
+        """Wait for news of slots and nodes, and deal with the news of slots."""
         speakers = {seat.heard: seat for seat in self._seats if seat.heard is not None}
         waited_for = list(speakers)
         if not waited_for:
@@ -161,7 +161,7 @@ class Fleet:
             self._on_event(Event("progress", job.cell, told.steps, scalars=told.scalars))
 
     def _lose(self, seat: _Seat, error: Exception) -> None:
-        """The slot of a cell is no more: another one does it, unless that happens again and again."""
+        """Deal with a slot that was lost. Another slot does its cell, unless this happened `retries` times before."""
         self._seats.remove(seat)
         ray.kill(seat.slot)
         self._nodes.look(at_once=True)
@@ -177,12 +177,12 @@ class Fleet:
 
 
 def _arrivals(folder: Path) -> Path:
-    """Where a cell's files are put as they come from a node."""
+    """The folder for a cell's files while they come from a node."""
     return partial_folder(folder.with_name(f"{folder.name}.arrivals"))
 
 
 def _receive(folder: Path, is_complete: bool) -> None:
-    """All files of a cell have come: they take the place of its partial folder, and of its folder if it is complete."""
+    """Put a cell's files in place when all have come: in its partial folder, or if it is complete in its folder."""
     partial = partial_folder(folder)
     shutil.rmtree(partial)
     _arrivals(folder).rename(partial)

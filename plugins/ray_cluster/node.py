@@ -18,22 +18,22 @@ from harness.record.folder import partial_folder
 from harness.registry.given import given_from_json
 
 TELL_EVERY: Final = 0.5
-"""Seconds from one word of progress to the next."""
+"""Seconds between two reports of progress."""
 
 
 class Ended(NamedTuple):
-    """The last word about a cell."""
+    """The last news of a cell."""
 
     reason: str
     """Why it left no folder; empty if it did."""
 
 
 Told: TypeAlias = Word | Part | Ended
-"""How far the cell is, some of the cell's files, or the end."""
+"""News of a cell: how far it is, some of its files, or its end."""
 
 
 class Found(NamedTuple):
-    """What a node has."""
+    """What a node has for the cells of a run."""
 
     installed: dict[str, str]
     """See `describe_workers`."""
@@ -42,25 +42,25 @@ class Found(NamedTuple):
 
 
 def look_around(cells: Sequence[Mapping[str, Any]], token: str, plugins: Sequence[Mapping[str, str]]) -> Found:
-    """What this node has for some cells, told as JSON.
+    """What this node has for some cells.
 
     Args:
-        cells: Whose plugins matter.
+        cells: The cells, as JSON. Their plugins matter.
         token: A file that is in the experiment's folder.
-        plugins: Given by hand, told as JSON.
+        plugins: Plugins that the user gave by hand, as JSON.
     """
     installed = describe_workers(map(Cell.from_json, cells), given_from_json(plugins))
     return Found(installed, Path(token).is_file())
 
 
 class Slot:
-    """Does one cell after the other, each in a process of its node; a Ray actor."""
+    """A Ray actor that does one cell after the other, each in a process of its node."""
 
     def __init__(self) -> None:
         self._pool = Pool()
 
     def ready(self) -> None:
-        """Answers when the slot has its place on a node."""
+        """Return as soon as the slot has its place on a node."""
 
     def do(self, told: Mapping[str, Any], command: list[str]) -> Iterator[Told]:
         """Do a job in its own folder, which this node sees.
@@ -72,12 +72,12 @@ class Slot:
         yield from self._do(Job.from_json(told), command)
 
     def do_and_send(self, told: Mapping[str, Any], command: list[str], left: list[Part]) -> Iterator[Told]:
-        """Do a job in a folder of this node, and tell the files that it leaves, before its end.
+        """Do a job in a folder of this node, and send the files that it leaves, before the news of its end.
 
         Args:
             told: The job, by `Job.to_json`.
             command: What the user typed.
-            left: Of an earlier process: what is in the job's partial folder.
+            left: What an earlier process left in the job's partial folder.
         """
         job, place = Job.from_json(told), Path(tempfile.mkdtemp(prefix="harness-"))
         try:

@@ -24,7 +24,7 @@ from .node import Found, look_around
 LOOK_EVERY: Final = 2.0
 """Seconds from one look at the cluster to the next."""
 ALONE_AFTER: Final = 10.0
-"""Seconds without a node that can be used, after which that is said."""
+"""Seconds without a usable node after which the user is told."""
 
 
 @dataclass(eq=False)
@@ -32,10 +32,10 @@ class Node:
     """A node of the cluster.
 
     Attributes:
-        id: Ray's.
-        name: For people.
+        id: Ray's id of the node.
+        name: Host name and address, for messages.
         slots: How many cells it has room for, by its CPUs and GPUs.
-        answer: Ray's reference to what it has; None when it has been told.
+        answer: Ray's reference to what the node will answer; None when it has answered.
         sees_folder: Whether it can write where the cells' folders have to be.
         refusal: Why it gets no cells; empty if it does.
         alive: Whether the cluster still has it.
@@ -60,11 +60,12 @@ class Nodes:
     """All nodes that were ever seen; new ones are asked what they have.
 
     Attributes:
-        cells: To be run.
+        cells: The cells to run.
         folder: Where their folders have to be.
-        cpus: That each of them reserves.
-        gpus: The same.
-        plugins: Given by hand.
+        cpus: CPUs that each cell reserves.
+        gpus: GPUs that each cell reserves.
+        plugins: Plugins that the user gave by hand.
+        known: All nodes that were ever seen, by Ray's ids.
     """
 
     cells: Sequence[Cell]
@@ -75,26 +76,26 @@ class Nodes:
     known: dict[str, Node] = field(default_factory=dict)
     _looked: float = -LOOK_EVERY
     _seen: float = field(default_factory=time.monotonic)
-    """When there last was a node that can be used, or may be; infinite when it has been said that there is none."""
+    """When there last was a usable node, or one that has not answered; infinite once the user was told of none."""
 
     def __post_init__(self) -> None:
-        """Note what this machine has, and lay down what tells that a node sees the folder."""
+        """Note what this machine has, and put a file into the folder. A node that finds it sees the folder."""
         alike = {(*(choice.name for choice in _choices(cell)), cell.robot): cell for cell in self.cells}
         self._asked = [cell.to_json() for cell in alike.values()]
         self._here = describe_installation(alike.values(), load_registry(given=self.plugins))
         self._token = tempfile.NamedTemporaryFile(dir=self.folder, prefix=".", suffix=".token")  # noqa: SIM115
 
     def close(self) -> None:
-        """Take away what was laid into the folder."""
+        """Remove the file that was put into the folder."""
         self._token.close()
 
     @property
     def usable(self) -> list[Node]:
-        """Those that get cells."""
+        """The nodes that get cells."""
         return [node for node in self.known.values() if node.is_usable]
 
     def look(self, at_once: bool = False) -> None:
-        """See which nodes there are, every few seconds or `at_once`, and hear those that were asked.
+        """Look which nodes there are, every few seconds or `at_once`, and read the answers of those that were asked.
 
         Raises:
             UsageError: No node can be used, and none ever could.

@@ -1,4 +1,4 @@
-"""ARP with a gain that accelerates itself, AARP: this project's definition."""
+"""AARP, the accelerated-and-accelerated reward policy: this project's definition."""
 
 from typing import Annotated
 
@@ -10,21 +10,23 @@ from harness.reward import Array, Carry, Sample
 
 @dataclass(frozen=True)
 class Aarp:
-    """Pays as ARP does, with a gain that grows with every improvement in a row.
+    """Pays like `arp`, with a gain that grows with every improvement in a row.
 
         n(t) = n(t-1) + 1 where Dd < 0, else 0                steps in a row that beat the best, n(0) = 0
         K(t) = min(k2 growth^n(t), k_max)
         Dd > 0:   r = -k1 Dd
         Dd <= 0:  r = K(t) (Bd - d(t))
 
-    with Dd = d(t) - Pb, Pb the smallest distance before the step and Bd = d(0). growth = 1 is `arp`. The gain is what
-    is remembered: K(t) = min(growth K(t-1), k_max) where Dd < 0, else k2.
+    with Dd = d(t) - Pb, where d(t) is the distance after step t, Pb is the smallest distance before the step, and
+    Bd = d(0). With growth = 1 this is `arp`. The reward remembers the gain: K(t) = min(growth K(t-1), k_max) where
+    Dd < 0, else k2.
 
-    This project's own definition: NOTE section XII, "accelerated-and-accelerated reward policy (AARP)", is a heading
-    without text. ARP accelerates the baseline with a gain; here the gain accelerates with consecutive improvement.
+    This project's own definition fills a gap: NOTE section XII, "accelerated-and-accelerated reward policy (AARP)", is
+    a heading without text. ARP multiplies the baseline by a gain. Here that gain grows with consecutive improvement.
 
-    In metres, hence not scale-free. Bounded as long as the workspace is: -k1 d(t) <= r <= k_max Bd. As under the
-    baseline an approach of many small steps is paid more than one of few large ones, and here by up to k_max / k2 more.
+    The value is in metres, so it is not scale-free. It is bounded as long as the workspace is:
+    -k1 d(t) <= r <= k_max Bd. As under the baseline, an approach of many small steps is paid more than one of few large
+    steps. Here the growing gain makes this up to k_max / k2 times as much.
     """
 
     k1: Annotated[float, Field(gt=0, description="gain on what is lost, K1 of arp")] = 1.0

@@ -16,16 +16,19 @@ class Adaptive:
         K(t) = k_far + (k_near - k_far) (q(t) + q(t-1)) / 2   gain, between k_far and k_near
         r = K(t) (q(t) - q(t-1))
 
-    This project's own definition: NOTE section XI, "adaptive reward functions", is a heading without text. What it
-    answers to is section X, which calls it "either a bug or less thoughtful design" that under the baseline the bigger
-    difference brings the bigger reward. Here it is the other way round: with k_near >= k_far, a step of the same length
-    pays the more the nearer to the target it is made, and costs the more when it leads away.
+    with the distance d(t) after step t, and the begin distance Bd = d(0).
 
-    Dimensionless and scale-free: distances count relative to the begin distance. Bounded: r is a difference of
-    P(q) = k_far q + (k_near - k_far) q^2 / 2, which lies between 0 and (k_far + k_near) / 2; hence
-    |r| <= (k_far + k_near) / 2, 1 with the defaults. For the same reason the rewards of an episode add up to
-    P(q(T)) - P(1/2) <= (k_far + 3 k_near) / 8, however long it takes, and to and fro pays nothing. Which policy is best
-    is left unchanged only for a learner that does not discount: see `potential`.
+    This project's own definition fills a gap: NOTE section XI, "adaptive reward functions", is a heading without text.
+    The definition answers section X. That section says that under the baseline a bigger difference brings a bigger
+    reward, and calls this "either a bug or less thoughtful design". Here it is the other way round. With
+    k_near >= k_far, a step of the same length pays more the nearer to the target it is made, and costs more if it leads
+    away.
+
+    The value is dimensionless and scale-free, because distances count relative to the begin distance. It is bounded: r
+    is the change of P(q) = k_far q + (k_near - k_far) q^2 / 2, which lies between 0 and (k_far + k_near) / 2. So
+    |r| <= (k_far + k_near) / 2, which is 1 with the defaults. For the same reason the rewards of an episode add up to
+    P(q(T)) - P(1/2) <= (k_far + 3 k_near) / 8, however long it takes, and moving to and fro pays nothing. The reward
+    leaves the best policy unchanged only for a learner that does not discount, see `potential`.
     """
 
     k_far: Annotated[float, Field(gt=0, description="gain far away from the target")] = 0.5
@@ -44,6 +47,6 @@ class Adaptive:
 
 
 def _progress(begin_distance: Array, distance: Array) -> Array:
-    """Bd / (Bd + d), in [0, 1]; 1 on the target, also where the episode began there."""
+    """Bd / (Bd + d), in [0, 1]; 1 on the target, also if the episode began there."""
     xp = distance.__array_namespace__()
     return xp.where(distance > 0.0, begin_distance / xp.where(distance > 0.0, begin_distance + distance, 1.0), 1.0)

@@ -15,15 +15,17 @@ class Arp:
         Dd > 0:   r = -k1 Dd
         Dd <= 0:  r = k2 (Bd - Pb - Dd) = k2 (Bd - d(t))
 
-    with Dd = d(t) - Pb, Pb the smallest distance before the step and Bd = d(0). k1 = k2 = 1 is the baseline. Source:
-    ARP section IV and its code; the NOTE has the name alone (section X, "accelerated reward functions"), with no
-    formula. In metres, hence not scale-free; -k1 d(t) <= r <= k2 Bd.
+    with Dd = d(t) - Pb, where d(t) is the distance after step t, Pb is the smallest distance before the step, and
+    Bd = d(0). With k1 = k2 = 1 this is the baseline. Source: ARP section IV and its code. The NOTE only names this
+    reward (section X, "accelerated reward functions") and gives no formula. The value is in metres, so it is not
+    scale-free; -k1 d(t) <= r <= k2 Bd.
 
-    Two settings are published, and they differ: ARP's text says k1 = 1, k2 = 2 (and that k2 = 1.1 showed nothing); the
-    data behind its table and the published controller have k2 = 1.5, the default here. ARP eq. 20 prints the two
-    conditions the other way round, as NOTE eq. 21 does (reward `baseline-eq21`); the code is what was run.
+    Two settings are published, and they differ. ARP's text says k1 = 1, k2 = 2 (and that k2 = 1.1 showed nothing). The
+    data behind its table and the published controller have k2 = 1.5, which is the default here. ARP eq. 20 prints the
+    two conditions the other way round, like NOTE eq. 21 (reward `baseline-eq21`). This reward follows the code, because
+    the code was run.
 
-    Because k2 multiplies the paid half, a policy that behaves exactly as before already scores a larger I_P.
+    k2 multiplies what is paid, so a policy that behaves exactly as before gets a larger I_P, the index of gains.
     """
 
     k1: Annotated[float, Field(gt=0, description="gain on what is lost, K1")] = 1.0

@@ -1,4 +1,4 @@
-"""The baseline reward, Type I: NOTE section VIII, as the code that was run has it."""
+"""The baseline reward, Type I, as in the code that was run: NOTE section VIII."""
 
 from pydantic.dataclasses import dataclass
 
@@ -7,14 +7,15 @@ from harness.reward import Array, Carry, Sample
 
 @dataclass(frozen=True)
 class Baseline:
-    """Pays the distance gained since the episode's start whenever the best so far is met or beaten.
+    """Pays the distance gained since the episode's start when the smallest distance so far is met or beaten.
 
         Dd > 0:   r = -Dd
         Dd <= 0:  r = Bd - d(t)
 
-    with Dd = d(t) - Pb, Pb the smallest distance before the step and Bd = d(0). Source: the code listing in NOTE
-    section VIII (UNITY, RobotControllerAgent.cs). NOTE eq. 21 prints the two conditions the other way round; the code
-    is what was run. In metres, hence not scale-free.
+    with Dd = d(t) - Pb, where d(t) is the distance after step t, Pb is the smallest distance before the step, and
+    Bd = d(0). Source: the code listing in NOTE section VIII (UNITY, RobotControllerAgent.cs). NOTE eq. 21 prints the
+    two conditions the other way round. This reward follows the code, because the code was run. The value is in metres,
+    so it is not scale-free; -d(t) <= r <= Bd.
     """
 
     def initial_carry(self, begin_distance: Array) -> Carry:

@@ -7,24 +7,26 @@ from harness.reward import Array, Carry, Sample
 
 @dataclass(frozen=True)
 class BaselineEq21:
-    """The baseline reward with its two conditions as printed, the reverse of the code that was run.
+    """The baseline reward with its two conditions as printed, which is the reverse of the code that was run.
 
         Dd < 0:   r = -Dd
         Dd >= 0:  r = Bd - Pb - Dd = Bd - d(t)
 
-    with Dd = d(t) - Pb (eq. 15), Pb the smallest distance before the step (eq. 16, 17) and Bd = d(0) (eq. 22). Source:
-    NOTE eq. 21; ARP eq. 20 has the same conditions. In metres, hence not scale-free; -d(t) <= r <= Bd.
+    with Dd = d(t) - Pb (eq. 15), where d(t) is the distance after step t (eq. 14), Pb is the smallest distance before
+    the step (eq. 16, 17), and Bd = d(0) (eq. 22). Source: NOTE eq. 21; ARP eq. 20 has the same conditions. The value is
+    in metres, so it is not scale-free; -d(t) <= r <= Bd.
 
     The contradiction: the listing in NOTE section VIII, which was run (reward `baseline`), pays Bd - d(t) for coming
-    closer and -Dd for missing the best. As printed, coming closer pays the step gained alone, and whoever stands still
-    or turns back is paid Bd - d(t), above 0 as long as the target is nearer than at the start: waiting next to the
-    target pays as much again at every step. The two agree where Dd = 0, and on a first step towards the target.
+    closer than before, and -Dd for staying farther away. As printed, coming closer pays only the distance gained in the
+    step. An arm that stands still or turns back is paid Bd - d(t). That is above 0 as long as the target is nearer than
+    at the start, so waiting next to the target pays the same again at every step. Both rewards agree where Dd = 0, and
+    on a first step towards the target.
 
-    Also printed, and not used: eq. 23 says Pb = PrevBest(t), and eq. 17 makes PrevBest(t) the smallest distance with
-    this step's; then Dd could never be below 0. As in the code, Pb is the best before the step. Eq. 24 gives the right
-    side of eq. 21 as the value of Dd itself.
+    Two more equations are printed and not used here. Eq. 23 says Pb = PrevBest(t), and in eq. 17 PrevBest(t) includes
+    the distance of this step, so that Dd could never be below 0. Here Pb is the smallest distance before the step, as
+    in the code. Eq. 24 gives the right side of eq. 21 as the value of Dd itself.
 
-    The NOTE's example 2, from sqrt(6.25) to sqrt(4.25), is paid sqrt(6.25) - sqrt(4.25) = 0.438 by the first case.
+    For the NOTE's example 2, from sqrt(6.25) to sqrt(4.25), the first case pays sqrt(6.25) - sqrt(4.25) = 0.438.
     """
 
     def initial_carry(self, begin_distance: Array) -> Carry:

@@ -14,11 +14,12 @@ class Dense:
 
         r = -scale d(t)
 
-    with d(t) of NOTE eq. 14; the common choice for reaching tasks, in no source of the project. Linear in the distance,
-    hence not scale-free; -scale d_max <= r <= 0, d_max the farthest that the arm can be. Not policy-invariant: every
-    step costs, so that ending the episode pays, by touching the ground too where that costs less than going on.
+    with the distance d(t) of NOTE eq. 14. This is the common choice for reaching tasks; no source of the project has
+    it. It is linear in the distance, so it is not scale-free; -scale d_max <= r <= 0, where d_max is the farthest that
+    the arm can be from the target. It changes which policy is best: every step costs, so ending the episode pays. That
+    holds for touching the ground too, if it costs less than going on.
 
-    Of the NOTE's example 1, an end effector at (1,1,2) and a target at (0.5,-1,2): r = -sqrt(4.25) = -2.06.
+    In the NOTE's example 1 the end effector is at (1,1,2) and the target at (0.5,-1,2): r = -sqrt(4.25) = -2.06.
     """
 
     scale: Annotated[float, Field(gt=0, description="price of a metre per step [1/m]")] = 1.0

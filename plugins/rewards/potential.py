@@ -10,24 +10,24 @@ from harness.reward import Array, Carry, Sample
 
 @dataclass(frozen=True)
 class Potential:
-    """Pays the change of a potential, discounted, so that which policy is best does not change.
+    """Pays the discounted change of a potential, which does not change which policy is best.
 
         F = gamma phi(t) - phi(t-1) = scale (d(t-1) - gamma d(t)),  phi = -scale d
 
-    Source: Ng, Harada and Russell, "Policy invariance under reward transformations", ICML 1999, theorem 1; d(t) of NOTE
-    eq. 14. Over an episode the discounted sum telescopes, whatever happens between its ends:
+    with the distance d(t) of NOTE eq. 14. Source: Ng, Harada and Russell, "Policy invariance under reward
+    transformations", ICML 1999, theorem 1. The discounted sum over an episode depends only on its first and last state:
 
         sum of gamma^(t-1) F(t) = gamma^T phi(T) - phi(0)
 
-    The best policy is that of the events alone (`sparse`) under two conditions. gamma has to be the learner's discount:
-    the default is that of the algorithm `sac` here. And the potential of a state that ends the episode has to be 0: on
-    the target it is, but for scale epsilon; on the ground it is not, as a reward knows distances and no events. To hit
-    the ground costs gamma scale d more than it should.
+    The best policy is that of `sparse`, where only the task's events pay, if two conditions hold. First, gamma must be
+    the learner's discount. The default is that of the algorithm `sac`. Second, the potential of a state that ends the
+    episode must be 0. On the target it is, except for scale epsilon, where epsilon is the task's. On the ground it is
+    not, because a reward knows distances and no events. So hitting the ground costs gamma scale d more than it should.
 
-    In metres, hence not scale-free; -gamma scale d(t) <= F <= scale d(t-1). With gamma < 1 standing still pays
-    scale (1 - gamma) d at every step, the more the farther away: the learner's discount takes it back, an index, which
-    sums without a discount, does not. With gamma = 1 and scale = 1 the NOTE's example 2 is paid as it is printed,
-    sqrt(6.25) - sqrt(4.25).
+    The value is linear in the distance, so it is not scale-free; -gamma scale d(t) <= F <= scale d(t-1). With gamma < 1
+    standing still pays scale (1 - gamma) d at every step, more if the arm is farther away. The learner's discount makes
+    up for this. The indices I_N and I_P do not, because they sum without a discount. With gamma = 1 and scale = 1 the
+    NOTE's example 2 is paid as printed, sqrt(6.25) - sqrt(4.25).
     """
 
     gamma: Annotated[float, Field(gt=0, le=1, description="discount, the same as the learner's")] = 0.95

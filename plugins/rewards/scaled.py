@@ -11,17 +11,17 @@ from harness.reward import Array, Carry, Sample
 
 @dataclass(frozen=True)
 class Scaled(WrappedReward):
-    """Pays `factor` times what another reward pays: a change of ruler, and of nothing else.
+    """Pays `factor` times what another reward pays. Nothing but the ruler changes.
 
         r = factor r_named
 
-    A null control of this project: on the same steps every index is multiplied by `factor`, all of it ruler; whoever
-    sees better behaviour in it is mistaken. As in `scaled:reward=arp:k2=2,factor=3` the named reward may come with
-    parameters; any registered one will do, but not `scaled` inside itself.
+    This is a null control of this project. On the same steps every index is multiplied by `factor`. All of that is
+    ruler, the part of an eta that comes from counting differently; none of it is better behaviour. The named reward may
+    have parameters, as in `scaled:reward=arp:k2=2,factor=3`. It may be any registered reward except `scaled` itself.
 
-    Bounded and scale-free as the named reward is. Which policy is best stays the same as far as the shaped reward goes;
-    the task's events are not multiplied with it and weigh less beside it. A learner notices: step sizes and entropy
-    bonuses are tuned to the size of a reward.
+    The value is bounded and scale-free if that of the named reward is. The shaped reward alone leaves the best policy
+    unchanged. But the task's events are not multiplied, so with a factor above 1 they weigh less. A learner may behave
+    differently, because step sizes and entropy bonuses are tuned to the size of a reward.
     """
 
     registered_name: ClassVar[str] = "scaled"

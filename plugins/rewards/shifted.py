@@ -15,13 +15,13 @@ class Shifted(WrappedReward):
 
         r = r_named + offset
 
-    A null control of this project: on the same steps the indices move although nothing was done better. As in
-    `shifted:reward=arp:k2=2,offset=1` the named reward may come with parameters; any registered one will do, but not
-    `shifted` inside itself.
+    This is a null control of this project: on the same steps the indices change although the robot does nothing better.
+    The named reward may have parameters, as in `shifted:reward=arp:k2=2,offset=1`. It may be any registered reward
+    except `shifted` itself.
 
-    Bounded as the named reward is, and scale-free where that is. Which policy is best stays the same only where all
-    episodes are equally long. Where reaching the target or touching the ground ends them, as here, an offset above 0
-    pays for going on and one below 0 for ending soon.
+    The value is bounded and scale-free if that of the named reward is. The best policy stays the same only if all
+    episodes are equally long. Here reaching the target or touching the ground ends an episode. So an offset above 0
+    pays for going on, and one below 0 for ending soon.
     """
 
     registered_name: ClassVar[str] = "shifted"

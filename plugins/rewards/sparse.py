@@ -7,13 +7,13 @@ from harness.reward import Array, Carry, Sample
 
 @dataclass(frozen=True)
 class Sparse:
-    """Pays nothing: what the task pays for its events, ground, target and step, is all there is.
+    """Pays nothing. The learner gets only what the task pays for its events: ground, target and step.
 
         r = 0
 
-    The events are NOTE eq. 18 (ground), 19 and 20 (target); they are recorded apart from the shaped reward. Bounded and
-    scale-free, and the best policy under it is what the other rewards are meant to find sooner. Its indices are all 0,
-    so that no ratio to them exists: compare by success, time and distance.
+    The events are NOTE eq. 18 (ground), 19 and 20 (target). They are recorded apart from the shaped reward. The value
+    is bounded and scale-free. The other rewards are meant to find the best policy of this one sooner. All its indices
+    are 0, so no ratio to them exists. Compare by success, time and distance.
     """
 
     def initial_carry(self, begin_distance: Array) -> Carry:

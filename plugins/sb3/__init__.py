@@ -1,7 +1,7 @@
-"""What the algorithms of stable-baselines3 share: their training, and the policies that come of it.
+"""What the algorithms of stable-baselines3 share: their training, and the policies that it yields.
 
-`__all__` is for authors of other algorithms too; docs/authoring.md says what each name is, and promises. Importing this
-imports neither torch nor the library: that happens when a name is first used.
+Authors of other algorithms may use the names in `__all__` too. docs/authoring.md says what each name is, and what it
+promises. Importing this package imports neither torch nor the library. They are imported when a name is first used.
 """
 
 from typing import TYPE_CHECKING
@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 SOURCES = ("harness_plugins.sb3", "harness_plugins.torch_state", "harness_plugins.episode_means")
-"""The modules that the algorithms work in, besides their own."""
+"""The modules that the algorithms use besides their own. They count in the algorithms' hash."""
 
 _POLICIES = ("categorical", "deterministic", "gaussian", "greedy", "squashed_gaussian")
 _HOMES = {
@@ -39,6 +39,6 @@ _HOMES = {
     "train": "harness_plugins.sb3.training",
 }
 RENAMED: dict[str, Renamed] = {}
-"""Names that were given up, for one minor version."""
+"""Names that were given up. They are kept for one minor version."""
 
 __getattr__ = lazy_names("harness_plugins.sb3", _HOMES, RENAMED)

@@ -1,4 +1,4 @@
-"""A training by stable-baselines3 alone: what one through the harness is timed beside."""
+"""A training by stable-baselines3 alone. `harness bench` compares the speed of the harness with it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,14 +7,14 @@ import torch
 
 
 def bare_training(library: Any, env: Any, steps: int, seed: int, **settings: Any) -> Callable[[], None]:
-    """What trains a new model of the library's class each time it is called, with nothing of the harness around it.
+    """A function that trains a new model of the library's class at each call, without the harness.
 
     Args:
         library: The class, such as `stable_baselines3.SAC`.
         env: A `gymnasium.Env`.
         steps: How many of its steps a training takes.
-        seed: Of the model.
-        settings: What the class is made with, besides.
+        seed: The seed of the model.
+        settings: Further keyword arguments of the class.
     """
     torch.set_num_threads(1)
 

@@ -1,4 +1,4 @@
-"""Tells how a training goes, and ends it at its budget."""
+"""Reports how a training goes, and ends it at its budget."""
 
 from collections.abc import Callable
 from typing import Any
@@ -16,15 +16,15 @@ from .state import can_be_packed, pack_model, restore_logged
 
 
 def steps_done(state: TrainingState | None) -> int:
-    """Environment steps that a training has done which goes on from `state`."""
+    """Environment steps that a training had done when it left `state`; 0 if there is no state."""
     return 0 if state is None else int(state["done"])
 
 
 class ProgressCallback(BaseCallback):
-    """Passes on environment steps, the policy and scalars, now and then and at the end; ends a training at its budget.
+    """Reports environment steps, the policy and scalars, now and then and at the end; ends a training at its budget.
 
-    The library counts decisions, of which a task may make one in several environment steps. A model whose parameters
-    are not PyTorch's, as those of sbx, leaves no checkpoints: its training starts over when it is killed.
+    The library counts decisions, but a decision may last several environment steps. A model whose parameters are not
+    PyTorch's, such as one of sbx, leaves no checkpoints. If its training is killed, it starts over.
     """
 
     def __init__(
@@ -39,12 +39,12 @@ class ProgressCallback(BaseCallback):
         """Begin to count, or go on.
 
         Args:
-            env: What is trained on.
-            progress: Is told.
+            env: The env to train on.
+            progress: Gets the reports.
             budget: Environment steps to take.
-            policy_of: The policy of a model as it stands.
-            decisions_per_update: Between two updates, over all envs.
-            state: Of a training that goes on: all that its last checkpoint holds.
+            policy_of: A function of a model, which returns its present policy.
+            decisions_per_update: Decisions between two updates, over all envs.
+            state: What the last checkpoint holds, if the training goes on from one.
         """
         super().__init__()
         self._env, self._before = env, env.environment_steps - steps_done(state)
@@ -62,12 +62,12 @@ class ProgressCallback(BaseCallback):
         return self._env.environment_steps - self._before
 
     def _on_training_start(self) -> None:
-        if self._state is not None:  # the logger is there now
+        if self._state is not None:  # the model has its logger by now
             restore_logged(self.model, under("model.", self._state))
             self._state = None
 
     def _on_rollout_start(self) -> None:
-        # Between an update and the next decision: nothing is half done.
+        # This is between an update and the next decision, so nothing is half done.
         if can_be_packed(self.model):
             self._progress.checkpoint(self._steps, self._make_state)
 
@@ -87,7 +87,7 @@ class ProgressCallback(BaseCallback):
         return self._is_within_budget(steps)
 
     def _is_within_budget(self, steps: int) -> bool:
-        """False at the last step of the budget, unless a rollout ends there: then the update that is due still runs."""
+        """False at the last step of the budget, but True if a rollout ends there: the due update then still runs."""
         if steps < self._budget:
             return True
         if self.num_timesteps < self._budget:

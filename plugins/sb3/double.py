@@ -9,8 +9,8 @@ from stable_baselines3 import DQN
 class DoubleDQN(DQN):
     """DQN with the target r + gamma Q_target(s', argmax_a Q(s', a)).
 
-    The library's own takes the largest of the target network's values: the network that errs upwards is asked both
-    which action is best and how good it is, and the errors add up.
+    The library's own DQN takes the largest value of the target network. That one network then says both which action is
+    best and how good it is. So values that are too high are chosen, and these errors add up.
     """
 
     def _create_aliases(self) -> None:
@@ -19,10 +19,10 @@ class DoubleDQN(DQN):
 
 
 class _ChosenByAnother(torch.nn.Module):
-    """The values of one network, of the actions that another likes best.
+    """The values that one network gives to the actions which another network likes best.
 
-    A single value per state, (batch, 1): the largest of it, which the library takes, is the value itself. Parameters
-    are those of the first network alone: the library keeps them up to date.
+    There is one value per state, (batch, 1). So the largest value, which the library takes, is this value. Only the
+    first network's parameters are parameters of this module. The library keeps them up to date.
     """
 
     def __init__(self, valuing: torch.nn.Module, choosing: torch.nn.Module) -> None:
@@ -31,7 +31,7 @@ class _ChosenByAnother(torch.nn.Module):
         self._choosing = (choosing,)  # in a tuple, where torch does not look for parameters
 
     def forward(self, observations: Any) -> torch.Tensor:
-        """(batch, 1)."""
+        """The values, (batch, 1)."""
         best = self._choosing[0](observations).argmax(dim=1, keepdim=True)
         values: torch.Tensor = self.valuing(observations)
         return values.gather(1, best)

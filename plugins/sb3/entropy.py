@@ -1,17 +1,18 @@
-"""How random the actions of a soft actor are: the library trains it without telling."""
+"""How random the actions of a soft actor are, which the library does not report."""
 
 from typing import Any
 
 import torch
 
 LAST = 256
-"""Observations, the newest of the replay buffer, that the mean is taken over."""
+"""The mean is taken over this many of the newest observations in the replay buffer."""
 
 
 def actor_entropy(model: Any) -> float | None:
-    """Mean entropy of the actions, squashed into [-1, 1], in nats; None of a model that has no soft actor.
+    """Mean entropy of the actions, squashed into [-1, 1], in nats.
 
-    Estimated from one draw per observation. The training takes no notice: its random numbers stay where they are.
+    It is None if the model has no soft actor, or if its replay buffer is empty. It is estimated from one draw per
+    observation. The draws do not change the random numbers of the training.
     """
     draw = getattr(getattr(model, "actor", None), "action_log_prob", None)
     buffer = getattr(model, "replay_buffer", None)

@@ -11,20 +11,20 @@ from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Squashe
 
 
 def squashed_gaussian(model: Any, activation: str, algorithm: str) -> SquashedGaussian:
-    """Of SAC's actor."""
+    """The policy of SAC's actor."""
     actor = model.policy.actor
     weights = _weights(actor.latent_pi, mean=actor.mu, log_std=actor.log_std)
     return SquashedGaussian(weights, activation, *_box(model), algorithm)
 
 
 def deterministic(model: Any, activation: str, algorithm: str, noise: float) -> Deterministic:
-    """Of TD3's actor."""
+    """The policy of TD3's actor."""
     *hidden, mean = _linear_layers(model.policy.actor.mu)
     return Deterministic(_weights(hidden, mean=mean), activation, *_box(model), algorithm, noise)
 
 
 def gaussian(model: Any, activation: str, algorithm: str) -> Gaussian:
-    """Of PPO's actor on continuous actions."""
+    """The policy of PPO's actor on continuous actions."""
     policy = model.policy
     weights = _weights(policy.mlp_extractor.policy_net, mean=policy.action_net)
     weights["log_std"] = _array(policy.log_std)
@@ -32,14 +32,14 @@ def gaussian(model: Any, activation: str, algorithm: str) -> Gaussian:
 
 
 def categorical(model: Any, activation: str, algorithm: str) -> Categorical:
-    """Of PPO's actor on discrete actions."""
+    """The policy of PPO's actor on discrete actions."""
     policy = model.policy
     weights = _weights(policy.mlp_extractor.policy_net, logits=policy.action_net)
     return Categorical(weights, activation, int(model.action_space.n), algorithm)
 
 
 def greedy(model: Any, activation: str, algorithm: str, epsilon: float) -> Greedy:
-    """Of a deep Q network."""
+    """The policy of a deep Q network."""
     *hidden, value = _linear_layers(model.q_net.q_net)
     return Greedy(_weights(hidden, value=value), activation, int(model.action_space.n), algorithm, epsilon)
 

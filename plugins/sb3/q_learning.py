@@ -1,4 +1,4 @@
-"""What deep Q-learning and its double form share: the settings, and the training."""
+"""What deep Q-learning and double deep Q-learning share: the settings and the training."""
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -41,7 +41,10 @@ class QLearning(OffPolicy):
     def train_with(
         self, library: Any, name: str, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress
     ) -> Policy:
-        """Train the library's class; the policy's card says `name`. See `harness.algorithm.Algorithm`."""
+        """Train the library's class; `name` is the algorithm's name in the policy's card.
+
+        See `harness.algorithm.Algorithm`.
+        """
         from .policies import greedy
         from .training import train
 
@@ -53,7 +56,7 @@ class QLearning(OffPolicy):
         )  # fmt: skip
 
     def library_settings(self, steps: int) -> dict[str, Any]:
-        """What the library's class is made with, for a training of `steps`."""
+        """The keyword arguments of the library's class, for a training of `steps` environment steps."""
         from .training import replay_settings
 
         return {

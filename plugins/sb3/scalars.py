@@ -14,15 +14,15 @@ NAMES = {
     "train/learning_rate": ("Policy/Learning Rate", 1.0),
     "rollout/exploration_rate": ("Policy/Epsilon", 1.0),
 }
-"""Of the library's logger, each with its name here and a factor."""
+"""Names of the library's logger, each with the name that is used here and a factor."""
 
 
 def losses(logged: Mapping[str, Any]) -> dict[str, float]:
-    """The last of what was logged, by the names here."""
+    """The values that were logged last, by the names in `NAMES`."""
     told = _without_totals(logged)
     return {name: factor * float(logged[key]) for key, (name, factor) in NAMES.items() if key in told}
 
 
 def _without_totals(logged: Mapping[str, Any]) -> set[str]:
-    """Of PPO, ``train/loss`` is the sum of its terms; of DQN it is the one there is."""
+    """The logged names without PPO's ``train/loss``, which is the sum of the other losses. DQN logs only that one."""
     return {key for key in logged if key != "train/loss" or "train/value_loss" not in logged}

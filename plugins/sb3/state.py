@@ -1,4 +1,4 @@
-"""All that a training by stable-baselines3 needs to go on between two rollouts, as arrays."""
+"""The state of a training by stable-baselines3 between two rollouts, as arrays. A checkpoint holds it."""
 
 from collections.abc import Sequence
 from operator import attrgetter
@@ -14,24 +14,24 @@ from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, resto
 
 ARRAYS = ("_last_obs", "_last_episode_starts")
 NUMBERS = ("num_timesteps", "_n_updates", "_episode_num", "_current_progress_remaining", "exploration_rate", "_n_calls")
-"""Of a model, where it has them."""
+"""Attributes of a model, as far as it has them."""
 COLUMNS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts", "ep_start")
-"""Of a replay buffer, where it has them."""
+"""Attributes of a replay buffer, as far as it has them."""
 EPISODES = ("ep_length", "_current_ep_start")
-"""Of a replay buffer that knows its episodes: not only the newest rows change."""
+"""Attributes of a replay buffer that knows its episodes. Not only their newest rows change."""
 
 Part: TypeAlias = tuple[dict[str, Any], Any]
 """Tensors by name, or an optimiser."""
 
 
 def can_be_packed(model: Any) -> bool:
-    """Whether `pack_model` finds all that a model has learned: what is not PyTorch's it does not see."""
+    """Whether `pack_model` finds what a model has learned. It finds only parameters of PyTorch."""
     names, _ = model._get_torch_save_params()
     return bool(names)
 
 
 def pack_model(model: Any) -> TrainingState:
-    """What a model has learned, gathered, counted and logged, and the random numbers that it will draw."""
+    """The state of a model: parameters, replay buffer, counters, logged values and random generators."""
     state: dict[str, Any] = {**_arrays(model, ARRAYS), **_values(model, NUMBERS)}
     for name, (tensors, optimizer) in _parts(model).items():
         state |= prefixed(f"{name}.", pack_optimizer(optimizer) if optimizer else pack_tensors(tensors))
@@ -43,7 +43,7 @@ def pack_model(model: Any) -> TrainingState:
 
 
 def restore_model(model: Any, state: TrainingState) -> None:
-    """Bring a model that was made with the same settings to where it was packed; its logger is not there yet."""
+    """Restore a model that was made with the same settings. Its logged values come later, by `restore_logged`."""
     for name in ARRAYS:
         setattr(model, name, _array_of(name, state))
     for name in (name for name in NUMBERS if name in state):
@@ -64,7 +64,7 @@ def restore_model(model: Any, state: TrainingState) -> None:
 
 
 def restore_logged(model: Any, state: TrainingState) -> None:
-    """What was logged last, into a logger that is there."""
+    """Restore the values that were logged last. The model must have its logger by now."""
     for name, value in under("logged.", state).items():
         model.logger.record(name, value.item())
 
@@ -74,7 +74,7 @@ def _values(owner: Any, names: Sequence[str]) -> dict[str, Any]:
 
 
 def _arrays(owner: Any, names: Sequence[str]) -> dict[str, Any]:
-    """Arrays by name; of a dict of arrays each, under ``name.key``."""
+    """Arrays by name. If an attribute is a dict of arrays, each of them stands under ``name.key``."""
     found: dict[str, Any] = {}
     for name, value in _values(owner, names).items():
         found |= prefixed(f"{name}.", value) if isinstance(value, dict) else {name: value}
@@ -82,7 +82,7 @@ def _arrays(owner: Any, names: Sequence[str]) -> dict[str, Any]:
 
 
 def _array_of(name: str, state: TrainingState) -> Any:
-    """A copy of what `_arrays` made of it."""
+    """A copy of the attribute `name`, from what `_arrays` returned."""
     if name in state:
         return np.array(state[name])
     return {key: np.array(value) for key, value in under(f"{name}.", state).items()}
@@ -100,7 +100,7 @@ def _parts(model: Any) -> dict[str, Part]:
 
 
 def _pack_generators(model: Any) -> dict[str, Any]:
-    """The generators of torch and numpy, which the library draws from, and that of the first actions."""
+    """The generators of torch and numpy, from which the library draws, and the generator of the first actions."""
     _, keys, *rest = np.random.get_state()
     return {
         "torch": torch.get_rng_state().numpy(),

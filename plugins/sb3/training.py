@@ -36,19 +36,19 @@ def train(
         steps: The same.
         seed: The same.
         progress: The same.
-        policy_of: The policy of a model as it stands.
-        decisions_per_update: Between two updates, over all envs.
-        adapter: What makes the library's env of `env`.
-        settings: What the class is made with, besides.
+        policy_of: A function of a model, which returns its present policy.
+        decisions_per_update: Decisions between two updates, over all envs.
+        adapter: Makes the library's env from `env`.
+        settings: Further keyword arguments of the class.
     """
-    # One thread each is faster than two that wait for one another, and sums come out the same.
+    # One thread is faster than two that wait for each other, and its sums are always the same.
     torch.set_num_threads(1)
     state = progress.restored()
     before = env.environment_steps - steps_done(state)
 
     class Model(library):  # type: ignore[misc]
         def _update_current_progress_remaining(self, num_timesteps: int, total_timesteps: int) -> None:
-            """Schedules end with the budget; the library would count decisions."""
+            """Let schedules end with the budget of environment steps. The library would count decisions."""
             super()._update_current_progress_remaining(env.environment_steps - before, steps)
 
     adapted = adapter(env)
@@ -59,8 +59,8 @@ def train(
     callback = ProgressCallback(env, progress, steps, policy_of, decisions_per_update, state)
     is_new = state is None
     del state  # it holds a second replay buffer
-    # Without log_interval the logger keeps the last losses for `progress`, and prints nothing. The library counts what
-    # it is to do from where it stands.
+    # Without log_interval the logger keeps the last losses for `progress`, and prints nothing. The library counts the
+    # steps that are left to do, from where the model stands.
     model.learn(steps - model.num_timesteps, callback=callback, log_interval=None, reset_num_timesteps=is_new)
     return policy_of(model)
 
@@ -69,7 +69,7 @@ REPLAY = ("learning_rate", "gamma", "batch_size", "learning_starts", "train_freq
 
 
 def replay_settings(settings: Any, steps: int) -> dict[str, Any]:
-    """What every class that learns from a replay buffer is made with, for a training of `steps`."""
+    """The keyword arguments of every class that learns from a replay buffer, for `steps` environment steps."""
     return {
         **{name: getattr(settings, name) for name in REPLAY},
         "buffer_size": min(settings.buffer_size, steps),
@@ -78,11 +78,11 @@ def replay_settings(settings: Any, steps: int) -> dict[str, Any]:
 
 
 def soft_actor_critic_settings(settings: Any, steps: int) -> dict[str, Any]:
-    """What `stable_baselines3.SAC` is made with, for a training of `steps`."""
+    """The keyword arguments of `stable_baselines3.SAC`, for `steps` environment steps."""
     coefficient = settings.ent_coef if settings.learns_coefficient else settings.first_coefficient
     return {**replay_settings(settings, steps), "ent_coef": coefficient}
 
 
 def network(layers: tuple[int, ...], activation: str) -> dict[str, Any]:
-    """The library's ``policy_kwargs``."""
+    """The library's ``policy_kwargs`` for networks with these hidden layers."""
     return {"net_arch": list(layers), "activation_fn": ACTIVATIONS[activation]}

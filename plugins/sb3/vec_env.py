@@ -1,4 +1,4 @@
-"""A Gymnasium vector env as stable-baselines3 wants it."""
+"""A Gymnasium vector env in the form that stable-baselines3 takes."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,7 +10,10 @@ from harness.env import ReachVectorEnv
 
 
 class VecEnvAdapter(VecEnv):
-    """Both start the next episode in the step that ends one; they differ in how they tell."""
+    """Passes a Gymnasium vector env to stable-baselines3.
+
+    Both start the next episode in the step that ends one. They differ in how they report the end.
+    """
 
     def __init__(self, env: ReachVectorEnv) -> None:
         self.env = env
@@ -39,26 +42,30 @@ class VecEnvAdapter(VecEnv):
         return self._seen(observations), rewards.astype(np.float32), dones, told
 
     def close(self) -> None:
-        """The env belongs to whoever made it."""
+        """Does nothing: the env belongs to the caller."""
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """The same for every env."""
+        """An attribute of the batch, once for each env."""
         return [getattr(self.env, attr_name)] * len(self._indices(indices))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """No attribute differs between the envs of a batch, so none can be set for some."""
+        """Not possible: no attribute differs between the envs of a batch.
+
+        Raises:
+            AttributeError: Always.
+        """
         raise AttributeError(f"'{attr_name}' cannot be set through the adapter")
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
-        """The method of the whole batch, its result once for each env."""
+        """The result of a method of the batch, once for each env."""
         return [getattr(self.env, method_name)(*args, **kwargs)] * len(self._indices(indices))
 
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
-        """No env is."""
+        """False for each env."""
         return [False] * len(self._indices(indices))
 
     def _space(self) -> Any:
-        """Of the observations of one env, as the library sees them."""
+        """The space of one env's observations, as the library sees them."""
         return self.env.single_observation_space
 
     def _seen(self, observations: Any) -> Any:

@@ -1,4 +1,4 @@
-"""dm_control: every arm an environment of dm_control's own, with a task that drives its joints."""
+"""dm_control: every arm is an environment of dm_control, with a task that drives its joints."""
 
 from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal
@@ -27,7 +27,7 @@ engine = import_engine("dm_control.mujoco")
 class DmControl:
     """dm_control's Physics, with the arm and the servos of simulator `mujoco`.
 
-    With equal settings it moves as `mujoco` does, with either kind of drives. A state that dm_control calls invalid
+    With equal settings an arm moves as in `mujoco`, with either kind of drives. A state that dm_control calls invalid
     ends the cell at once.
     """
 
@@ -39,7 +39,7 @@ class DmControl:
     self_collision: Annotated[bool, Field(description="whether links collide with one another")] = False
 
     def build(self, robot: Robot, timestep: float) -> Any:
-        """The model of an arm, with physics steps of `timestep` [s]; that of `mujoco`."""
+        """The model of an arm, with physics steps of `timestep` [s]. It is the same as in `mujoco`."""
         servo = servo_of(robot) if self.drive == "servo" else None
         return build_model(robot, timestep, self.bandwidth, servo, self.self_collision)
 
@@ -73,16 +73,16 @@ class DmControl:
 
 
 class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no types
-    """An action is where each joint is to be at the end of the period; the joints go there at constant speed.
+    """A task of dm_control. Its action says where each joint has to be at the end of the period.
 
-    Episodes have no end and no reward of their own: these are the harness's.
+    The joints go there at constant speed. Episodes do not end and pay nothing here, because the harness does both.
 
     Args:
-        physics: Whose arm it is.
+        physics: The physics of the arm.
         robot: The arm.
-        duration: Of a step, [s].
-        steps: Physics steps in it.
-        feed: What feeds the actuators; None: those of ideal drives.
+        duration: The duration of a step, [s].
+        steps: The number of physics steps in it.
+        feed: Computes the controls of drives with limits; None if the drives are ideal.
     """
 
     def __init__(self, physics: Any, robot: Robot, duration: float, steps: int, feed: ServoFeed | None) -> None:
@@ -90,7 +90,7 @@ class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no type
         self.start = robot.home.copy()
         """Where the next episode starts, (dof,)."""
         self.duration, self.steps = duration, steps
-        """Of the next step, [s] and in physics steps."""
+        """The duration of the next step, in [s] and in physics steps."""
         self._robot = robot
         # Views, looked up once: MuJoCo keeps them up to date, and looking up by name in every period is slow.
         self._qpos, self._held = data.qpos, data.act
@@ -103,14 +103,18 @@ class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no type
         }
 
     def initialize_episode(self, physics: Any) -> None:
-        """At rest at `start`, the servos holding it."""
+        """Put the arm at rest at `start`, where the servos hold it."""
         self._qpos[:] = self.start
         if len(self._held):
             self._held[:] = self.start
         self._feed.reset(self.start[None], np.ones(1, bool))
 
     def before_step(self, action: Float, physics: Any) -> None:
-        """Feed the actuators; where each physics step is fed otherwise, take all of them but the last one."""
+        """Feed the actuators.
+
+        If each physics step has controls of its own, this method takes all physics steps but the last. dm_control takes
+        the last one.
+        """
         (controls,) = self._feed.controls(action[None], self.duration, self.steps)
         for earlier in controls[:-1]:
             physics.set_control(earlier)
@@ -127,7 +131,7 @@ class JointRamp(control.Task):  # type: ignore[misc]  # dm_control ships no type
         return self._observation
 
     def get_reward(self, physics: Any) -> float:
-        """None of its own."""
+        """Always 0: the harness pays."""
         return 0.0
 
 
@@ -147,14 +151,14 @@ class DmControlSimulation:
         self.place(np.tile(robot.home, (num_envs, 1)))
 
     def _open_arm(self, robot: Robot, period: float, substeps: int) -> control.Environment:
-        physics = engine.Physics.from_model(self._model)  # the model is shared, the data its own
+        physics = engine.Physics.from_model(self._model)  # all arms share the model, each has its own data
         feed = None if self._servo is None else ServoFeed(self._servo, 1, period / substeps)
         ramp = JointRamp(physics, robot, period, substeps, feed)
         # The legacy order ends with the links and contacts of the last state, not of one physics step before.
         return control.Environment(physics, ramp, n_sub_steps=self._steps_of_one_control(substeps), legacy_step=True)
 
     def _steps_of_one_control(self, steps: int) -> int:
-        """Physics steps that are fed the same, of so many of a drive."""
+        """How many of the `steps` physics steps of a drive get the same controls."""
         return steps if self._servo is None else 1
 
     def reset(self, qpos: Float, mask: Mask) -> State:
@@ -184,7 +188,7 @@ class DmControlSimulation:
     def _set_duration(self, duration: float) -> None:
         steps = self._substeps.within(duration)
         for arm in self.arms:
-            # A second Environment of the same Physics would begin with an episode of its own.
+            # A second Environment of the same Physics would begin a new episode.
             arm._n_sub_steps = self._steps_of_one_control(steps)
             arm.task.duration, arm.task.steps = duration, steps
         self._duration = duration

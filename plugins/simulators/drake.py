@@ -34,18 +34,18 @@ from ..arms.self_collision import Pair, pair, pairs_apart, shapes_of_base
 from ..arms.servo import ServoArms, follow_alone
 
 FRICTION = CoulombFriction(1.0, 1.0)
-"""Of links on the ground and on one another, static and sliding."""
+"""Coefficients of friction, static and sliding, of links on the ground and on one another."""
 
 
 @dataclass(frozen=True)
 class Drake:
     """Drake's multibody plant with velocity servos that track a joint ramp.
 
-    Over a control period each servo holds the speed that leads from where the joint is to its target. Its damping is
-    I w, I the diagonal of the joint-space inertia at the home pose. A physics step is one of the SAP contact solver,
-    which takes the servos implicitly. Arms are weightless: their drives make up for gravity. With drive=servo each
-    joint has the drive that robot.toml describes, a torque in each physics step, and `bandwidth` has no part in it.
-    Frames are drawn by the harness, not by Drake.
+    Over a control period each servo holds the speed that leads from the joint's present position to its target. Its
+    damping is I w, where I is the diagonal of the joint-space inertia at the home pose and w is `bandwidth`. A physics
+    step is a step of the SAP contact solver, which takes the servos implicitly. Arms are weightless, because their
+    drives make up for gravity. With drive=servo each joint has the drive that robot.toml describes. It applies a torque
+    in each physics step, and `bandwidth` has no effect. The harness draws the frames, not Drake.
     """
 
     family: ClassVar[str] = "Drake"
@@ -93,11 +93,11 @@ class Model(NamedTuple):
     tip: Any
     """Body of the end effector."""
     shapes: Any
-    """Drake's scene graph, which tells collisions."""
+    """Drake's scene graph, which finds collisions."""
     order: NDArray[np.intp]
     """Where each of the robot's joints stands in Drake's positions, (dof,)."""
     ground: Any
-    """Drake's number of the ground, where links collide with one another; else None."""
+    """Drake's number of the ground if links collide with one another, else None."""
 
 
 class ArmAlone:
@@ -105,7 +105,7 @@ class ArmAlone:
 
     def __init__(self, model: Model, substeps: Substeps) -> None:
         self.model, self._substeps, self._done = model, substeps, 0
-        with _unsaid():  # that no soft body would touch the ground
+        with _unsaid():  # Drake would warn that no soft body can touch the ground
             context = model.diagram.CreateDefaultContext()
         self.simulator = Simulator(model.diagram, context)
         self.context = model.plant.GetMyMutableContextFromRoot(context)
@@ -124,9 +124,9 @@ class ArmAlone:
         self.simulator.Initialize()
 
     def _advance(self, steps: int) -> None:
-        """So many physics steps."""
+        """Do `steps` physics steps."""
         self._done += steps
-        # Between two steps: on one, rounding would decide whether it is done.
+        # The end lies between two steps. If it lay on a step, rounding would decide whether that step is done.
         end = (self._done - 0.5) * self._substeps.period / self._substeps.count
         try:
             self.simulator.AdvanceTo(end)
@@ -185,7 +185,7 @@ class ServoArm(ArmAlone):
             self._advance(1)
 
     def _torque(self, qpos_ref: Float, qvel_ref: Float) -> Float:
-        """Of the drives and of dry friction, (dof,). Drake itself adds armature and viscous friction."""
+        """The torque of the drives and of dry friction, (dof,). Drake itself adds armature and viscous friction."""
         plant, context, order, servo = self.model.plant, self.context, self.model.order, self._servo
         qpos, qvel = plant.GetPositions(context)[order], plant.GetVelocities(context)[order]
         weight = -plant.CalcGravityGeneralizedForces(context)[order]
@@ -198,7 +198,10 @@ class ServoArm(ArmAlone):
 
 
 AddDrives = Callable[[Any, Any, list[Any]], None]
-"""Gives an arm of a plant its drives: the plant, Drake's number of the arm, its joints in the robot's order."""
+"""A function that gives an arm its drives.
+
+Its arguments are the plant, Drake's number of the arm, and the arm's joints in the robot's order.
+"""
 
 
 def _build_model(robot: Robot, timestep: float, add_drives: AddDrives, self_collision: bool) -> Model:
@@ -220,8 +223,8 @@ def _build_model(robot: Robot, timestep: float, add_drives: AddDrives, self_coll
 
 def _add_ideal_drives(plant: Any, arm: Any, joints: list[Any], damping: Float) -> None:
     for joint, own in zip(joints, damping, strict=True):
-        # A torque d v_target beside a damping d is a servo of the speed. The solver takes damping implicitly, which is
-        # as stable as its own PD controllers, with the same result, and many times faster.
+        # A torque d v_target and a damping d make a servo of the speed. The solver takes damping implicitly. That is as
+        # stable as Drake's own PD controllers, has the same result, and is many times faster.
         joint.set_default_damping(own)
         plant.AddJointActuator(joint.name(), joint)
     plant.set_gravity_enabled(arm, False)
@@ -242,7 +245,7 @@ def _read_arm(robot: Robot, timestep: float) -> tuple[Any, Any, Any, Any]:
     with _naming(robot):
         plant, shapes = AddMultibodyPlant(config, builder)
         (arm,) = Parser(plant).AddModelsFromString(text, "urdf")
-    if root != "world":  # which Drake takes for its own
+    if root != "world":  # Drake takes a link of this name for its own world
         plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(root, arm))
     return builder, plant, shapes, arm
 
@@ -261,8 +264,8 @@ def _inertia_at_home(robot: Robot) -> Float:
 
 
 def _add_shapes(plant: Any, robot: Robot, joints: list[Any], with_base: bool) -> list[list[Any]]:
-    """What the joints move, and the base where it counts; Drake's numbers of the shapes, group by group."""
-    plant.set_adjacent_bodies_collision_filters(False)  # links beside a base in the ground would not touch it
+    """Add the shapes of the links, and of the base if `with_base`; Drake's numbers of the shapes, group by group."""
+    plant.set_adjacent_bodies_collision_filters(False)  # else the links next to the base miss the ground
     bodies = [plant.world_body(), *(joint.child_body() for joint in joints)]
     groups: list[list[Any]] = [[] for _ in bodies]
     shapes = (shapes_of_base(robot) if with_base else (), *robot.joint_shapes)
@@ -274,7 +277,7 @@ def _add_shapes(plant: Any, robot: Robot, joints: list[Any], with_base: bool) ->
 
 
 def _part(shapes: Any, groups: list[list[Any]], pairs: Set[Pair]) -> None:
-    """Let no links touch one another but those of `pairs`, which touched before."""
+    """Let only the groups in `pairs` touch one another. A pair that was excluded before stays excluded."""
     filters = CollisionFilterDeclaration()
     for group in groups:
         filters.ExcludeWithin(GeometrySet(group))
@@ -305,7 +308,7 @@ def _solid(shape: Shape, name: str) -> Any:
 
 @contextmanager
 def _unsaid() -> Iterator[None]:
-    """Without Drake's warnings."""
+    """Silence Drake's warnings within the block."""
     log = logging.getLogger("drake")
     level = log.level
     log.setLevel(logging.ERROR)

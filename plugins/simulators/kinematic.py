@@ -17,11 +17,11 @@ from harness.simulator import State
 
 @dataclass(frozen=True)
 class Kinematic:
-    """Arms without mass: no delay, no error, no force of the ground.
+    """Arms without mass: they move without delay and error, and the ground exerts no force.
 
     Ground contact is exact for the moving links' collision shapes: boxes, cylinders, capsules, spheres and meshes.
-    Without dynamics there are no drives to simulate, and links pass through one another: it takes neither `drive` nor
-    `self_collision`.
+    Without dynamics there are no drives to simulate, and links pass through one another. So this simulator has neither
+    `drive` nor `self_collision`.
     """
 
     family: ClassVar[str | None] = None
@@ -66,7 +66,7 @@ class KinematicSimulation:
 
     def place(self, qpos: Float) -> State:
         """See `harness.simulator.Simulation`."""
-        if np.array_equal(qpos, self._state.qpos):  # a decision that lasts puts the arms where they stand
+        if np.array_equal(qpos, self._state.qpos):  # a decision of several steps puts the arms where they are
             self._state.qvel[...] = 0.0
             return self._state
         return self.reset(qpos, np.ones(len(qpos), bool))

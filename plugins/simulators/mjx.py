@@ -21,25 +21,25 @@ from harness.simulator import State
 
 from ..mujoco_model import build_model, mujoco
 
-with redirect_stdout(StringIO()):  # it prints that Warp is not installed, which nothing here uses
+with redirect_stdout(StringIO()):  # MJX prints that Warp is not installed; nothing here uses it
     from mujoco import mjx
 
 Count = Annotated[int, Field(gt=0)]
 Array = Any
-"""Of JAX, or of numpy on its way there."""
+"""An array of JAX, or of numpy before JAX converts it."""
 
 
 @dataclass(frozen=True)
 class Mjx:
-    """The model of `mujoco`, stepped by MJX: compiled by XLA, for accelerators above all.
+    """The model of `mujoco`, stepped by MJX. XLA compiles it, above all for accelerators.
 
     Masses, servos, integrator and contact forces are those of `mujoco` with drive=ideal, in double precision. Weight
-    and its compensation cancel, so neither is computed. End effector and ground contact are told by the robot's own
-    geometry, at the end of the period. Frames are drawn by the harness.
+    and its compensation cancel, so neither is computed. End effector and ground contact are computed from the robot's
+    own geometry, at the end of the period. The harness draws the frames.
 
-    The first drive of a process compiles for some 20 s. XLA's program for many arms at once is slower on a CPU than the
-    one for a single arm, called for each: `at_once` says which. Every arm does the same, bit for bit, beside any others
-    as long as `at_once` is the same number, but not where it is 0 on an accelerator.
+    The first drive in a process compiles for about 20 s. On a CPU, one program for many arms at once is slower than a
+    program for a single arm that is called for each; `at_once` chooses. An arm moves the same, bit for bit, no matter
+    which arms are beside it, if `at_once` is the same number. On an accelerator this does not hold with at_once=0.
     """
 
     family: ClassVar[str] = "MuJoCo"
@@ -56,12 +56,12 @@ class Mjx:
 
 
 class Motion(NamedTuple):
-    """What a physics step starts from and leads to; arrays with an axis for the arms, or of one arm."""
+    """The state before or after a physics step. The arrays are (arms, dof), or (dof,) for one arm."""
 
     qpos: Array
     qvel: Array
     act: Array
-    """What the position servos hold."""
+    """The positions that the position servos hold."""
 
 
 class MjxSimulation:
@@ -93,7 +93,7 @@ class MjxSimulation:
     def drive(self, qpos: Float, duration: float) -> State:
         """See `harness.simulator.Simulation`."""
         steps = self._substeps.within(duration)
-        # From where the servos hold now to the target: rounding cannot add up over periods.
+        # The speeds lead from the positions that the servos hold now, so rounding cannot add up over periods.
         speeds = (qpos - self._motion.act) / duration
         awake = np.flatnonzero(self._awake)
         for start in range(0, len(awake), self._at_once):
@@ -101,8 +101,8 @@ class MjxSimulation:
         return self._look(awake)
 
     def _advance(self, arms: NDArray[np.intp], speeds: Float, steps: int) -> None:
-        """So many physics steps of the arms of these numbers, `at_once` of them or fewer."""
-        rows = np.resize(arms, self._at_once)  # one program for any number: where there are fewer, some go twice
+        """Do `steps` physics steps of the arms with these numbers, which are `at_once` or fewer."""
+        rows = np.resize(arms, self._at_once)  # one program for any number: if there are fewer arms, some go twice
         before = Motion(*(array[rows] for array in self._motion))
         with jax.enable_x64(True):  # in this thread, until the end of the block
             after = COMPILED(self._model, before, speeds[rows], steps)
@@ -110,7 +110,7 @@ class MjxSimulation:
             array[arms] = np.asarray(new)[: len(arms)]
 
     def _look(self, arms: NDArray[np.intp]) -> State:
-        """The state, with links and contacts of the arms of these numbers brought up to date."""
+        """The state, after an update of end effector and contact of the arms with these numbers."""
         if arms.size:
             qpos = self._motion.qpos[arms]
             self._state.end_effector[arms] = self._robot.end_effector(qpos)
@@ -130,12 +130,12 @@ class MjxSimulation:
         return self._frames.frame(self._state.qpos[env], target, width, height)
 
     def close(self) -> None:
-        """See `harness.simulator.Simulation`; what was compiled stays for the next one."""
+        """See `harness.simulator.Simulation`. The compiled program stays for the next simulation."""
         self._model = None
 
 
 def advance(model: Any, motion: Motion, speeds: Array, steps: Array) -> Motion:
-    """So many physics steps of arms whose servos are fed `speeds`, (arms, dof)."""
+    """Do `steps` physics steps of arms whose servos are fed `speeds`, (arms, dof), [rad/s] or [m/s]."""
 
     def advance_one(one: Motion, speed: Array) -> Motion:
         still = mjx.make_data(model).replace(ctrl=jax.numpy.concatenate([speed, speed]))
@@ -150,7 +150,8 @@ def advance(model: Any, motion: Motion, speeds: Array, steps: Array) -> Motion:
     if len(speeds) > 1:
         several: Motion = jax.vmap(advance_one)(motion, speeds)
         return several
-    # Not mapped, branches stay branches: mapped, both ways of each are computed, the line search in full length too.
+    # Without vmap a branch computes only the side that it takes. With vmap it computes both, and the line search always
+    # has its full length.
     alone = advance_one(Motion(*(array[0] for array in motion)), speeds[0])
     return Motion(*(array[None] for array in alone))
 
@@ -164,7 +165,7 @@ def _put_model(robot: Robot, timestep: float, bandwidth: float) -> Any:
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
     try:
         with jax.enable_x64(True), warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of faces with many corners: contacts with a plane take corners, no faces
+            warnings.simplefilter("ignore")  # MJX warns of faces with many corners; contacts with a plane use no faces
             return mjx.put_model(model)
     except NotImplementedError as error:
         reason = " ".join(str(error).split())

@@ -1,4 +1,4 @@
-"""MuJoCo: one arm with one C call per control period, many through the threads of `mujoco.rollout`."""
+"""MuJoCo: one arm is stepped by itself, several arms by the threads of `mujoco.rollout`."""
 
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, ClassVar, Literal
@@ -23,14 +23,15 @@ Count = Annotated[int, Field(gt=0)]
 
 @dataclass(frozen=True)
 class Mujoco:
-    """MuJoCo: drives that follow a joint ramp, ideal ones or those of the robot.
+    """MuJoCo, with drives that follow a joint ramp: ideal drives or those of the robot.
 
-    With drive=ideal each joint has two actuators that are fed the period's joint speed: an integrated-velocity servo
-    (stiffness I w^2, I the diagonal of the joint-space inertia at the home pose) holds the ramp's position, a velocity
-    servo (2 I w, critically damped) its speed. Gravity is compensated, the integrator implicit.
+    With drive=ideal each joint has two actuators that are fed the joint speed of the period. An integrated-velocity
+    servo holds the ramp's position. Its stiffness is I w^2, where I is the diagonal of the joint-space inertia at the
+    home pose and w is `bandwidth`. A velocity servo holds the ramp's speed. Its damping is 2 I w, which is critical.
+    Gravity is compensated, and the integrator is implicit.
 
     With drive=servo each joint has the drive that robot.toml describes, with its torque limit, friction, armature and
-    latency. `bandwidth` has no part in it, and the drive's torque is held for a physics step.
+    latency. `bandwidth` has no effect. The torque of a drive stays the same during a physics step.
     """
 
     family: ClassVar[str] = "MuJoCo"
@@ -51,7 +52,7 @@ class Mujoco:
         return build_model(robot, timestep, self.bandwidth, servo, self.self_collision)
 
     def bare_loop(self, robot: Robot, targets: Float, period: float) -> Callable[[], None]:
-        """See `harness.simulator.Simulator`: ``mj_step``, for a batch or with limited drives `mujoco.rollout`."""
+        """See `harness.simulator.Simulator`: ``mj_step`` for one arm with ideal drives, else `mujoco.rollout`."""
         model = self.build(robot, period / self.substeps)
         if self.drive == "servo":
             return roll_out_servo_alone(model, servo_of(robot), targets, period, self.substeps, self.threads)

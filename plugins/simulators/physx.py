@@ -26,37 +26,41 @@ from ..arms.self_collision import Pair, pair, pairs_apart, partners, shapes_of_b
 from ..arms.servo import ServoArms, follow_alone
 
 with warnings.catch_warnings():
-    warnings.simplefilter("ignore")  # it warns of graphics drivers, and nothing is drawn by them
+    warnings.simplefilter("ignore")  # SAPIEN warns of graphics drivers, which nothing here uses
     import sapien
     from sapien import physx
 
 Count = Annotated[int, Field(gt=0)]
 
 FRICTION = 1.0
-"""Of links on the ground, static and sliding."""
+"""Coefficient of friction of links on the ground, static and sliding."""
 MATERIAL = (FRICTION, FRICTION, 0.0)
 GROUND, FIRST = [1, 0, 0, 0], 2
-"""Collision groups: what has a bit of the first number touches what has it in its second. The base's is FIRST."""
+"""Collision groups of the ground, and the bit of the base's group.
+
+Two shapes touch if the first number of one has a bit in common with the second number of the other.
+"""
 UPWARDS = [np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0]
-"""Turns the x axis, a plane's normal in PhysX and the axis of its capsules and cylinders, to z; a quaternion."""
+"""A quaternion that turns the x axis to z. In PhysX, x is a plane's normal and the axis of capsules and cylinders."""
 
 ROUND = {"cylinder": physx.PhysxCollisionShapeCylinder, "capsule": physx.PhysxCollisionShapeCapsule}
 AT_HOME, ALOFT = sapien.Pose(), sapien.Pose([0.0, 0.0, 1000.0])
-"""Poses of the base."""
+"""Poses of the base: where it stands, and 1 km above."""
 DAMPING = 1e6
-"""Of a drive, [N m s] or [N s/m]."""
+"""Damping of an ideal drive, [N m s] or [N s/m]."""
 CREEP = 1e-4
-"""Speed at which dry friction has its full torque, [rad/s] or [m/s]; less is slower."""
+"""Speed at which dry friction has its full torque, [rad/s] or [m/s]. A joint under less load creeps more slowly."""
 
 
 @dataclass(frozen=True)
 class PhysX:
-    """PhysX, the engine that Unity simulates with, with velocity drives that track a joint ramp.
+    """PhysX, the engine that Unity simulates with. Velocity drives track a joint ramp.
 
-    Over a control period each drive holds the speed that leads from where the joint is to its target. Its damping is so
-    large that nothing but the ground slows it. Arms are weightless: their drives make up for gravity. PhysX computes in
-    single precision. With drive=servo each joint has the drive that robot.toml describes, a torque in each physics
-    step, and PhysX's velocity drive is its dry friction. Frames are drawn by the harness, not by SAPIEN.
+    Over a control period each drive holds the speed that leads from the joint's present position to its target. Its
+    damping is so large that nothing but the ground slows the joint down. Arms are weightless, because their drives make
+    up for gravity. PhysX computes in single precision. With drive=servo each joint has the drive that robot.toml
+    describes. It applies a torque in each physics step, and PhysX's velocity drive serves as dry friction. The harness
+    draws the frames, not SAPIEN.
     """
 
     family: ClassVar[str] = "PhysX"
@@ -97,9 +101,9 @@ class Body:
 
     Attributes:
         arm: SAPIEN's articulation.
-        system: Which steps it.
-        joints: Those that are driven, in the robot's order.
-        order: Where each of them stands in PhysX's positions, (dof,).
+        system: SAPIEN's physics system, which steps the scene.
+        joints: The driven joints, in the robot's order.
+        order: Where each of these joints stands in PhysX's positions, (dof,).
         tip: The end effector's link.
     """
 
@@ -130,22 +134,22 @@ class Body:
         self._rest = np.zeros(len(names), np.float32)
 
     def put(self, positions: NDArray[np.float32]) -> None:
-        """At rest at `positions`, (dof,), in PhysX's order."""
+        """Put the arm at rest at `positions`, (dof,), in PhysX's order."""
         self.arm.set_qpos(positions)
         self.arm.set_qvel(self._rest)
 
     def put_joints(self, qpos: Float) -> None:
-        """At rest at `qpos`, (dof,), in the robot's order."""
+        """Put the arm at rest at `qpos`, (dof,), in the robot's order."""
         positions = np.empty(len(qpos), np.float32)
         positions[self.order] = qpos
         self.put(positions)
 
     def points(self) -> Iterator[Any]:
-        """Where the arm is near the ground or touches it, found at the beginning of the last step."""
+        """Points at which the arm is near the ground or touches it, as found at the beginning of the last step."""
         return (point for contact in self.system.get_contacts() if _has_ground(contact) for point in contact.points)
 
     def touching_groups(self) -> set[Pair]:
-        """Groups of links that touch one another, found at the beginning of the last step."""
+        """Groups of links that touch one another, as found at the beginning of the last step."""
         touching = [each for each in self.system.get_contacts() if any(spot.separation <= 0.0 for spot in each.points)]
         return {pair(*(_group_of(shape) for shape in each.shapes)) for each in touching if not _has_ground(each)}
 
@@ -155,12 +159,12 @@ class Model:
 
     Attributes:
         robot: The arm.
-        timestep: Of a physics step, [s].
-        iterations: Of the constraint solver.
-        builder: SAPIEN's, of the arm without shapes.
-        servo: The drives; None where they are ideal.
-        shapes: Of each group of links, see `harness_plugins.arms.self_collision`, dof + 1 of them.
-        masks: Their collision groups.
+        timestep: Duration of a physics step, [s].
+        iterations: Iterations of the constraint solver per physics step.
+        builder: SAPIEN's builder of the arm, without shapes.
+        servo: The drives; None if they are ideal.
+        shapes: The shapes of each of the dof + 1 groups of links, see `harness_plugins.arms.self_collision`.
+        masks: The collision groups of each of these groups of links, see `GROUND`.
     """
 
     def __init__(
@@ -183,10 +187,10 @@ class Model:
 
 
 class Probe:
-    """An arm that is never driven, to ask whether it touches the ground at some joint positions.
+    """An arm that is never driven. It says whether an arm at given joint positions touches the ground.
 
-    PhysX finds contacts at the beginning of a step. Those of where an arm is at the end of one take one more, which the
-    probe makes instead of the arm.
+    PhysX finds contacts at the beginning of a step. To find the contacts at the end of a step, one more step is needed.
+    The probe takes it in place of the arm.
     """
 
     def __init__(self, model: Model) -> None:
@@ -212,7 +216,7 @@ class ArmAlone:
 
     def put(self, qpos: Float) -> None:
         """See `harness_plugins.arms.apart.ArmAlone`."""
-        self._body = Body(self._model)  # nothing less makes PhysX forget contacts, and it takes a millisecond
+        self._body = Body(self._model)  # only a new scene makes PhysX forget contacts; it takes a millisecond
         self._body.put_joints(qpos)
 
     def read(self, state: State, env: int) -> None:
@@ -222,7 +226,7 @@ class ArmAlone:
         state.qpos[env] = positions[body.order]
         state.qvel[env] = body.arm.qvel[body.order]
         state.end_effector[env] = body.tip.entity_pose.p
-        # A contact that bears a load may hover a little.
+        # A point that bears a load may be a little above the ground.
         is_pressed = any(point.impulse.any() for point in body.points())
         state.ground_contact[env] = is_pressed or self._probe.touches(positions)
 
@@ -264,7 +268,10 @@ class ServoArm(ArmAlone):
 
 
 def _add_servo(joint: Any, servo: Servo, number: int) -> None:
-    """Armature, and dry friction: a drive to speed 0 with a limit. The joint's own friction grows with its load."""
+    """Give a joint its armature and its dry friction.
+
+    Dry friction is a drive to speed 0 with a limited force, because PhysX's joint friction grows with the load.
+    """
     friction = servo.dry_friction[number]
     joint.set_armature(servo.armature[number : number + 1].astype(np.float32))
     joint.set_friction(0.0)
@@ -280,11 +287,11 @@ def _read_arm(robot: Robot) -> Any:
         path.write_text(text, encoding="utf-8")
         try:
             builder = loader.load_file_as_articulation_builder(str(path))
-        except Exception as error:  # whatever its reader meets
+        except Exception as error:  # its reader raises errors of many kinds
             reason = " ".join(str(error).split())
             raise UsageError(f"SAPIEN cannot load the URDF of robot '{robot.name}': {reason}. Correct it.") from error
     for link in builder.link_builders:
-        if link.joint_record.joint_type == "revolute":  # a continuous one, whose angle SAPIEN would wrap
+        if link.joint_record.joint_type == "revolute":  # a continuous joint, whose angle SAPIEN would wrap
             link.joint_record.joint_type = "revolute_unwrapped"
     return builder
 
@@ -301,7 +308,7 @@ def _ground() -> Any:
 
 
 def _masks(dof: int, pairs: Iterable[Pair]) -> list[list[int]]:
-    """The collision groups of each group of links, dof + 1 of them, of which `pairs` touch one another."""
+    """The collision groups of each of the dof + 1 groups of links. The groups in `pairs` may touch one another."""
     masks = []
     for group in range(dof + 1):
         touched = sum(FIRST << other for other in partners(group, pairs))
@@ -318,7 +325,7 @@ def _has_ground(contact: Any) -> bool:
 
 
 def _solid(shape: Shape, mask: list[int]) -> Any:
-    """What collides, in the frame of the link that carries it."""
+    """A shape that collides, in the frame of the link that carries it."""
     material, pose = physx.PhysxMaterial(*MATERIAL), sapien.Pose(shape.T_link_shape)
     if shape.kind == "mesh":
         solid = physx.PhysxCollisionShapeConvexMesh(shape.points, [1.0, 1.0, 1.0], material)

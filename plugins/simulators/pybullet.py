@@ -24,10 +24,10 @@ Count = Annotated[int, Field(gt=0)]
 class PyBullet:
     """Bullet with velocity motors that track a joint ramp.
 
-    Over a control period each motor holds the speed that leads from where the joint is to its target. The motors are
-    constraints of the solver: they carry the arm against gravity. With drive=servo each joint has the drive that
-    robot.toml describes, a torque in each physics step.
-    A client takes about 28 MB of memory, and a process has at most 1,024 of them.
+    Over a control period each motor holds the speed that leads from the joint's present position to its target. The
+    motors are constraints of the solver, so they carry the arm against gravity. With drive=servo each joint has the
+    drive that robot.toml describes, which applies a torque in each physics step. Every arm has a client of Bullet's,
+    with a world of its own. A client takes about 28 MB of memory, and a process has at most 1,024 of them.
     """
 
     family: ClassVar[str] = "Bullet"
@@ -64,7 +64,7 @@ class PyBullet:
         speeds = ((targets - np.roll(targets, 1, axis=0)) / period).tolist()
 
         def run() -> None:
-            arms = cast("list[Arm]", simulation.arms)  # the simulation has to live: its clients end with it
+            arms = cast("list[Arm]", simulation.arms)  # this keeps the simulation, and so its clients
             for row in speeds:
                 for arm, speed in zip(arms, row, strict=True):
                     turn_alone(arm, speed)

@@ -15,21 +15,21 @@ from .cluster import Cluster, SubmittedJob
 from .task import CellTask, Told
 
 READ_EVERY: Final = 0.5
-"""Seconds from one look at what the jobs tell to the next."""
+"""Seconds between two looks at the reports of the jobs."""
 ASK_EVERY: Final = 10.0
-"""Seconds from one question to the cluster to the next: many users ask it."""
+"""Seconds between two questions to the cluster, because many users ask it."""
 
 
 @dataclass(eq=False)
 class _Submitted:
-    """A cell that is with the cluster.
+    """A cell whose job was submitted to the cluster.
 
     Attributes:
         job: What to do.
-        handle: Of the cluster's job.
-        told: What it tells.
-        has_begun: Whether it has told that it began.
-        is_over: Whether the cluster has said that it runs no more.
+        handle: submitit's handle of the cluster's job.
+        told: The reports of the cluster's job.
+        has_begun: Whether that job has reported that it began.
+        is_over: Whether the cluster has said that it does not run any more.
     """
 
     job: Job
@@ -48,7 +48,7 @@ class Array:
         self._asked = time.monotonic()
 
     def run(self) -> None:
-        """Do them all."""
+        """Do all jobs. If this is interrupted, the jobs that were submitted are cancelled."""
         try:
             while self._waiting or self._submitted:
                 self._submit()
@@ -91,7 +91,7 @@ class Array:
         self._on_event(Event(kind, cell.job.cell, steps, reason, scalars=scalars))
 
     def _ask(self) -> None:
-        """Who is said to be over twice and has told no end did not come to one."""
+        """Ask the cluster which jobs are over. A job that is over in two answers and reported no end is lost."""
         self._asked = time.monotonic()
         over = self._cluster.over([cell.handle for cell in self._submitted])
         for cell in list(self._submitted):

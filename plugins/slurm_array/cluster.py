@@ -16,7 +16,7 @@ from harness.text import one_line_of
 from .task import CellTask
 
 MOST: Final = 1000
-"""Jobs of an array: clusters allow 1,001 where nobody has set another number."""
+"""The largest number of jobs in an array. Clusters allow 1,001 by default."""
 OVER: Final = frozenset(
     ["BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "FAILED", "NODE_FAIL", "OUT_OF_MEMORY", "REVOKED", "TIMEOUT"]
 ) | {"FINISHED", "INTERRUPTED"}
@@ -30,9 +30,9 @@ class Cluster:
     """Submits jobs, looks after them, and cancels them.
 
     Attributes:
-        folder: For what jobs leave behind.
+        folder: The folder for what jobs leave behind.
         at_once: How many jobs run at once.
-        is_local: Whether that is this machine.
+        is_local: Whether the jobs run on this machine.
     """
 
     def __init__(self, folder: Path, kind: str, at_once: int, parameters: dict[str, Any]) -> None:
@@ -42,7 +42,10 @@ class Cluster:
         self._executor.update_parameters(**parameters, slurm_array_parallelism=at_once)
 
     def room(self, running: int) -> int:
-        """How many jobs may be submitted: the cluster holds back an array's jobs by itself."""
+        """How many jobs may be submitted while `running` jobs are submitted already.
+
+        On a cluster it is a whole array when no job is left, because the cluster itself limits how many run at once.
+        """
         return self.at_once - running if self.is_local else (0 if running else MOST)
 
     def submit(self, tasks: Sequence[CellTask]) -> list[SubmittedJob]:
@@ -61,7 +64,7 @@ class Cluster:
             ) from error
 
     def over(self, jobs: Sequence[SubmittedJob]) -> dict[str, str]:
-        """The state of those that do not run any more, by their id."""
+        """The states of the jobs that do not run any more, by their ids."""
         if self.is_local:
             states = {job.job_id: job.state for job in jobs}
         else:
@@ -70,7 +73,7 @@ class Cluster:
         return {job: state for job, state in states.items() if state in OVER or state == GONE}
 
     def cancel(self, jobs: Sequence[SubmittedJob]) -> None:
-        """End them."""
+        """Cancel jobs."""
         if self.is_local:
             for job in jobs:
                 job.cancel()
@@ -79,7 +82,7 @@ class Cluster:
 
     @staticmethod
     def _states(arrays: Sequence[str]) -> dict[str, str]:
-        """By squeue: sacct needs a data base, which not every cluster has."""
+        """The states of the jobs of arrays, by squeue. sacct needs a database, which not every cluster has."""
         command = ["squeue", "--noheader", "--array", "--states=all", f"--jobs={','.join(arrays)}", "--format=%i %T"]
         told = subprocess.run(command, capture_output=True, text=True, check=False)
         return dict(line.split(maxsplit=1) for line in told.stdout.splitlines())
@@ -87,13 +90,13 @@ class Cluster:
 
 @contextmanager
 def open_cluster(folder: Path, kind: str, at_once: int, **parameters: Any) -> Iterator[Cluster]:
-    """A cluster for as long as it is needed; what its jobs left behind is removed then.
+    """Open a cluster for the block. At its end, what the jobs left behind is removed.
 
     Args:
         folder: Where the cells' folders have to be.
         kind: ``slurm``, or ``local`` for jobs on this machine.
         at_once: How many jobs run at once.
-        **parameters: Of a job, as submitit calls them.
+        **parameters: Parameters of a job, by submitit's names.
 
     Raises:
         UsageError: There is no Slurm here.

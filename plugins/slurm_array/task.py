@@ -1,4 +1,4 @@
-"""What a job of the cluster does, and the file in which it tells what happens."""
+"""What a job of the cluster does, and the file into which it reports what happens."""
 
 import json
 import sys
@@ -13,17 +13,17 @@ from harness.executor import Event, Job
 from harness.experiment.jobs import run_jobs
 
 TELL_EVERY: Final = 1.0
-"""Seconds from one word of progress to the next."""
+"""Seconds between two reports of progress."""
 
 
 @dataclass(frozen=True)
 class CellTask:
-    """Does a cell in a process of its own, and tells of it.
+    """Does a cell in a process of its own, and reports what happens.
 
     Attributes:
-        job: By `Job.to_json`.
+        job: The job, by `Job.to_json`.
         command: What the user typed.
-        told: The file, a line of JSON per event.
+        told: The file of the reports, with a line of JSON per event.
     """
 
     job: dict[str, Any]
@@ -31,7 +31,7 @@ class CellTask:
     told: Path
 
     def __call__(self) -> None:
-        """Do it."""
+        """Do the cell."""
         sys.argv = list(self.command)  # the manifest records it
         last = 0.0
 
@@ -45,23 +45,26 @@ class CellTask:
         run_jobs([Job.from_json(self.job)], 1, tell)
 
     def checkpoint(self) -> DelayedSubmission:
-        """Called when its time is up, or it has to make room: it is queued again, and goes on from its checkpoint."""
+        """Queue the job again when its time is up or it has to make room for another job.
+
+        The library submitit calls this. The cell goes on from its checkpoint.
+        """
         return DelayedSubmission(self)
 
 
 @dataclass
 class Told:
-    """What a job tells, read as it grows.
+    """Reads the reports of a job while their file grows.
 
     Attributes:
-        path: The file.
+        path: The file of the reports.
     """
 
     path: Path
     _read: int = field(default=0, init=False)
 
     def news(self) -> list[tuple[Any, int, str, dict[str, float]]]:
-        """Kind, steps, reason and scalars of each event since the last call; half a line comes when it is whole."""
+        """Kind, steps, reason and scalars of each event since the last call. Half a line is left for a later call."""
         if not self.path.exists():
             return []
         with self.path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""Targets in a narrow place, low over the ground."""
+"""The reach task with targets in a narrow place, just above the ground."""
 
 from typing import Annotated
 
@@ -12,15 +12,15 @@ from harness.robot import Robot
 
 CENTER = np.array([0.75, 0.0, 0.06])
 HALF_EXTENT = np.array([0.15, 0.5, 0.02])
-"""[m]; chosen for the FD100."""
+"""Half the edges of the box of targets, (3,), [m]. It and its centre were chosen for the FD100."""
 
 
 @dataclass(frozen=True)
 class Low(ReachTask):
-    """As `fd100-reach`, with targets in a flat box just above the ground, and within 2 cm.
+    """The task `fd100-reach` with targets in a flat box just above the ground, to be reached within 2 cm.
 
-    The arm has to fold down to them from above. A path that is steeper or faster than it can be stopped ends on the
-    ground, and with it the episode.
+    The arm has to fold down to the targets from above. If its path is too steep or too fast for the arm to stop in
+    time, it hits the ground, and the episode ends.
     """
 
     epsilon: Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")] = (

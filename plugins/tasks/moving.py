@@ -1,4 +1,4 @@
-"""A target that moves."""
+"""The reach task with a target that moves."""
 
 from dataclasses import dataclass as plain_dataclass
 from typing import Annotated
@@ -15,10 +15,10 @@ from harness.task import Goal, Situation
 
 @dataclass(frozen=True)
 class Moving(ReachTask):
-    """Follow a target that moves: it is reached when the end effector was within epsilon for `steps_within` steps.
+    """Follow a moving target: stay within epsilon of it for `steps_within` steps in a row, which counts as reaching it.
 
-    The target moves at constant speed on a straight line between two places of the box of `fd100-reach`, there and back
-    again. Both are drawn as its targets are.
+    The target moves at constant speed on a straight line between two places, there and back again. Both places are
+    drawn like the targets of `fd100-reach`.
     """
 
     target_speed: Annotated[float, Field(ge=0, description="of the target [m/s]")] = 0.25
@@ -41,10 +41,10 @@ class MovingGoal(Goal):
     """The end effector near a point that moves back and forth between two places.
 
     Attributes:
-        task: Draws the other place.
+        task: The task, which draws the other place.
         robot: The arm.
-        speed: Of the target, [m/s].
-        period: Of an environment step, [s].
+        speed: Speed of the target, [m/s].
+        period: Duration of an environment step, [s].
         steps_within: See `harness.task.Goal`.
     """
 
@@ -63,7 +63,7 @@ class MovingGoal(Goal):
     )
 
     def draw(self, rng: np.random.Generator, position: Float) -> Float:
-        """From each place to the other end of its target's way, (count, 3), [m]."""
+        """Draw the other place of each target: the vectors that lead to it from `position`, (count, 3), [m]."""
         ends = self.task.draw_targets(self.robot, rng, len(position)).position
         return np.asarray(ends - position)
 
@@ -80,12 +80,12 @@ class MovingGoal(Goal):
         return np.asarray(np.linalg.norm(now.target - now.end_effector, axis=1))
 
     def bounds(self) -> tuple[Float, Float]:
-        """Velocities up to the speed; a share."""
+        """Bounds of what `observe` returns, both (4,): velocities, [m/s], and a share in [0, 1]."""
         speed = max(self.speed, SHORTEST)
         return np.array([-speed] * 3 + [0.0]), np.array([speed] * 3 + [1.0])
 
     def observe(self, now: Situation) -> Float:
-        """See `observed`; the velocity is that of the next step."""
+        """The numbers that `observed` names, (n, 4). The velocity is that of the next step."""
         length = np.linalg.norm(now.numbers, axis=1)
         gone = self.speed * self.period * now.step
         returns = np.mod(gone, 2.0 * np.maximum(length, SHORTEST)) >= length
@@ -94,10 +94,10 @@ class MovingGoal(Goal):
 
 
 SHORTEST = 1e-9
-"""[m]; two places that are nearer to each other are one."""
+"""Two places that are nearer to each other than this count as one place, [m]."""
 
 
 def _unit(ways: Float, length: Float) -> Float:
-    """Each way, (n, 3), with length 1; one of no length stays zero."""
+    """Each vector, (n, 3), scaled to length 1; a vector of length 0 stays zero. `length` is (n,)."""
     unit: Float = ways / np.where(length > 0.0, length, 1.0)[:, None]
     return unit

@@ -1,4 +1,4 @@
-"""A target with an orientation."""
+"""The reach task with a target that has an orientation."""
 
 import math
 from dataclasses import dataclass as plain_dataclass
@@ -19,11 +19,12 @@ from harness.task import Goal, Situation
 
 @dataclass(frozen=True)
 class Pose(ReachTask):
-    """Bring the end effector to a target and into its orientation: within `epsilon` and within `angle`.
+    """Bring the end effector to a target and into the target's orientation: within `epsilon` and within `angle`.
 
-    The error is the larger of the distance d and L times the angle that is left, with L = epsilon / angle, in metres:
-    it is at most epsilon where both hold. A target's orientation is one that the arm can take there: that of a pose
-    which inverse kinematics find from the home pose, each joint of it turned by up to `turn`.
+    The error, in metres, is the larger of two numbers: the distance d, and L times the angle that is left, with
+    L = epsilon / angle. It is at most epsilon if both conditions hold. The arm can take a target's orientation at the
+    target: it is that of a pose which inverse kinematics find there. They start from the home pose, with each joint
+    turned by up to `turn`.
     """
 
     epsilon: Annotated[Positive, Field(description="the target is reached within this pose error [m]")] = 0.02
@@ -49,7 +50,7 @@ class PoseGoal(Goal):
 
     Attributes:
         robot: The arm.
-        lever: What an angle of 1 rad counts, [m/rad].
+        lever: The error that an angle of 1 rad counts, [m/rad].
         turn: See `Pose`.
     """
 
@@ -78,11 +79,11 @@ class PoseGoal(Goal):
         return np.asarray(np.maximum(distance, self.lever * angle))
 
     def bounds(self) -> tuple[Float, Float]:
-        """All in [-1, 1]."""
+        """Bounds of what `observe` returns, both (9,): all numbers are in [-1, 1]."""
         return -np.ones(9), np.ones(9)
 
     def observe(self, now: Situation) -> Float:
-        """See `observed`."""
+        """The numbers that `observed` names, (n, 9)."""
         return np.concatenate([now.numbers, self._turn_left(now) / math.pi], axis=1)
 
     def _turn_left(self, now: Situation) -> Float:

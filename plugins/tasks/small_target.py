@@ -1,4 +1,4 @@
-"""A target that has to be met more closely."""
+"""The reach task with a smaller target."""
 
 from typing import Annotated
 
@@ -10,9 +10,9 @@ from harness.reach import Positive, ReachTask
 
 @dataclass(frozen=True)
 class SmallTarget(ReachTask):
-    """As `fd100-reach`, but within 1 cm of the target in place of 5 cm.
+    """The task `fd100-reach` with a target of 1 cm instead of 5 cm.
 
-    A reward that pays next to nothing for the last centimetres leaves the arm beside the target here.
+    Under a reward that pays almost nothing for the last centimetres, the arm stops beside the target.
     """
 
     epsilon: Annotated[Positive, Field(description="the target is reached within this distance, NOTE eq. 20 [m]")] = (

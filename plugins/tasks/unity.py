@@ -23,27 +23,27 @@ Count = Annotated[int, Field(gt=0)]
 Metres3 = tuple[float, float, float]
 
 FROM_BASE = np.array([[0.3, 0.6], [-0.6, -0.3], [0.1, 0.3]])
-"""Where a target lies from the base, half of the times: lowest and highest of each axis, [m]."""
+"""Box of the targets that are drawn relative to the base: lowest and highest value of each axis, (3, 2), [m]."""
 
 FROM_TIP = np.array([[0.01, 0.15], [-0.15, -0.01], [0.01, 0.15]])
-"""Where it lies from the end effector, else."""
+"""The same for the targets that are drawn relative to the end effector."""
 
 FIXED_TARGET = np.array([0.45, -0.45, 0.2])
-"""From the base, in the published experiment, [m]."""
+"""The target of the published experiment, relative to the base, (3,), [m]."""
 
 START_HEIGHT = (0.1, 1.0)
-"""Of the end effector above the ground at a random start, [m]."""
+"""Lowest and highest place of the end effector above the ground at a random start, [m]."""
 
 START_TRIES = 100
 
 
 @dataclass(frozen=True)
 class UnityReach:
-    """The baseline's task: random start and target, joint angles are set, a decision every 5 steps.
+    """The baseline's task: start and target are random, and a decision every 5 steps sets the joint angles.
 
-    The arm jumps from pose to pose. Touching the target pays 0.5 and up to 1 more for an upright end effector, and the
-    next target is set; the episode goes on. Touching the ground ends it. The observation is that of the baseline,
-    14 numbers and one per joint.
+    The arm jumps from pose to pose. Touching the target pays 0.5, and up to 1 more for an upright end effector. Then
+    the next target is set, and the episode goes on. Touching the ground ends the episode. The observation is that of
+    the baseline: 14 numbers, and one per joint.
     """
 
     epsilon: Annotated[
@@ -79,7 +79,11 @@ class UnityReach:
         return UnityObservation(robot, np.array(self.base_position))
 
     def target_rewards(self, robot: Robot, qpos: Float) -> Float:
-        """target_reward, and upright_reward times the cosine between the end effector's z axis and up, if positive."""
+        """What each arm is paid for its target, (n,).
+
+        It is `target_reward`, and `upright_reward` times the cosine between the end effector's z axis and up, if that
+        is positive.
+        """
         upright = np.clip(forward(robot.chain, qpos)[:, 2, 2], 0.0, 1.0)
         rewards: Float = self.target_reward + self.upright_reward * upright
         return rewards
@@ -89,7 +93,10 @@ class UnityReach:
         self.motion(robot)
 
     def draw_start(self, robot: Robot, rng: np.random.Generator) -> Float:
-        """Uniform in the joint ranges, drawn again until the end effector is at a height of 0.1 to 1 m."""
+        """A start uniform in the joint ranges, (dof,).
+
+        It is drawn again until the end effector is at a height of 0.1 to 1 m, at most 100 times.
+        """
         low, high = START_HEIGHT
         for _ in range(START_TRIES):
             qpos = rng.uniform(robot.lower, robot.upper)
@@ -98,7 +105,7 @@ class UnityReach:
         return qpos
 
     def draw_targets(self, robot: Robot, rng: np.random.Generator, count: int) -> Targets:
-        """Each with probability 1/2 in a box beside the base, else near the end effector."""
+        """Targets, each with probability 1/2 in a box beside the base, else near the end effector."""
         relative = rng.random(count) < 0.5
         low, high = np.where(relative[:, None, None], FROM_TIP, FROM_BASE).transpose(2, 0, 1)
         return Targets(rng.uniform(low, high), relative)
@@ -118,7 +125,7 @@ class UnityReach:
 
 @dataclass(frozen=True)
 class Arp2021(UnityReach):
-    """The published experiment: as `unity-reach`, from the robot's home pose to one fixed target.
+    """The published experiment: the task `unity-reach` from the robot's home pose to one fixed target.
 
     The home pose of `unity-arm` is the experiment's start, (-18, 9, -18, 9, 9) degrees.
     """
@@ -156,11 +163,11 @@ class UnityObservation:
     """The baseline's observation, dof + 14 numbers.
 
     ============================  =====  ========================================================================
-    joint angles                  dof    as the action that sets them, in [-1, 1]
+    joint angles                  dof    scaled like the action that sets them, in [-1, 1]
     base, target, end effector,   3 x 4  unit vectors in the scene's frame, each axis in [-1, 1]; a zero vector
     target - end effector                stays zero
     distance                      1      end effector to target, [m]
-    step                          1      0: the original divides the step by 5000 in whole numbers
+    step                          1      always 0: the original divides the step by 5000 in whole numbers
     ============================  =====  ========================================================================
     """
 
@@ -168,7 +175,7 @@ class UnityObservation:
         self._middle, self._half = (robot.lower + robot.upper) / 2.0, (robot.upper - robot.lower) / 2.0
         self._base = base_position
         extent = 2.0 * robot.extent + 1.0
-        # The step is 0 throughout; a range of nothing would be no space.
+        # The step is always 0, but the bounds of a space must differ.
         self._high = np.concatenate([np.ones(robot.dof + 12), [extent, 1.0]])
         self._low = np.concatenate([-np.ones(robot.dof + 12), [0.0, 0.0]])
 

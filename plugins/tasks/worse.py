@@ -1,4 +1,4 @@
-"""The FD100's task under conditions in which a reward can fail: other defaults of the same parameters."""
+"""The FD100's task under conditions in which a reward can fail. Only the defaults of some parameters differ."""
 
 from typing import Annotated, ClassVar
 
@@ -25,7 +25,7 @@ Epsilon = Annotated[Positive, Field(description="the target is reached within th
 
 @dataclass(frozen=True)
 class NoisyReach(ReachTask):
-    """`fd100-reach` with noise on what is seen and done: a reward that pays for the best moment pays for luck."""
+    """`fd100-reach` with noise on observations and actions. A reward for the best moment then pays for luck."""
 
     epsilon: Epsilon = 0.02
     joint_noise: JointNoise = 0.03
@@ -38,7 +38,7 @@ class NoisyReach(ReachTask):
 
 @dataclass(frozen=True)
 class DelayedReach(ReachTask):
-    """`fd100-reach` where what is seen is old and what is done comes late: a reward for speed pays for overshooting."""
+    """`fd100-reach` with old observations and late actions. A reward for speed then pays for overshooting."""
 
     observation_delay: ObservationDelay = 1
     action_delay: ActionDelay = 1
@@ -48,7 +48,10 @@ class DelayedReach(ReachTask):
 
 @dataclass(frozen=True)
 class ClutteredReach(ReachTask):
-    """`fd100-reach` around obstacles that each episode draws: a reward for getting closer pays for the way through."""
+    """`fd100-reach` around obstacles that each episode draws.
+
+    A reward for getting closer then pays for the way through an obstacle.
+    """
 
     obstacle_count: ObstacleCount = 3
 
@@ -57,7 +60,10 @@ class ClutteredReach(ReachTask):
 
 @dataclass(frozen=True)
 class VariedReach(ReachTask):
-    """`fd100-reach` with another arm in every episode, unseen: what was learnt of one is wrong for another."""
+    """`fd100-reach` with another arm in every episode, which the learner does not see.
+
+    What it learns about one arm is wrong for another.
+    """
 
     epsilon: Epsilon = 0.03
     mass_variation: MassVariation = 0.3

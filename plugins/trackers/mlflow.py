@@ -1,4 +1,4 @@
-"""MLflow."""
+"""The tracker `mlflow`."""
 
 import importlib.util
 import logging
@@ -25,7 +25,7 @@ STATUS = {"done": "FINISHED", "failed": "FAILED", "interrupted": "KILLED"}
 class MLflow:
     """A run for each cell; a tag says its combination.
 
-    The library's own environment variables hold, such as MLFLOW_TRACKING_URI.
+    The library's own environment variables, such as MLFLOW_TRACKING_URI, have effect.
     """
 
     uri: Annotated[
@@ -65,12 +65,12 @@ class MLflow:
         os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")  # nothing is reported to its makers
         from mlflow import MlflowClient
 
-        logging.getLogger("mlflow").setLevel(logging.ERROR)  # it tells of a new file, amid the progress of cells
+        logging.getLogger("mlflow").setLevel(logging.ERROR)  # else it reports a new file, amid the progress of cells
         return MlflowClient(tracking_uri=self.uri or None)
 
 
 class Run:
-    """One cell's."""
+    """MLflow's run of one cell."""
 
     def __init__(self, client: "MlflowClient", run: str) -> None:
         self._client, self._run = client, run

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from tensorboard.summary import Writer
 
 LONGEST = 100
-"""Characters of a folder's name that come from the title of a cell."""
+"""The largest number of characters that a folder's name takes from the title of its cell."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class TensorBoard:
 
 
 class Events:
-    """The files of one cell; one that goes on adds a file to them."""
+    """The event files of one cell. A cell that goes on adds a file to them."""
 
     def __init__(self, writer: "Writer") -> None:
         self._writer = writer
@@ -45,7 +45,7 @@ class Events:
         with np.errstate(over="ignore"):  # it keeps float32: what is too large becomes infinite
             for name, value in scalars.items():
                 self._writer.add_scalar(name, value, steps)
-        self._writer.flush()  # who looks on sees it now
+        self._writer.flush()  # so that TensorBoard shows it now
 
     def end(self, outcome: Outcome, reason: str) -> None:
         """See `harness.tracker.Track`."""

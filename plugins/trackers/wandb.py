@@ -1,4 +1,4 @@
-"""Weights & Biases."""
+"""The tracker `wandb`, for Weights & Biases."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -18,9 +18,10 @@ STEPS = "steps"
 
 @dataclass(frozen=True)
 class WandB:
-    """A run for each cell, grouped by combination; in ``wandb/`` of the working directory, and online unless told not.
+    """A run for each cell, grouped by combination.
 
-    The library's own environment variables hold, such as WANDB_DIR and WANDB_BASE_URL.
+    Runs are kept in ``wandb/`` of the working directory. They are also sent to the service, unless mode is offline. The
+    library's own environment variables, such as WANDB_DIR and WANDB_BASE_URL, have effect.
     """
 
     project: Annotated[str, Field(min_length=1, description="that the runs belong to")] = "fd100-harness"
@@ -41,7 +42,8 @@ class WandB:
         """See `harness.tracker.Tracker`."""
         import wandb
 
-        # symlink: nothing is written into an experiment's folder with links, and the working directory may be one.
+        # symlink=False: the harness writes nothing into an experiment's folder that holds links, and the working
+        # directory may be such a folder.
         settings = wandb.Settings(silent=True, console="off", symlink=False, x_disable_stats=True)
         run = wandb.init(
             project=self.project,
@@ -60,7 +62,7 @@ class WandB:
 
 
 class Run:
-    """One cell's."""
+    """The run of one cell."""
 
     def __init__(self, run: "wandb.Run") -> None:
         self._run = run

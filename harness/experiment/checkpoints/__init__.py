@@ -1,1 +1,1 @@
-"""What a killed training goes on from."""
+"""Checkpoints, from which a killed training goes on."""

@@ -51,7 +51,7 @@ class Attempt:
 
     @property
     def seconds(self) -> float:
-        """Since the training began, without what was done after the checkpoint and lost."""
+        """Seconds of training so far, without the time after the checkpoint, whose work was lost."""
         return time.perf_counter() - self._start + (self.checkpoint.seconds if self.checkpoint else 0.0)
 
 
@@ -62,7 +62,7 @@ def begin_attempt(
     every: int | None,
     restore: Restore,
 ) -> Attempt:
-    """Go on from the checkpoint in a partial folder, or start over; which of the two is written into its log.
+    """Go on from the checkpoint in a partial folder, or start over. The log says which of the two.
 
     Args:
         cell: To be trained.
@@ -80,13 +80,13 @@ def begin_attempt(
     if not checkpoint:
         _empty(folder)
     for path in filter(is_partial, folder.iterdir()):
-        path.unlink()  # half of a checkpoint that was being written
+        path.unlink()  # a checkpoint that was half written
     discard_rings(folder, but=checkpoint.rings.values() if checkpoint else ())
     return Attempt(folder, origin, every, checkpoint, note)
 
 
 def _usable_checkpoint(folder: Path, origin: Mapping[str, Any], restore: Restore) -> tuple[Checkpoint | None, str]:
-    """The checkpoint that was left, the env put where it says; or why there is none to go on from."""
+    """The checkpoint, after the env was restored from it; or the reason why none can be used."""
     if not (folder / CHECKPOINT).is_file():
         return None, "no checkpoint was left"
     try:

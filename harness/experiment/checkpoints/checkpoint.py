@@ -32,7 +32,7 @@ ALGORITHM, ENV = "algorithm/", "env/"
 
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
-    """How far a training had come.
+    """A checkpoint: the state of a training at some step.
 
     Attributes:
         steps: Environment steps that were done.
@@ -53,7 +53,7 @@ class Checkpoint:
     seconds: float = 0.0
 
     def write(self, folder: Path) -> None:
-        """Put it into `folder` in place of an earlier one: at every moment one of the two is whole."""
+        """Put it into `folder` in place of an earlier one. At every moment one of the two is whole."""
         arrays = {name: np.array(array, order="C") for name, array in self._arrays().items()}
         about = {
             "format": FORMAT,
@@ -133,7 +133,7 @@ def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:
 
 
 def _digest(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> str:
-    """SHA-256 of all that a checkpoint holds: a flipped bit is no other training."""
+    """SHA-256 of everything in a checkpoint. It finds a flipped bit, which would make another training of it."""
     digest = hashlib.sha256(json.dumps(about, sort_keys=True).encode())
     for name in sorted(arrays):
         array = arrays[name]

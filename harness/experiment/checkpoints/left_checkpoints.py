@@ -8,11 +8,11 @@ from harness.experiment.checkpoints.checkpoint import Checkpoint, store
 from harness.progress import TrainingState
 
 SECONDS = 600.0
-"""From one checkpoint to the next, where nobody says how many steps."""
+"""Seconds between two checkpoints, if no number of steps is given."""
 
 
 class LeftCheckpoints:
-    """Knows when the next one is due, and what of a replay buffer is written already."""
+    """Writes checkpoints when they are due. It knows which rows of a replay buffer are written already."""
 
     def __init__(self, attempt: Attempt) -> None:
         """Begin to count.
@@ -25,7 +25,7 @@ class LeftCheckpoints:
         self._rings = attempt.checkpoint.rings if attempt.checkpoint else {}
 
     def is_due(self, steps: int) -> bool:
-        """Whether one is, after so many environment steps."""
+        """Whether a checkpoint is due after `steps` environment steps."""
         every = self._attempt.every
         if every is None:
             return time.perf_counter() - self._since >= SECONDS
@@ -34,7 +34,7 @@ class LeftCheckpoints:
     def leave(
         self, steps: int, algorithm: TrainingState, env: TrainingState, seconds: float, parts: Sequence[str] = ()
     ) -> None:
-        """Leave one; see `Checkpoint` for what the arguments are."""
+        """Write a checkpoint; see `Checkpoint` for the arguments."""
         stored = store(self._attempt.folder, algorithm, env, self._rings)
         Checkpoint(steps, self._attempt.origin, parts=tuple(parts), seconds=seconds, **stored).write(
             self._attempt.folder
@@ -42,6 +42,6 @@ class LeftCheckpoints:
         self._last, self._since, self._rings = steps, time.perf_counter(), stored["rings"]
 
     def restored(self) -> TrainingState | None:
-        """What an algorithm needs to go on, where the training does."""
+        """What an algorithm needs to go on; None if the training begins anew."""
         checkpoint = self._attempt.checkpoint
         return checkpoint.restored(self._attempt.folder) if checkpoint else None

@@ -27,7 +27,7 @@ class RingPart(NamedTuple):
 
 @dataclass(frozen=True)
 class StoredRing:
-    """Where the rows of a ring are.
+    """The files that hold the rows of a ring.
 
     Attributes:
         capacity: See `harness.progress.Ring`.
@@ -41,7 +41,7 @@ class StoredRing:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `dataclasses.asdict` made of it, read from JSON."""
+        """The ring's files from what `dataclasses.asdict` returned, after it was read from JSON."""
         return cls(data["capacity"], data["written"], tuple(RingPart(*part) for part in data["parts"]))
 
     @property
@@ -51,9 +51,9 @@ class StoredRing:
 
 
 def store_ring(folder: Path, name: str, ring: Ring, before: StoredRing | None) -> StoredRing:
-    """Write the rows that came since `before` was stored, if it was; returns where all are."""
+    """Write the rows that are new since `before`, if there is a `before`; returns where all rows are."""
     stored = StoredRing(len(next(iter(ring.columns.values()))), ring.written)
-    if before is None or before.written > ring.written:  # it was emptied
+    if before is None or before.written > ring.written:  # the ring was emptied
         before = StoredRing(stored.capacity, 0)
     kept = tuple(part for part in before.parts if part.end > stored.oldest)
     first = max(before.written, stored.oldest)
@@ -67,7 +67,7 @@ def store_ring(folder: Path, name: str, ring: Ring, before: StoredRing | None) -
 
 
 def _rows(column: NDArray[Any], first: int, end: int) -> NDArray[Any]:
-    """Rows `first` to `end` - 1 of a ring's column, in order; no copy where they stand so."""
+    """Rows `first` to `end` - 1 of a ring's column, in order. It is no copy if they already stand in order."""
     top, count = first % len(column), end - first
     beyond = top + count - len(column)
     rows = column[top : top + count] if beyond <= 0 else np.concatenate([column[top:], column[:beyond]])
@@ -87,7 +87,7 @@ def read_ring(folder: Path, stored: StoredRing) -> Ring:
 
 
 def require_rings(folder: Path, rings: Iterable[StoredRing]) -> None:
-    """See whether all rows are as they were written.
+    """Check that all rows are as they were written.
 
     Raises:
         SchemaError: Rows, or a file, are missing or damaged.
@@ -104,7 +104,7 @@ def require_rings(folder: Path, rings: Iterable[StoredRing]) -> None:
 
 
 def discard_rings(folder: Path, but: Iterable[StoredRing] = ()) -> None:
-    """Remove the files of all rings `but` those."""
+    """Remove the files of all rings except those in `but`."""
     named = {part.file for ring in but for part in ring.parts}
     for path in folder.glob("ring.*.safetensors"):
         if path.name not in named:

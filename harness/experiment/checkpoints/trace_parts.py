@@ -118,7 +118,7 @@ def discard_parts(path: Path, first: int = 0) -> None:
 
 
 def require_parts(path: Path, digests: Sequence[str]) -> None:
-    """See whether the finished parts of a trace are as they were finished.
+    """Check that the finished parts of a trace have not changed.
 
     Raises:
         SchemaError: One is missing or damaged.

@@ -1,1 +1,1 @@
-"""Cells whose task is any Gymnasium environment: how they are planned, and how they are done."""
+"""Plans and does cells whose task is any Gymnasium environment."""

@@ -1,4 +1,4 @@
-"""A policy acts in an environment of anybody, on observations as that has them."""
+"""Lets a policy act in somebody's environment, on the observations of that environment."""
 
 from typing import Any
 
@@ -11,10 +11,10 @@ from harness.recorder.evaluate_policy import FIRST_SEED
 
 
 class Acting:
-    """From an observation to an action; a new one draws the same actions again, if it draws any."""
+    """Turns an observation into an action. A new object draws the same actions again, if it draws any."""
 
     def __init__(self, env: AnyEnv, policy: Policy, deterministic: bool) -> None:
-        """Make ready to act.
+        """Prepare to act.
 
         Args:
             env: That is acted in.
@@ -26,6 +26,6 @@ class Acting:
         self._rng = None if deterministic else np.random.default_rng(FIRST_SEED)
 
     def __call__(self, observation: Any) -> Any:
-        """The action, as the env takes it."""
+        """The action in the form that the env takes."""
         action = self._policy.act(flat_observation(self._space, observation)[np.newaxis], self._rng)[0]
         return int(action) if np.ndim(action) == 0 else np.asarray(action, self._type)

@@ -1,4 +1,4 @@
-"""Envs of anybody as the one vector env that an algorithm trains on."""
+"""Joins somebody's envs to the vector env that an algorithm trains on."""
 
 import math
 from collections import deque
@@ -117,11 +117,11 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         return self._log.is_complete
 
     def state(self) -> TrainingState:
-        """What was done since the first reset, which had a seed; see `do_again`."""
+        """What was done since the first reset, which had a seed; for `do_again`."""
         return self._log.state()
 
     def do_again(self, state: TrainingState, seed: int, tell: Callable[[int], None]) -> None:
-        """Bring new envs to where others were, by telling them the same.
+        """Bring new envs to the state of others by giving them the same calls.
 
         Args:
             state: Of the others.
@@ -149,7 +149,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
             env.close()
 
     def _end(self, k: int, env: RecordRewards[Any, Any]) -> bool:
-        """Note an episode that ended; returns whether in success."""
+        """Note an episode that ended; returns whether it ended in success."""
         self.returns.append(float(self._paid[k]))
         self._paid[k] = 0.0
         told = env.recorded.get(f"{BEHAVIOUR}{SUCCESS}", math.nan)
@@ -159,7 +159,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
 
 
 def _require_paid_by_goals(goals: Goals, told: Any, paid: float) -> None:
-    """Raise UsageError where a step was paid otherwise than by the goals observed after it."""
+    """Raise UsageError if a step was not paid what the reward pays for the goals observed after it."""
     pays = float(np.asarray(goals.pay(told[ACHIEVED][np.newaxis], told[DESIRED][np.newaxis]))[0])
     if abs(pays - paid) > 1e-6 + 1e-5 * abs(paid):
         raise UsageError(
@@ -169,7 +169,7 @@ def _require_paid_by_goals(goals: Goals, told: Any, paid: float) -> None:
 
 
 def _seeds(seed: int | Sequence[int | None] | None, count: int) -> list[int | None]:
-    """Of each env."""
+    """The seed of each env."""
     if isinstance(seed, Sequence):
         return list(seed)
     return [None if seed is None else seed + k for k in range(count)]

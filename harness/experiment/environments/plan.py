@@ -1,4 +1,4 @@
-"""What an environment has, looked at before anything runs: its rewards, and which algorithms can train in it."""
+"""Looks at an environment before anything runs: its rewards, and which algorithms can train in it."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
@@ -29,7 +29,7 @@ PLACES = ("tasks", "environments")
 
 @dataclass(frozen=True)
 class Looked:
-    """What one env of an environment showed.
+    """What an env of an environment showed.
 
     Attributes:
         label: Of the environment.
@@ -90,7 +90,7 @@ def kind_of_task(given: Given, registry: Registry) -> str:
 
 
 def require_known(task: Given, registry: Registry) -> None:
-    """See that a task is registered.
+    """Check that a task is registered.
 
     Raises:
         UsageError: It is not; names the environments too, of which it might have been one.
@@ -103,7 +103,7 @@ def require_known(task: Given, registry: Registry) -> None:
 
 
 def refuse_places(sim: Sequence[Given], robot: str | None, evaluate_every: int) -> None:
-    """See that nothing is asked for that an environment brings itself.
+    """Refuse options for what an environment brings itself.
 
     Raises:
         UsageError: Something is.
@@ -121,7 +121,7 @@ def refuse_places(sim: Sequence[Given], robot: str | None, evaluate_every: int) 
 
 
 def look_at(task: Choice, registry: Registry) -> Looked:
-    """Make an env, and look.
+    """Make an env, and look at its rewards, observations and actions.
 
     Raises:
         UsageError: The environment, or a library for it, cannot be used.

@@ -1,4 +1,4 @@
-"""What policies observe and do in an environment of anybody: flat numbers in, a box or a choice out."""
+"""Observations and actions of policies in somebody's environment: flat numbers in, a box or a choice out."""
 
 from typing import Any
 
@@ -11,9 +11,9 @@ from harness.arrays import Float32
 from harness.errors import UsageError
 
 MOST_NUMBERS = 1_000_000
-"""Of an observation."""
+"""The most numbers that an observation may have."""
 ACHIEVED, DESIRED = "achieved_goal", "desired_goal"
-"""Keys of observations that tell of goals."""
+"""Keys of observations that hold goals."""
 
 
 def flat_observations(space: gymnasium.Space[Any]) -> Box:
@@ -32,13 +32,13 @@ def flat_observations(space: gymnasium.Space[Any]) -> Box:
 
 
 def flat_observation(space: gymnasium.Space[Any], observation: Any) -> Float32:
-    """An observation as one row of numbers, (observation_size,); one of dicts in the order of the space's keys."""
+    """An observation as one row of numbers, (observation_size,); a dict in the order of the space's keys."""
     flat: Float32 = np.asarray(flatten(space, observation), np.float32).ravel()
     return flat
 
 
 def goal_columns(space: gymnasium.Space[Any]) -> tuple[slice, slice]:
-    """Where a `flat_observation` has the achieved goal, and where the desired one.
+    """The columns of the achieved and of the desired goal in a `flat_observation`.
 
     Raises:
         UsageError: Observations of `space` tell of no goals.
@@ -75,5 +75,5 @@ def kind_of_actions(space: gymnasium.Space[Any]) -> ActionSpace:
 
 
 def flat_actions(space: gymnasium.Space[Any]) -> gymnasium.Space[Any]:
-    """The space that algorithms see: the env's own, of continuous actions in float32."""
+    """The space of actions that algorithms see: the env's own, in float32 if actions are continuous."""
     return Box(space.low, space.high, space.shape, np.float32) if isinstance(space, Box) else space

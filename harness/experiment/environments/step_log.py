@@ -1,4 +1,4 @@
-"""What envs were told since they were made, and a digest of what they answered: enough to do all of it again.
+"""The calls that envs got since they were made, and a digest of their answers: enough to do all of it again.
 
 The state of an env of anybody cannot be kept. But an env that draws whatever it draws from the generator that a seeded
 reset gives it, as Gymnasium asks, does the same again when it is told the same.
@@ -16,11 +16,11 @@ from harness.errors import SchemaError
 from harness.progress import Ring, TrainingState, as_state
 
 FIRST_ROOM = 1024
-"""Decisions that there is room for in the beginning."""
+"""The number of decisions for which there is room at the beginning."""
 
 
 class StepLog:
-    """Grows with every decision: by an action of each env.
+    """A log that grows with every decision by an action of each env.
 
     Attributes:
         is_complete: False where they were reset in a way that the log does not hold.
@@ -33,14 +33,14 @@ class StepLog:
         self._digest = hashlib.sha256()
 
     def note_reset(self, is_plain: bool) -> None:
-        """All envs were reset: at first with a seed, which whoever does it again knows, and then without anything."""
+        """Note a reset of all envs. The first reset has a seed, which is not noted; later ones have none."""
         self.is_complete &= is_plain == self._has_begun
         if self._has_begun:
             self._resets.append(self._decisions)
         self._has_begun = True
 
     def note_actions(self, actions: NDArray[Any]) -> None:
-        """They were told one action each, (num_envs, ...)."""
+        """Note the actions of a decision, (num_envs, ...)."""
         if self._decisions == len(self._actions):
             grown = np.empty((max(FIRST_ROOM, 2 * self._decisions), *actions.shape), actions.dtype)
             grown[: self._decisions] = self._actions[: self._decisions] if self._decisions else 0
@@ -49,12 +49,12 @@ class StepLog:
         self._decisions += 1
 
     def note_answers(self, *answers: NDArray[Any]) -> None:
-        """They answered so: arrays whose order in memory is that of their rows."""
+        """Note the envs' answers, which are arrays in row-major order."""
         for answer in answers:
             self._digest.update(answer.data)
 
     def state(self) -> TrainingState:
-        """All of it; see `actions_of`."""
+        """The whole log; see `actions_of`."""
         return as_state(
             {
                 "actions": Ring({"actions": self._actions}, self._decisions),
@@ -64,7 +64,7 @@ class StepLog:
         )
 
     def require_same(self, state: TrainingState) -> None:
-        """See that what was done again was answered as before.
+        """Check that the envs gave the same answers when the calls were repeated.
 
         Raises:
             SchemaError: It was not.

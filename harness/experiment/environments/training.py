@@ -1,4 +1,4 @@
-"""Train and evaluate one cell in an environment of anybody."""
+"""Trains and evaluates one cell in somebody's environment."""
 
 import importlib
 import math
@@ -38,7 +38,7 @@ from harness.registry.spec import blamed_on
 
 @dataclass(frozen=True)
 class EnvironmentTraining:
-    """One cell on its way."""
+    """The training of one cell."""
 
     cell: Cell
     registry: Registry
@@ -72,7 +72,7 @@ class EnvironmentTraining:
     def _begin(
         self, environment: Environment, algorithm: Algorithm, draft: Draft[Manifest]
     ) -> tuple[Attempt, EnvironmentBatch]:
-        """Envs where the training begins: that of a process that was killed goes on, where that can be."""
+        """Envs in the state in which the training begins. After a kill it goes on where it was, if that is possible."""
         folder, done_again = draft.partial, list[EnvironmentBatch]()
 
         def restore(state: TrainingState) -> None:
@@ -105,7 +105,7 @@ class EnvironmentTraining:
 
     @property
     def _seeds(self) -> tuple[int, int]:
-        """Of the envs and of the algorithm."""
+        """The seeds of the envs and of the algorithm."""
         env, algorithm = np.random.SeedSequence(self.cell.seed).generate_state(2).tolist()
         return env, algorithm
 
@@ -140,7 +140,7 @@ class EnvironmentTraining:
             return environment.make()
 
     def _told(self, environment: Environment, env: AnyEnv) -> Mapping[str, Any]:
-        """What recordings are told of an env."""
+        """What a recording says about an env."""
         with blamed_on(self.registry.get("environments", self.cell.task.name), "its rewards were named"):
             return {
                 "trained_with": self.cell.reward.name,
@@ -192,7 +192,7 @@ class TrainingProgress(Progress):
         return self._checkpoints.restored()
 
     def learned(self) -> dict[str, float]:
-        """What there is to tell now, by the names of `harness.progress`."""
+        """The numbers to report now, by the names of `harness.progress`."""
         now, batch, found = time.monotonic(), self._batch, {}
         if now > self._told:
             found[SPEED] = (batch.environment_steps - self._steps) / (now - self._told)
@@ -204,7 +204,7 @@ class TrainingProgress(Progress):
 
 
 class _Act:
-    """Acts, and says now and then that the evaluation gets on."""
+    """Acts, and reports now and then that the evaluation goes on."""
 
     def __init__(self, act: Acting, cell: Cell, report: Report) -> None:
         self._act, self._cell, self._beat = act, cell, Beat(report)

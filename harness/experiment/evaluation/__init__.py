@@ -1,1 +1,1 @@
-"""Evaluations of policies: what they share, when they happen, what they are held against."""
+"""Evaluations of policies: what they share, when they happen, what they are compared with."""

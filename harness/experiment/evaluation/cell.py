@@ -22,7 +22,7 @@ SECTION = "Evaluation"
 
 
 class CellEvaluations:
-    """Evaluates policies of a cell in envs made for it, so that the training takes no notice.
+    """Evaluates policies of a cell in envs of their own, so that the training does not change.
 
     Attributes:
         seconds: What the evaluations took during training.
@@ -65,7 +65,7 @@ class CellEvaluations:
         path.parent.mkdir(exist_ok=True)
         partial = path.with_name(f".{path.name}")
         self._evaluate(steps, make(), partial)
-        partial.rename(path)  # a process that is killed leaves no half of an evaluation under its name
+        partial.rename(path)  # so a killed process leaves no half-written evaluation under this name
         self.seconds += time.perf_counter() - clock
 
     def finish(self, policy: Policy, floor: bool) -> None:
@@ -87,7 +87,7 @@ class CellEvaluations:
             return
         try:
             scalars = evaluation_scalars(read_trace(path), self._registry)
-        except Exception:  # what is there to look at decides no result
+        except Exception:  # these numbers are only looked at, they change no result
             with (self._folder / LOG).open("a") as log:
                 traceback.print_exc(file=log)
         else:
@@ -95,7 +95,7 @@ class CellEvaluations:
 
 
 def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
-    """The return and every registered metric, ``Evaluation/Success Rate``; what is not defined or fails is left out."""
+    """The return and all metrics, such as ``Evaluation/Success Rate``. Undefined or failed ones are left out."""
     # Most runs have no tracker: their processes start without what reads results.
     from harness.results.measured import measure
     from harness.results.metrics import load_metrics

@@ -22,7 +22,7 @@ from harness.robot import Robot
 from harness.task import Task, goal_of
 
 EVALUATION_SEED = 20_211_118
-"""Of the starts and targets of every evaluation; not among the small numbers that people seed training with."""
+"""Seed of the starts and targets of every evaluation. It is not one of the small numbers that people train with."""
 
 Act = Callable[[Float32], NDArray[Any]]
 
@@ -36,7 +36,7 @@ def evaluate(
     ik_steps: Sequence[int | None] | None = None,
     on_step: Callable[[], None] = lambda: None,
 ) -> None:
-    """Let `act` do so many episodes, one in each env of a batch, and record them.
+    """Let `act` do `episodes` episodes, one in each env of a batch, and record them.
 
     Args:
         world: Where.
@@ -69,7 +69,7 @@ def evaluate(
 
 
 def facts_of(task: Task, robot: Robot) -> EpisodeFacts:
-    """What is known of the episodes of a task before there are any."""
+    """The facts about a task's episodes that are known before any episode."""
     goal, facts = goal_of(task, robot), EpisodeFacts(task.horizon, task.control_period, arms=_arms(task, robot))
     return facts if goal is None else replace(facts, error=goal.error, unit=goal.unit, target_moves=goal.moves)
 
@@ -82,12 +82,12 @@ def _arms(task: Task, robot: Robot) -> tuple[Factors, ...] | None:
 
 
 def act_of(policy: Policy, deterministic: bool) -> Act:
-    """How `policy` acts in an evaluation; what it draws there depends on nothing that was drawn before."""
+    """How `policy` acts in an evaluation. What it draws there does not depend on earlier draws."""
     if deterministic:
         return policy.act
     return partial(policy.act, rng=np.random.default_rng([EVALUATION_SEED, 2]))
 
 
 def random_actions(floor: Policy) -> Act:
-    """What `floor`, a policy that chooses uniformly, draws; the same in every evaluation."""
+    """The random actions of `floor`, a policy that chooses uniformly. They are the same in every evaluation."""
     return partial(floor.act, rng=np.random.default_rng([EVALUATION_SEED, 1]))

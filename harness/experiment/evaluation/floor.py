@@ -1,4 +1,4 @@
-"""Which cells evaluate random actions, the floor that policies are held against: one for all that share it."""
+"""Chooses the cells that evaluate random actions, the floor for policies: one cell for all that share the floor."""
 
 from collections.abc import Sequence
 

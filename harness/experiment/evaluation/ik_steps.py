@@ -1,4 +1,4 @@
-"""How fast the arm's own kinematics are at the target: what an evaluation's steps are held against."""
+"""How many steps inverse kinematics take to the target. The steps of an evaluation are compared with them."""
 
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -37,7 +37,7 @@ def ik_steps(world: World, episodes: int, seed: int) -> tuple[int | None, ...] |
 
 @dataclass(frozen=True)
 class _Question:
-    """What the answer depends on, and the world to find it in, which says nothing more."""
+    """Everything that the answer depends on, and the world in which it is found, which adds nothing to that."""
 
     parts: tuple[str, ...]
     episodes: int
@@ -47,7 +47,7 @@ class _Question:
 
 @lru_cache(maxsize=16)
 def _answer(question: _Question) -> tuple[int | None, ...] | None:
-    """A process that does several cells asks once."""
+    """The answer. A process that does several cells computes it once."""
     world, episodes, seed = question.world, question.episodes, question.seed
     try:
         if varies(world.task):

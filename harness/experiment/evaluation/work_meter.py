@@ -25,7 +25,7 @@ class WorkMeter:
             self._kept.append(rows[rows[:, COLUMN["episode"]] == 0.0][:, self._columns])
 
     def work(self) -> tuple[float, ...] | None:
-        """By env, [J]; None where the arm jumps from pose to pose or its links have no mass."""
+        """The work by env, [J]; None if the arm jumps from pose to pose, or if its links have no mass."""
         if self._bodies is None:
             return None
         rows = np.concatenate(self._kept)

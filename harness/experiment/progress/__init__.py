@@ -1,1 +1,1 @@
-"""What is told of cells while they run, and what is written as they end."""
+"""Reports on cells while they run, and writes down what they leave when they end."""

@@ -1,4 +1,4 @@
-"""A word now and then: who watches a cell should not take it for one that hangs."""
+"""Reports progress now and then, so that a working cell is not taken for one that hangs."""
 
 import time
 
@@ -6,17 +6,17 @@ from harness.executor import Word
 from harness.experiment.workers.order import Report
 
 EVERY = 1.0
-"""Seconds from one word to the next, at least."""
+"""The least seconds between two reports."""
 
 
 class Beat:
-    """Says that the work gets on, as often as `EVERY` allows."""
+    """Reports that the work goes on, as often as `EVERY` allows."""
 
     def __init__(self, report: Report) -> None:
         self._report, self._told = report, time.monotonic()
 
     def __call__(self, steps: int) -> None:
-        """The work gets on; `steps` of the training are done."""
+        """Report that the work goes on, with `steps` of the training done, if a report is due."""
         if time.monotonic() >= self._told + EVERY:
             self._told = time.monotonic()
             self._report(Word(steps))

@@ -1,4 +1,4 @@
-"""What becomes of a cell's progress."""
+"""Passes on the progress of a cell."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""What a report needs of a cell, made as the cell ends: the first report finds it. The table of all cells too."""
+"""Computes what a report needs of a cell when the cell ends, and writes the table of all cells."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -28,7 +28,7 @@ class EndedCells:
         self._table = TableSoFar(store, self._cells)
 
     def add(self, ended: Manifest) -> None:
-        """A cell has ended, whichever way.
+        """Take in a cell that has ended, in whatever way.
 
         Raises:
             OSError: The table cannot be written.
@@ -39,20 +39,20 @@ class EndedCells:
         self._table.refresh()
 
     def refresh(self) -> None:
-        """Some time has passed; see `TableSoFar.refresh`."""
+        """Call this now and then; see `TableSoFar.refresh`."""
         self._table.refresh()
 
     def finish(self) -> None:
-        """No other cell will end; see `TableSoFar.write`."""
+        """Call this when all cells have ended; see `TableSoFar.write`."""
         self._table.write()
 
     def keep(self, done: Manifest) -> None:
-        """Whatever a plugin raises here, the report will meet and tell: the run goes on."""
+        """Compute what a report needs. An error of a plugin does not stop the run, because the report will show it."""
         with suppress(Exception):
             self._cells.keep(done, self._compared_with(done.cell), self._scoring)
 
     def _compared_with(self, cell: Cell) -> list[Choice]:
-        """The baseline with every other reward, and those with it; in the null control with itself."""
+        """The rewards to compare with: the others for the baseline, the baseline for others, itself for a control."""
         baseline = self._plan.baseline
         return [
             reward

@@ -1,4 +1,4 @@
-"""What happens to an experiment's cells while an executor does them, written down as it happens."""
+"""Writes down what happens to an experiment's cells while an executor does them."""
 
 import math
 import time
@@ -15,7 +15,7 @@ from harness.record.store import Store
 
 NOTHING: Mapping[Cell, Manifest] = {}
 WRITE_EVERY = 2.0
-"""Seconds from one account of the running cells to the next."""
+"""Seconds between two records of the running cells."""
 
 
 class Followed:
@@ -34,7 +34,7 @@ class Followed:
         again: Mapping[Cell, Manifest] = NOTHING,
         now: Callable[[], float] = time.time,
     ) -> None:
-        """Nothing has happened yet.
+        """Start before any event.
 
         Args:
             store: Where the cells are.
@@ -51,7 +51,7 @@ class Followed:
         self.failed: list[Cell] = []
 
     def __call__(self, event: Event) -> None:
-        """Something happened to a cell."""
+        """Take in an event of a cell."""
         if event.kind == "ended":
             event = self._end(event)
         else:
@@ -64,7 +64,7 @@ class Followed:
         self._on_event(event)
 
     def stop(self) -> None:
-        """No cell is running any more."""
+        """Call this when no cell is running any more."""
         self._tracking.pass_on()
         self._tracking.close()
         discard_running(self._store.folder)
@@ -83,7 +83,7 @@ class Followed:
         return event._replace(reason=manifest.reason, note=manifest.note)
 
     def _write(self, at_once: bool) -> None:
-        """Tell other processes what is running, now and then; trackers after them."""
+        """Write down what is running, now and then, for other processes. Trackers get it afterwards."""
         if at_once or self._now() >= self._written + WRITE_EVERY:
             self._written = self._now()
             write_running(self._store.folder, self._running)
@@ -91,6 +91,6 @@ class Followed:
 
 
 def _shown(scalars: Mapping[str, float]) -> dict[str, float]:
-    """Of the numbers those that ``harness status`` shows."""
+    """The numbers that ``harness status`` shows."""
     names = {"success": SUCCESS, "mean_return": RETURN}
     return {key: scalars[name] for key, name in names.items() if math.isfinite(scalars.get(name, math.nan))}

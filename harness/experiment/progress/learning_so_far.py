@@ -1,4 +1,4 @@
-"""What the last episodes of a training came to, while it goes on."""
+"""Results of the last episodes of a training while it goes on."""
 
 import time
 from collections import deque
@@ -28,7 +28,7 @@ class LearningSoFar:
     BLOCK = 4096
 
     def __init__(self, recorder: Recorder, begun_from: int = 0, now: Callable[[], float] = time.monotonic) -> None:
-        """Nothing has ended yet.
+        """Start before any episode has ended.
 
         Args:
             recorder: Gets the rows.
@@ -56,7 +56,7 @@ class LearningSoFar:
         return self.scalars(steps) if self._now() >= self._told + TELL_EVERY else NO_SCALARS
 
     def scalars(self, steps: int) -> dict[str, float]:
-        """What there is to tell after `steps`, by the names of `harness.progress`; nothing if that was told."""
+        """The scalars after `steps`, by the names of `harness.progress`; empty if they were reported before."""
         if steps == self._steps:
             return {}
         self._add_up()

@@ -1,4 +1,4 @@
-"""``results.parquet`` while cells run: who reads it half-way finds the cells that have ended."""
+"""Writes ``results.parquet`` while cells run. Readers find in it the cells that have ended so far."""
 
 import math
 import time
@@ -13,11 +13,11 @@ from harness.results.measured import Measured
 from harness.results.table import Row, row_of, write_table
 
 EVERY = 30.0
-"""Seconds from one table to the next, at least: with many cells each takes longer to write."""
+"""The least seconds between two tables. With many cells a table takes longer to write."""
 
 
 class TableSoFar:
-    """The table of an experiment in which cells end."""
+    """The table of an experiment while its cells end."""
 
     def __init__(self, store: Store, cells: DoneCells, clock: Callable[[], float] = time.monotonic) -> None:
         """Read nothing yet.
@@ -33,7 +33,7 @@ class TableSoFar:
         self._due = -math.inf
 
     def add(self, ended: Manifest) -> None:
-        """A cell has ended; the next table has it."""
+        """Take in a cell that has ended. The next table has it."""
         self._missing[ended.cell.id] = ended
 
     def refresh(self) -> None:

@@ -1,4 +1,4 @@
-"""Tells trackers what happens to cells. Whatever a tracker does, the cells go on."""
+"""Tells trackers what happens to cells. The cells go on, no matter what a tracker does."""
 
 import queue
 import threading
@@ -63,7 +63,7 @@ def tracked_cell(cell: Cell, begun: float, folder: Path) -> TrackedCell:
 
 
 class Trackers:
-    """Tells each tracker in a thread of its own: one that waits for a server holds nobody up."""
+    """Tells each tracker in a thread of its own, so that a tracker that waits for a server delays nothing else."""
 
     def __init__(self, trackers: Mapping[str, Tracker], on_trouble: OnTrouble, within: float = CLOSE_WITHIN) -> None:
         """Begin nothing yet.
@@ -107,7 +107,7 @@ class Trackers:
             listener.tell(order)
 
     def _complain(self) -> None:
-        """Of those that gave up since."""
+        """Report the trackers that gave up since the last call."""
         for listener in [one for one in self._listeners if one.trouble]:
             self._listeners.remove(listener)
             self._on_trouble(f"tracker '{listener.label}' is switched off, the cells go on: {listener.trouble}")
@@ -130,7 +130,7 @@ class _Listener:
         self._thread.start()
 
     def begin(self, cell: TrackedCell) -> None:
-        """In its thread."""
+        """Begin a cell, in the thread of the tracker."""
         self.tracks[cell.id] = self._tracker.begin(cell)
 
     def tell(self, order: "Callable[[_Listener], None]") -> None:
@@ -138,11 +138,11 @@ class _Listener:
         self._orders.put(order)
 
     def close(self) -> None:
-        """Nothing more will come."""
+        """Tell the thread that nothing more will come."""
         self._orders.put(None)
 
     def wait(self, seconds: float, allowed: float) -> None:
-        """Until its thread has done everything, for so many of the `allowed` seconds at most."""
+        """Wait until its thread has done everything, for at most `seconds`. A message names the `allowed` seconds."""
         self._thread.join(seconds)
         if self._thread.is_alive():
             self.trouble = f"it has not finished within {allowed:g} s"

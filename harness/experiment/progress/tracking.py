@@ -15,7 +15,7 @@ NONE_LEFT: Mapping[str, Running] = {}
 
 
 class Tracking:
-    """Tells trackers each number once, those of a cell that goes on after a kill too.
+    """Tells trackers each number once, also for a cell that goes on after a kill.
 
     Numbers wait until `pass_on`, which is called after it was written down that trackers know of them: what the last
     seconds before a kill brought is lost to the trackers, but nothing is told twice.
@@ -42,7 +42,7 @@ class Tracking:
         self._waiting: list[tuple[str, Event]] = []
 
     def hear(self, event: Event, running: Running) -> Running:
-        """A cell tells its progress; gives what is to be written down of it."""
+        """Take in the progress of a cell; returns what has to be written down."""
         if not self._trackers:
             return running
         cell = event.cell.id
@@ -56,7 +56,7 @@ class Tracking:
         return running
 
     def pass_on(self) -> None:
-        """What was heard is written down: tell it."""
+        """Tell trackers what was taken in. Call this when it has been written down."""
         for tracked, event in self._waiting:
             self._trackers.log(tracked, event.steps, event.scalars)
         self._waiting.clear()
@@ -69,7 +69,7 @@ class Tracking:
             self._trackers.end(self._ids.pop(cell.id), outcome, reason)
 
     def close(self) -> None:
-        """The run is over, or interrupted; waits for the trackers."""
+        """Wait for the trackers, when the run is over or interrupted."""
         for tracked in self._ids.values():
             self._trackers.end(tracked, "interrupted")
         self._ids.clear()

@@ -1,1 +1,1 @@
-"""The processes that do orders: what they are told, what they answer, and how they are ended."""
+"""The processes that do orders: the orders they get, what they answer, and how they are ended."""

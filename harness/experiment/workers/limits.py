@@ -1,4 +1,4 @@
-"""Watches a process that does an order: whether it still gets on, how long it takes, how much memory it uses."""
+"""Watches a process that does an order: whether it makes progress, how long it takes, how much memory it uses."""
 
 import time
 from collections.abc import Callable
@@ -8,9 +8,9 @@ from typing import Final
 from harness.executor import Limits
 
 LOOK_EVERY: Final = 0.5
-"""Seconds from one look at the workers to the next."""
+"""Seconds between two looks at the workers."""
 LONGEST_LOOK: Final = 5.0
-"""Seconds that count at most between two looks: a machine that slept, or a stopped program, is no cell that hangs."""
+"""The most seconds that count between two looks, so that a machine that slept is not taken for a cell that hangs."""
 GIB: Final = 2**30
 
 
@@ -30,7 +30,7 @@ class Clock:
 
 @dataclass
 class Watchdog:
-    """What is known of one order that is being done.
+    """The state of an order that is being done.
 
     Attributes:
         limits: What it may take.
@@ -43,15 +43,15 @@ class Watchdog:
     _heard: float = field(init=False)
 
     def __post_init__(self) -> None:
-        """The order begins."""
+        """Begin to watch the order."""
         self._started = self._heard = self.clock.seconds
 
     def hear(self) -> None:
-        """There is news of it."""
+        """Note that there is news of the order."""
         self._heard = self.clock.seconds
 
     def complaint(self, memory: Callable[[], int]) -> str:
-        """Why it has to be ended; empty if it may go on.
+        """Why the order has to be ended; empty if it may go on.
 
         Args:
             memory: Tells the bytes that its process has in memory; asked only if there is a limit.

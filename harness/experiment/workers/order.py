@@ -1,4 +1,4 @@
-"""What a worker process is told to do: the line that it reads, and what it makes of that line."""
+"""Orders for worker processes: the line that a worker reads, and the work that it describes."""
 
 import importlib
 import json
@@ -10,14 +10,14 @@ from typing import Any, ClassVar, NamedTuple, Protocol, Self, TypeAlias
 from harness.executor import Limits, Word
 
 Report: TypeAlias = Callable[[Word], None]
-"""Told how far the work is."""
+"""A function that is told how far the work is."""
 
 
 class Work(Protocol):
     """Something that a worker can do: a frozen dataclass that says itself in JSON and leaves a folder."""
 
     noun: ClassVar[str]
-    """What to call it when its process ends too early."""
+    """The name of the work in messages, if its process ends too early."""
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same work back."""
@@ -34,12 +34,12 @@ class Order(NamedTuple):
     """One thing that a process is to do."""
 
     folder: Path
-    """It has to leave; no two orders share one."""
+    """The folder that the work has to leave. No two orders share a folder."""
     work: Work
     limits: Limits = Limits()
-    """What it may take; kept by who gives the order."""
+    """How much the order may take. The process that gives the order enforces it."""
     fresh: bool = False
-    """Whether it needs a process that did nothing before."""
+    """Whether the order needs a process that did nothing before."""
 
     def line(self) -> str:
         """What the worker reads: JSON that names the class of the work, with its content, and what the user typed."""

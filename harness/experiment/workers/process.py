@@ -15,10 +15,10 @@ from harness.experiment.workers.order import Order
 # Two one-thread processes train twice as fast as one with two threads.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 GRACE_SECONDS = 5.0
-"""For a process that is told to end, before it is killed."""
+"""Seconds that a process gets to end before it is killed."""
 
 Told: TypeAlias = tuple["WorkerProcess", str | None]
-"""Who tells, and the line; None at the end of its output."""
+"""The process that reports, and its line; None at the end of its output."""
 
 
 class WorkerProcess:
@@ -36,7 +36,7 @@ class WorkerProcess:
         threading.Thread(target=self._listen, args=(self.process.stdout, told), daemon=True).start()
 
     def give(self, order: Order) -> None:
-        """Have it do an order; if it cannot read it, its end tells."""
+        """Give the process an order. If it cannot read the order, it ends."""
         self.given += 1
         assert self.process.stdin is not None
         try:
@@ -72,7 +72,7 @@ class WorkerProcess:
         return self.process.wait()
 
     def _listen(self, lines: IO[str], told: "queue.SimpleQueue[Told]") -> None:
-        """In a thread."""
+        """Put each line into the queue; runs in a thread."""
         with lines:
             for line in lines:
                 told.put((self, line.rstrip("\n")))
@@ -95,7 +95,7 @@ def _start() -> "subprocess.Popen[str]":
 
 
 def _path_flags() -> list[str]:
-    """Where this process does not import from the working directory, what lies there is not a worker's either."""
+    """Flags that keep a worker from importing from the working directory, if this process does not do so either."""
     return [] if sys.path[:1] in ([""], [os.getcwd()]) else ["-P"]
 
 
@@ -116,5 +116,5 @@ def stop_processes(processes: Collection["subprocess.Popen[str]"]) -> None:
 
 def _close(process: "subprocess.Popen[str]") -> None:
     if process.stdin and not process.stdin.closed:
-        with suppress(BrokenPipeError):  # it has ended, and what was not written to it is of no use
+        with suppress(BrokenPipeError):  # it has ended, so what was not written does not matter
             process.stdin.close()

@@ -50,7 +50,7 @@ def _do(order: Order, parent: IO[str]) -> bool:
 
 
 def _print_into(path: Path) -> None:
-    """From now on, standard output and standard error end there."""
+    """Send standard output and standard error into a file from now on."""
     sys.stdout.flush()
     sys.stderr.flush()
     with path.open("a") as file:

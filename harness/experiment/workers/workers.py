@@ -23,7 +23,7 @@ from harness.record.folder import LOG, partial_folder
 from harness.record.log import write_log
 
 ORDERS_PER_PROCESS = 50
-"""What a library leaves behind in each order, as memory that leaks, has to stay small."""
+"""A process is replaced after so many orders, because libraries may leak memory in each."""
 
 
 class News(NamedTuple):
@@ -31,19 +31,19 @@ class News(NamedTuple):
 
     kind: Literal["started", "progress", "ended"]
     folder: Path
-    """Of the order."""
+    """The folder of the order."""
     steps: int = 0
     reason: str = ""
-    """Of an ended order: why its process left no folder; empty if it did."""
+    """Why the process of an ended order left no folder; empty if it left one."""
     scalars: Mapping[str, float] = NO_SCALARS
-    """Of progress: see `harness.executor.Word`."""
+    """The scalars of progress, see `harness.executor.Word`."""
 
 
 OnNews: TypeAlias = Callable[[News], None]
 
 
 def core_count() -> int:
-    """Cores that this process may use; where the system does not say, as on macOS and Windows, those of the machine."""
+    """Cores that this process may use; on systems that do not say it, as macOS and Windows, those of the machine."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -88,7 +88,7 @@ class _Task:
 
 @dataclass
 class Pool:
-    """The processes, and one queue of what they tell: some do an order, some wait for one, some leave.
+    """The worker processes, and one queue of their answers. Some do an order, some wait for one, some end.
 
     They are ended when the ``with`` block of the pool ends.
     """
@@ -131,7 +131,7 @@ class Pool:
         return WorkerProcess(self.told)
 
     def look(self) -> list[News]:
-        """Wait a little for what the processes tell, and end those that take too much."""
+        """Wait a little for answers, and end processes that exceed their limits."""
         try:
             told = self.told.get(timeout=LOOK_EVERY)
         except queue.Empty:
@@ -144,7 +144,7 @@ class Pool:
         return news
 
     def stop(self) -> None:
-        """End all of them; those that wait for an order end by themselves."""
+        """End all processes. Those that wait for an order end by themselves."""
         for process in self.idle:
             process.close()
         stop_processes([process.process for process in self.busy])
@@ -173,7 +173,7 @@ class Pool:
         return [News("ended", task.order.folder)]
 
     def _keep(self, process: WorkerProcess, order: Order) -> None:
-        """A process that has done an order waits for the next one, if it may do another."""
+        """Let a process that has done an order wait for the next one, if it may do another."""
         if order.fresh or process.given >= ORDERS_PER_PROCESS:
             process.close()
             self.leaving.append(process)
@@ -181,7 +181,7 @@ class Pool:
             self.idle.append(process)
 
     def _lost(self, process: WorkerProcess, task: _Task, is_stale: bool) -> list[News]:
-        """The process of an order ends: after the order, in the middle of it, or without having begun."""
+        """Deal with a process that ends: after its order, in the middle of it, or before it."""
         del self.busy[process]
         status = process.end()
         if is_stale:

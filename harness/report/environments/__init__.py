@@ -1,1 +1,1 @@
-"""What the cells of an experiment say whose task is an environment: their recorded trainings, compared."""
+"""Reports of experiments whose task is an environment. They compare the recorded trainings of the cells."""

@@ -1,4 +1,4 @@
-"""Everything that a report says of an experiment whose task is an environment, as JSON."""
+"""Everything that a report says about an experiment whose task is an environment, as JSON."""
 
 import json
 from collections.abc import Sequence

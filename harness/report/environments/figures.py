@@ -1,4 +1,4 @@
-"""What the page of a study draws of a comparison, as files: learning, ruler x behaviour, accumulated reward."""
+"""The figures of a comparison on a study's page, as files: learning, ruler x behaviour, accumulated reward."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,9 +24,9 @@ from harness.trainings.study import Study
 
 PAID = "return, as paid"
 PANELS = 3
-"""Of learning, side by side: the return, and the first measures of behaviour."""
+"""How many panels a figure of learning has, side by side: the return, and the first measures of behaviour."""
 WIDTH = 360.0
-"""Of one of them, [px]."""
+"""Width of one of these panels, [px]."""
 LEARNING = (
     "Lines: means over seeds of the episodes that ended in each twentieth of the training, each paid by its own "
     "reward. Bands: 95% intervals."
@@ -34,7 +34,7 @@ LEARNING = (
 
 
 class Figure(NamedTuple):
-    """One file."""
+    """A figure as a file."""
 
     name: str
     shows: str
@@ -42,7 +42,7 @@ class Figure(NamedTuple):
 
 
 def figures_of(studies: Sequence[PlaceStudy]) -> dict[Comparison, list[Figure]]:
-    """Those of every comparison, as SVG files; one of which nothing is known is left out."""
+    """The figures of every comparison, as SVG files. A figure without any value is left out."""
     told = [(it.title, it.study, comparison) for it in studies if it.study for comparison in it.study.comparisons]
     stems = file_stems(f"{title} {it.proposed} against {it.baseline}" for title, _, it in told)
     return {given[-1]: _figures(*given, stem) for given, stem in zip(told, stems, strict=True)}
@@ -75,7 +75,7 @@ def _learning(headline: Sequence[str], study: Study, comparison: Comparison) -> 
 
 
 def _with_paid(learning: Learning) -> Learning:
-    """One more curve for both: what each training was paid."""
+    """The same learning with one more curve for each reward: what each training was paid."""
     baseline, proposed = (
         replace(curve, points={PAID: curve.points[return_name(curve.reward)], **curve.points})
         for curve in (learning.baseline, learning.proposed)
@@ -92,7 +92,7 @@ def _heading(name: str) -> str:
 
 
 def _split(headline: Sequence[str], comparison: Comparison) -> bytes | None:
-    """The eta of the mean return, then those of I_N and I_P, each with its parts."""
+    """The figure of ruler x behaviour: the eta of the mean return, then those of I_N and I_P, each with its parts."""
     main = {} if comparison.main is None else {"eta": comparison.main.ratio}
     splits = {**main, **comparison.splits}
     headings = {"eta": f"{RETURNS} {comparison.manner}: eta = ruler x behaviour"}

@@ -15,23 +15,23 @@ from harness.trainings.study import Study, load_study
 
 
 class PlaceStudy(NamedTuple):
-    """What the done cells of one algorithm in one environment say."""
+    """The study of the done cells of one algorithm in one environment."""
 
     group: Group
     cells: tuple[Cell, ...]
     study: Study | None
-    """None where there is nothing to compare."""
+    """The study; None if there is nothing to compare."""
     reason: str
-    """Why there is none; empty if there is one."""
+    """Why there is no study; empty if there is one."""
 
     @property
     def title(self) -> str:
-        """The algorithm, and what it trained in."""
+        """The algorithm and the environment in which it trained."""
         return f"{self.group.task.label} · {self.group.algorithm.label}"
 
 
 def studies_of(results: Results) -> tuple[PlaceStudy, ...]:
-    """Of an experiment whose task is an environment; a group of which no cell is done is left out."""
+    """The studies of an experiment whose task is an environment. A group without a done cell is left out."""
     return tuple(_study(results, group, cells) for group, cells in results.groups.items())
 
 

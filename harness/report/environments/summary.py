@@ -87,7 +87,7 @@ def _describe(manifest: Manifest) -> Mapping[str, Any]:
 
 
 def _measured(studies: Sequence[PlaceStudy]) -> Iterator[tuple[str, dict[str, float | None]]]:
-    """By the cell's id: mean returns and measures of its episodes, in every manner."""
+    """Mean returns and measures of each cell's episodes in every manner, by the cell's id."""
     for study in (told.study for told in studies if told.study is not None):
         for run in study.runs.members.values():
             values: dict[str, float | None] = {}

@@ -1,4 +1,4 @@
-"""What an experiment says whose task is an environment, as a terminal shows it."""
+"""An experiment whose task is an environment, as a terminal shows it."""
 
 from collections.abc import Sequence
 
@@ -14,13 +14,13 @@ from harness.results import Results
 def environments_table(
     results: Results, studies: Sequence[PlaceStudy], command: str, details: bool = False
 ) -> RenderableType:
-    """The cells, and every study: its overview, or all of it.
+    """The cells, and the overview or the full tables of every study.
 
     Args:
-        results: Of the experiment.
-        studies: What its cells say.
-        command: Shows all that the overview rests on.
-        details: Whether to show all of it.
+        results: The results of the experiment.
+        studies: The studies of its cells.
+        command: The command that shows everything behind the overview.
+        details: Whether to show the full tables.
     """
     parts: list[RenderableType] = [Text(count_cells(results)), *map(Text, unfinished_cells(results))]
     for told in studies:

@@ -11,13 +11,13 @@ from typing import Literal, NamedTuple, TypeAlias
 Shape: TypeAlias = Literal["circle", "square", "diamond", "cross"]
 
 WIDTH = 440.0
-"""Of a figure on a page, [px]; a narrower column shows it smaller."""
+"""Width of a figure on a page, [px]. A narrower column shows it smaller."""
 GAP = math.nan
-"""As a coordinate of a line: the line is interrupted here."""
+"""A coordinate at which a line is interrupted."""
 
 
 class Axis(NamedTuple):
-    """From where to where it goes, and what is written along it."""
+    """An axis: its range, and what is written along it."""
 
     low: float
     high: float
@@ -28,7 +28,7 @@ class Axis(NamedTuple):
 
 
 class Line(NamedTuple):
-    """Through the points, in order."""
+    """A line through points, in order."""
 
     x: Sequence[float]
     y: Sequence[float]
@@ -43,7 +43,7 @@ class Line(NamedTuple):
 
 
 class Area(NamedTuple):
-    """What the points enclose."""
+    """The area that points enclose."""
 
     x: Sequence[float]
     y: Sequence[float]
@@ -57,13 +57,13 @@ class Dots(NamedTuple):
     y: Sequence[float]
     colour: str
     names: tuple[str, ...] = ()
-    """Of each, shown under the pointer."""
+    """A name for each dot, shown under the pointer."""
     shape: Shape = "circle"
     is_open: bool = False
     size: float = 4.0
-    """Half of its width, [px]."""
+    """Half the width of a dot, [px]."""
     legend: str = ""
-    """Its name in the legend; empty where it has none."""
+    """The name in the legend; empty if it has none."""
 
 
 class Word(NamedTuple):
@@ -74,7 +74,7 @@ class Word(NamedTuple):
     text: str
     anchor: Literal["start", "middle", "end"] = "middle"
     rise: float = 0.0
-    """How far it stands above the point, [px]. It is moved to the side where it would leave the panel."""
+    """How far the text stands above the point, [px]. A text that would leave the panel is moved to the side."""
 
 
 class Note(NamedTuple):
@@ -90,7 +90,7 @@ class Flag(NamedTuple):
     x: float
     text: str
     row: int = 0
-    """Of the text, counted upwards."""
+    """The row of the text, counted upwards."""
 
 
 Mark: TypeAlias = Line | Area | Dots | Word | Note | Flag
@@ -102,13 +102,13 @@ class Chart(NamedTuple):
     x: Axis
     y: Axis
     marks: tuple[Mark, ...]
-    """From the lowest to the topmost."""
+    """The marks, from the lowest to the topmost."""
     height: float = 190.0
-    """Of the panel, [px]."""
+    """Height of the panel, [px]."""
     is_square: bool = False
-    """Whether the panel is as high as it is wide, whatever `height` says."""
+    """Whether the panel is as high as it is wide. `height` has no effect then."""
     width: float = WIDTH
-    """Of the figure, with all labels, [px]."""
+    """Width of the figure, with all labels, [px]."""
 
 
 def round_ticks(low: float, high: float, most: int = 6) -> list[float]:

@@ -21,9 +21,9 @@ SAMPLE = (26.0, 12.0)
 """Width and height of a sample in a legend, [px]."""
 NOWHERE = Axis(0.0, 1.0, "", ())
 BESIDE = {"start": (0.0, 1.0), "middle": (0.5, 0.5), "end": (1.0, 0.0)}
-"""Which shares of a text lie before and behind its place."""
+"""Which shares of a text lie before and behind its place, by the text's anchor."""
 OFF = 4.0
-"""From a line to a word beside it, [px]."""
+"""Distance from a line to a word beside it, [px]."""
 
 
 class Frame(NamedTuple):
@@ -72,7 +72,7 @@ def draw_figure(chart: Chart, label: str) -> Element:
 
 
 def figure_height(chart: Chart) -> float:
-    """Of the figure with all labels, without its legend, [px]."""
+    """Height of the figure with all labels, without its legend, [px]."""
     frame = _frame(chart)
     return round(frame.top + frame.height + 2.6 * LINE)
 
@@ -106,7 +106,7 @@ def draw_sample(mark: Line | Dots) -> Element:
 
 
 def _frame(chart: Chart) -> Frame:
-    """As much room as the labels need."""
+    """The frame of a chart: it leaves as much room as the labels need."""
     names = [text for _, text in chart.y.ticks]
     left = (LINE if chart.y.title else 0.0) + 10.0 + CHARACTER * max(map(len, names), default=0)
     notes = [len(mark.text) for mark in chart.marks if isinstance(mark, Note)]
@@ -162,7 +162,7 @@ def _(mark: Line, svg: Element, frame: Frame) -> None:
 
 @_draw.register
 def _(mark: Area, svg: Element, frame: Frame) -> None:
-    """Cut off where the panel ends: an interval of a share may go below 0."""
+    """An area is cut off where the panel ends, since an interval of a share may go below 0."""
     up = np.clip(np.asarray(mark.y, np.float64), frame.chart.y.low, frame.chart.y.high).tolist()
     points = zip(frame.across(mark.x), frame.down(up), strict=True)
     SubElement(svg, "path", {"class": f"area {mark.colour}", "d": f"{_path(points)}Z"})
@@ -242,9 +242,9 @@ def _stroke(svg: Element, kind: str, points: Iterable[tuple[float, float]]) -> E
 
 
 def _path(points: Iterable[tuple[float, float]]) -> str:
-    """Straight from point to point, in tenths of a pixel; a point that is no number interrupts it.
+    """A path straight from point to point, in tenths of a pixel. A point that is NaN interrupts it.
 
-    Each point is told by how far it is from the one before it: on a page of many figures that is a megabyte less.
+    Each point is written as its distance from the point before. That saves a megabyte on a page of many figures.
     """
     given = np.array(list(points), np.float64).reshape(-1, 2)
     missing = np.isnan(given).any(axis=1)
@@ -273,6 +273,6 @@ def _text(svg: Element, x: float, y: float, text: str, anchor: str) -> Element:
 
 
 def _name(element: Element, name: str) -> None:
-    """Shown under the pointer."""
+    """Give an element a name, which is shown under the pointer."""
     if name:
         SubElement(element, "title").text = visible(name)

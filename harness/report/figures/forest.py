@@ -1,4 +1,4 @@
-"""The forest plot of behaviour: for each measure where the difference lies, and how far it can be trusted."""
+"""The forest plot of behaviour. For each measure it shows the difference and its interval."""
 
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -6,9 +6,9 @@ from xml.etree.ElementTree import Element, SubElement
 from harness.eta.behaviour_change import Change
 
 WIDTH, HEIGHT = 168.0, 18.0
-"""Of one row, [px]."""
+"""Width and height of one row, [px]."""
 REACH = 74.0
-"""From 0 in the middle to the farthest end, [px]."""
+"""Distance from 0 in the middle to the farthest end, [px]."""
 EXPLANATION = (
     "Dot and bar: the difference and its 95% interval. Each row has a scale of its own; the line is no difference, and "
     "what lies to its right is better, whether that means more or less."
@@ -16,7 +16,7 @@ EXPLANATION = (
 
 
 def draw_strip(change: Change) -> str:
-    """A row of the forest plot as an SVG element; empty where there is no difference to show."""
+    """A row of the forest plot as an SVG element; empty if there is no difference to show."""
     if change.difference is None:
         return ""
     ends = [end for end in (change.low, change.high) if end is not None]

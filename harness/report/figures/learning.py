@@ -9,7 +9,7 @@ def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> C
     """Means as lines, intervals as bands, random actions as a dotted line.
 
     Args:
-        learning: Of both rewards.
+        learning: The learning under both rewards.
         metric: Which measure; a share, such as the success rate, unless `text` says otherwise.
         text: How its values are written: `percentage`, or as any other number.
     """
@@ -37,7 +37,7 @@ def describe_learning(learning: Learning, metric: str, text: Text = percentage) 
 
 
 def _number_axis(marks: list[Area | Line], title: str) -> Axis:
-    """From the lowest to the highest value, with some air."""
+    """An axis from the lowest to the highest value, with some margin."""
     values = [value for mark in marks for value in mark.y] or [0.0]
     air = 0.04 * (max(values) - min(values)) or 0.5
     return linear_axis(min(values) - air, max(values) + air, title)
@@ -52,7 +52,7 @@ def _told(curve: LearningCurve, metric: str, text: Text) -> str:
 
 
 def _band(there: list[tuple[int, float, float]], colour: str) -> Area:
-    """Around the means, there and back; empty of a single seed."""
+    """The band of intervals around the means; empty if there is only one seed."""
     back = there[::-1]
     ends = [*(high for _, _, high in there), *(low for _, low, _ in back)]
     return Area([steps for steps, _, _ in [*there, *back]], ends, colour)

@@ -14,7 +14,7 @@ from harness.eta.scored_sums import BB, KK, Pair
 
 
 class Curved(Protocol):
-    """Two trainings whose curves can be drawn."""
+    """A comparison of two rewards whose curves can be drawn."""
 
     @property
     def baseline(self) -> str:
@@ -22,23 +22,23 @@ class Curved(Protocol):
 
     @property
     def proposed(self) -> str:
-        """Label of the proposed one."""
+        """Label of the proposed reward."""
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """Of the runs of each."""
+        """The seeds of the runs under each reward."""
 
     @property
     def curves(self) -> Mapping[Pair, GroupCurve]:
-        """Of both, each under its own reward at least."""
+        """The curves of both trainings, at least each under its own reward."""
 
     @property
     def baseline_index(self) -> Index | None:
-        """None where there is nothing to draw."""
+        """The index of the baseline's curves; None if there is nothing to draw."""
 
     @property
     def proposed_index(self) -> Index | None:
-        """The same of the proposed reward."""
+        """The same for the proposed reward."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +48,9 @@ class Panel:
     Attributes:
         role: ``Baseline`` or ``Proposed``.
         reward: Its label.
-        curve: Of its runs.
-        seeds: Of each run.
-        marks: Steps of the mean curve by name; what never happens is left out.
+        curve: The curves of its runs.
+        seeds: The seed of each run.
+        marks: Marked steps of the mean curve, by name. An event that never happens is left out.
     """
 
     role: str
@@ -71,13 +71,13 @@ class Panel:
 
     @cached_property
     def mean(self) -> Float:
-        """Over the runs, (points,)."""
+        """The mean over the runs, (points,)."""
         mean: Float = self.runs.mean(axis=0)
         return mean
 
     @property
     def heights(self) -> list[float]:
-        """Of the drawn mean curve at each mark."""
+        """The height of the drawn mean curve at each mark."""
         steps = np.arange(len(self.mean)) * self.stride
         heights: list[float] = np.interp(list(self.marks.values()), steps, self.mean).tolist()
         return heights
@@ -101,7 +101,7 @@ def step_range(panels: Sequence[Panel]) -> tuple[float, float]:
 
 
 def reward_range(panels: Sequence[Panel]) -> tuple[float, float]:
-    """From the lowest to the highest value of all panels, zero always in it, with some air."""
+    """The range from the lowest to the highest value of all panels and 0, with some margin."""
     low = min(0.0, *(float(panel.runs.min()) for panel in panels))
     high = max(0.0, *(float(panel.runs.max()) for panel in panels))
     air = 0.04 * (high - low) or 1.0

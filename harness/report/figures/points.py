@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 
 POINTS = 240
-"""Points drawn per curve, at most, one for every second pixel of a panel: all steps of all runs would be 100 MB."""
+"""The most points that are drawn per curve, one for every second pixel. All steps of all runs would be 100 MB."""
 
 ON_A_PAGE = 80_000
-"""Points of all single runs on a page together: about 0.9 MB."""
+"""The most points of all single runs on a page together, which is about 0.9 MB."""
 FEWEST = 40
-"""Of one run: its shape can still be seen."""
+"""The fewest points of one run: its shape can still be seen."""
 
 
 def points_of_a_run(runs: int) -> int:

@@ -24,7 +24,7 @@ def draw_profile(change: Change) -> Chart | None:
 
 
 def _steps(values: list[float], who: str, dash: str) -> Line:
-    """Level from one place to the next, where it falls."""
+    """A line that is level from one place to the next, and falls there."""
     at = np.linspace(0.0, 1.0, POINTS)
     shares = performance_profile(values, at - 1e-9).round(4)
     x, y = np.repeat(at.round(3), 2)[1:].tolist(), np.repeat(shares, 2)[:-1].tolist()

@@ -7,21 +7,21 @@ from itertools import pairwise
 from harness.eta.index import Ratio
 
 FARTHEST = 30.0
-"""An interval is drawn no farther than this factor beyond the outermost ratio: its ends stand in numbers beside it."""
+"""An interval is drawn at most this factor beyond the outermost ratio. Numbers beside it say where it ends."""
 TICKS = ((0.45, (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)), (1.0, (1, 1.5, 2, 3, 5, 7)), (2.2, (1, 2, 5)))
-"""Which digits are marked while the axis spans at most so many decades; beyond, powers of ten."""
+"""Which digits are marked if the axis spans at most so many decades. On a longer axis only powers of ten are marked."""
 
 ROOM = 32
-"""Characters beside one another along the axis, at least: long names may stand beside it."""
+"""The fewest characters that have room along the axis, since long names may stand beside it."""
 
 
 def is_drawable(ratio: Ratio) -> bool:
-    """A logarithm has no place for 0, and a ratio that says little would stretch the axis."""
+    """Whether a ratio can be drawn: 0 has no logarithm, and a ratio that says little would stretch the axis."""
     return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
 
 
 def ratio_range(ratios: Sequence[Ratio]) -> tuple[float, float]:
-    """What the axis spans: every ratio and interval that is drawn, the latter up to `FARTHEST`, 1, and some air."""
+    """The range of the axis: every ratio, every interval up to `FARTHEST`, 1, and some margin."""
     drawn = [ratio for ratio in ratios if is_drawable(ratio)]
     values = [ratio.value for ratio in drawn if ratio.value is not None]
     ends = [end for ratio in drawn for end in (ratio.low, ratio.high) if end is not None]
@@ -33,14 +33,14 @@ def ratio_range(ratios: Sequence[Ratio]) -> tuple[float, float]:
 
 
 def interval_ends(ratio: Ratio, low: float, high: float) -> tuple[float, float] | None:
-    """Where its interval is drawn on an axis from `low` to `high`; None if it has none."""
+    """The ends of a ratio's interval on an axis from `low` to `high`; None if it has no interval."""
     if ratio.low is None or ratio.high is None:
         return None
     return max(ratio.low, low), min(ratio.high, high)
 
 
 def ticks(low: float, high: float) -> list[float]:
-    """Round numbers between `low` and `high`, few enough to be read; 1 among them if it is there."""
+    """Round numbers between `low` and `high`, few enough to be read. 1 is among them if it lies in the range."""
     first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
     decades = math.log10(high / low)
     digits = next((digits for most, digits in TICKS if decades <= most), None)
@@ -53,7 +53,7 @@ def ticks(low: float, high: float) -> list[float]:
 
 
 def named_ticks(low: float, high: float) -> tuple[tuple[float, str], ...]:
-    """As many of the `ticks` as their names have room for: every second one is left out, 1 is not, until none touch."""
+    """The `ticks` whose names have room. Every second one is left out until no names touch; 1 always stays."""
     marks = ticks(low, high)
     while len(marks) > 2 and any(_touch(*pair, high / low) for pair in pairwise(marks)):
         marks = marks[marks.index(1.0) % 2 :: 2]
@@ -61,11 +61,11 @@ def named_ticks(low: float, high: float) -> tuple[tuple[float, str], ...]:
 
 
 def _touch(left: float, right: float, span: float) -> bool:
-    """Whether there is less than a character between their names, on an axis whose high is `span` times its low."""
+    """Whether the names of two ticks are less than a character apart, on an axis of which `span` is high over low."""
     apart = ROOM * math.log(right / left) / math.log(span)
     return apart < (len(_name(left)) + len(_name(right))) / 2 + 1
 
 
 def _name(mark: float) -> str:
-    """The number; a power of ten that is long in digits as 1e-4 or 1e5."""
+    """The name of a tick: its number. A power of ten that is long in digits is written like 1e-4 or 1e5."""
     return f"{mark:,g}" if 0.001 <= mark <= 1_000 else f"1e{math.log10(mark):.0f}"

@@ -10,7 +10,7 @@ from harness.report.figures.points import POINTS, select_points
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
 ROOM = 0.02
-"""Of an axis, the least that a region spans whose name is written into it."""
+"""A region gets its name written into it if it spans at least this share of an axis."""
 
 
 class Region(NamedTuple):
@@ -20,23 +20,23 @@ class Region(NamedTuple):
     x: Float
     """Steps, (points,)."""
     y: Float
-    """Where the curve is at these; 0 between its parts, (points,)."""
+    """The curve at these steps, (points,); 0 between its parts."""
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Half of the area lies before it, and it lies halfway between curve and 0."""
+        """The place for a name: half of the area lies before it, and it lies halfway between curve and 0."""
         strips = np.diff(self.x) * (self.y[1:] + self.y[:-1]) / 2.0
         done = np.cumsum(np.abs(strips))
         at = int(np.searchsorted(done, done[-1] / 2.0))
         return float(self.x[at : at + 2].mean()), float(self.y[at : at + 2].mean() / 2.0)
 
     def has_room(self, last: float) -> bool:
-        """Whether its name can be written into it, on an axis of steps that ends with `last`."""
+        """Whether the region's name can be written into it, on an axis of steps that ends at `last`."""
         return float(self.x[-1] - self.x[0]) >= ROOM * last
 
 
 def regions_of(panel: Panel, points: int = POINTS) -> list[Region]:
-    """Both regions of a panel's mean curve, of which `points` are drawn; one without any area is left out."""
+    """Both regions of a panel's mean curve, of which `points` are drawn. A region without any area is left out."""
     drawn = select_points(panel.mean, points)
     steps, values = (drawn * panel.stride).astype(np.float64), panel.mean[drawn]
     is_sum = panel.curve.kind == "accumulated"
@@ -46,7 +46,7 @@ def regions_of(panel: Panel, points: int = POINTS) -> list[Region]:
 
 
 def _around_zero(steps: Float, values: Float) -> list[tuple[Float, Float]]:
-    """Below 0 and above 0, with the points at which the drawn curve goes through 0."""
+    """The regions below 0 and above 0, with the points at which the drawn curve goes through 0."""
     before = np.flatnonzero(values[:-1] * values[1:] < 0.0)
     share = values[before] / (values[before] - values[before + 1])
     steps = np.insert(steps, before + 1, steps[before] + share * (steps[before + 1] - steps[before]))
@@ -55,14 +55,14 @@ def _around_zero(steps: Float, values: Float) -> list[tuple[Float, Float]]:
 
 
 def _around_crossover(panel: Panel, steps: Float, values: Float) -> list[tuple[Float, Float]]:
-    """Up to the cross-over and behind it, as per-step indices are summed."""
+    """The regions before and after the cross-over, as indices with per-step curves are summed."""
     index = panel.curve.index
     end = -1 if index.first_negative is None else index.steps if index.crossover is None else index.crossover
     return [(steps[side], values[side]) for side in (steps <= end, steps > end)]
 
 
 def _trim(x: Float, y: Float) -> tuple[Float, Float]:
-    """Without the points on 0 whose neighbours are on 0 too."""
+    """The points without those on 0 whose neighbours are on 0 too."""
     away = np.pad(y != 0.0, 1)
     kept = away[:-2] | away[1:-1] | away[2:]
     return x[kept], y[kept]

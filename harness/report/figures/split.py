@@ -9,11 +9,11 @@ from harness.report.figures.split_rows import SplitRow, has_parts, split_rows
 from harness.report.rows.comparison import better_of, ratio_with_interval
 
 LOWEST = 7.1
-"""Place of the axis, down from the top."""
+"""Place of the axis, counted down from the top."""
 
 
 def draw_split(name: str, split: Split) -> Chart | None:
-    """An eta and both of its paths; None where no part has a value."""
+    """The figure of an eta and both of its paths; None if no part has a value."""
     rows = split_rows(name, split)
     if not has_parts(rows):
         return None
@@ -30,7 +30,7 @@ def ratio_axis(name: str, rows: Iterable[SplitRow]) -> Axis:
 
 
 def draw_ratio(row: SplitRow, axis: Axis) -> Iterator[Mark]:
-    """The interval under the point; nothing where the axis has no place for it."""
+    """The marks of a ratio: its interval, with the point on it. Empty if the axis has no place for it."""
     if not is_drawable(row.ratio) or row.ratio.value is None:
         return
     ends = interval_ends(row.ratio, axis.low, axis.high)
@@ -41,7 +41,7 @@ def draw_ratio(row: SplitRow, axis: Axis) -> Iterator[Mark]:
 
 
 def _number(row: SplitRow) -> Word:
-    """The number and its interval above the point; a word where there is no point."""
+    """The number and its interval above the point; a word if there is no point."""
     if not is_drawable(row.ratio) or row.ratio.value is None:
         return Word(1.0, -row.place, ratio_with_interval(row.ratio), "start")
     return Word(row.ratio.value, -row.place, ratio_with_interval(row.ratio), rise=13.0)

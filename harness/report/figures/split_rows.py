@@ -15,16 +15,16 @@ class SplitRow(NamedTuple):
     label: str
     ratio: Ratio
     place: float
-    """Down from the top."""
+    """The place of the row, counted down from the top."""
     colour: str
-    """As in `harness.report.figures.chart`."""
+    """The name of its colour, as in `harness.report.figures.chart`."""
     shape: Shape
     is_open: bool = False
-    """On a single path."""
+    """Whether the ratio is that of a single path, which is drawn as an open dot."""
 
 
 def split_rows(name: str, split: Split) -> list[SplitRow]:
-    """An eta, its split, and both paths that this is the mean of, from top to bottom."""
+    """An eta, its split, and both paths whose mean the split is, from top to bottom."""
     rows = [
         SplitRow(name, split.eta, 0.0, "ink", "circle"),
         SplitRow("ruler", split.ruler, 1.3, "ruler", "square"),

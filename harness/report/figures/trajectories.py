@@ -9,7 +9,7 @@ from harness.report.figures.chart import GAP, Axis, Chart, Dots, Line, Mark, lin
 from harness.results.trajectories import Trajectories, Trajectory
 
 POINTS = 30
-"""Of one path, at most: an episode of thousands of steps is drawn every so many."""
+"""The most points of one path. Of an episode with thousands of steps, only some steps are drawn."""
 VIEWS = ((0, 1, "seen from above"), (0, 2, "seen from the side"))
 """The two projections: which coordinates are drawn, and what it is called."""
 
@@ -35,7 +35,7 @@ def describe_trajectories(seed: int, paths: Sequence[Trajectory]) -> str:
 
 
 def _marks(paths: Sequence[Trajectory], columns: list[int], colour: str) -> Iterator[Mark]:
-    """What is not there has no place in the legend."""
+    """The marks of the paths. Marks that do not occur are left out of the legend."""
     reached, missed = ([path for path in paths if path.reached is wanted] for wanted in (True, False))
     if missed:
         yield Line(*_lines(missed, columns), "random", "missed", 1.5, dash="2 3", in_legend=True)
@@ -67,14 +67,14 @@ def _spots(points: Iterable[Float], columns: list[int]) -> tuple[list[float], li
 
 
 def _thinned(points: Float) -> Float:
-    """At most `POINTS` of them, evenly, the first and the last among them."""
+    """At most `POINTS` points, evenly spaced, with the first and the last."""
     kept = np.linspace(0, len(points) - 1, min(len(points), POINTS)).round().astype(int)
     thinned: Float = points[kept]
     return thinned
 
 
 def _axes(paths: Sequence[Trajectory]) -> list[Axis]:
-    """Metres are equally long on all axes, so that a straight path looks straight and as long as it is."""
+    """The axes. A metre is equally long on all of them, so that directions and lengths look right."""
     points = np.concatenate([np.vstack([path.points, path.target]) for path in paths])
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = (low + high) / 2, 0.55 * float((high - low).max()) or 0.05

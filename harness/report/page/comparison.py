@@ -38,7 +38,7 @@ from harness.results.learning import learning_of
 from harness.results.trajectories import trajectories_of
 
 SIDES = {"Baseline": BASELINE, "Proposed": PROPOSED}
-"""Of the replay, by the names of the bars; random actions are not shown."""
+"""Sides of the replay, by the names of the bars. The replay does not show random actions."""
 
 
 class Panel(NamedTuple):
@@ -53,7 +53,7 @@ class Panel(NamedTuple):
 def comparison_section(
     results: Results, combination: Combination, title: str, points: int, audits: Audits, links: EpisodeLinks | None
 ) -> dict[str, Any]:
-    """What the template shows of a combination, `points` of each run."""
+    """What the template shows of a combination, with `points` points of each run."""
     headline = combination.headline
     grids = behaviour_grids(combination)
     changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
@@ -100,7 +100,7 @@ def comparison_section(
 
 
 def title_of(combination: Combination, place: str) -> str:
-    """Where it was made, as far as that is not said of all, and which reward was proposed."""
+    """The title of a comparison: its place, as far as the page does not say it for all, and the proposed reward."""
     told = rewards_text(combination) if combination.is_control else combination.proposed
     return BETWEEN.join(part for part in (place, told) if part)
 
@@ -122,7 +122,7 @@ def describe_comparison(combination: Combination) -> str:
 
 
 def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:
-    """Of each bar, for each of its parts, an episode that ended so."""
+    """For each part of each bar, a link to an episode that ended so."""
     return [
         [links.ending(SIDES[bar.who], part.kind) if links and bar.who in SIDES else None for part in bar.parts]
         for bar in bars

@@ -1,4 +1,4 @@
-"""Files that a page carries in itself: a click saves them, and nothing is asked of any server."""
+"""Files inside a page. A click saves them, without any server."""
 
 import base64
 import gzip
@@ -12,9 +12,9 @@ class Download(NamedTuple):
     kind: str
     """Its media type."""
     content: str
-    """Compressed by gzip, as base64."""
+    """The content, compressed by gzip, as base64."""
 
 
 def pack(name: str, kind: str, text: str) -> Download:
-    """The same text gives the same page: no time of day is in it."""
+    """A file inside a page. The same text gives the same bytes, because no time of day is in them."""
     return Download(name, kind, base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode())

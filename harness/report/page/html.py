@@ -45,16 +45,16 @@ CROSSOVER = (
     "it may turn negative again. The regions are those of the note's Fig. 8."
 )
 OPEN = 2
-"""So many comparisons stand open; of more, each is a line that opens."""
+"""Up to this many comparisons are shown in full. If there are more, each is a line that opens."""
 
 
 def write_html(results: Results, path: Path, audits: Audits = MappingProxyType({})) -> None:
     """Write the report to `path`, in one go: a reader finds the old file or the new one, whole.
 
     Args:
-        results: What it tells of.
+        results: The results to report.
         path: The page.
-        audits: What the rewards pay for, where somebody has asked.
+        audits: What the rewards pay for, if an audit was made.
 
     Raises:
         UsageError: The extra ``report`` is missing, or `path` cannot be written.
@@ -110,7 +110,7 @@ def _render(results: Results, audits: Audits) -> str:
 
 
 def _titles(combinations: Sequence[Combination], matrix: Matrix) -> list[str]:
-    """Of each comparison what is not the same in all; of a single one everything, for there is nothing above it."""
+    """A title for each comparison: what is not the same in all. The title of a single comparison says everything."""
     if len(combinations) == 1:
         return [f"{matrix.shared}: {rewards_text(combinations[0])}"]
     return [title_of(combination, entry.place) for combination, entry in zip(combinations, matrix.entries, strict=True)]
@@ -124,7 +124,7 @@ def _downloads(results: Results, matrices: list[ReturnMatrix]) -> list[Download]
 
 
 def _ranking(results: Results) -> dict[str, Any] | None:
-    """How the rewards come in all places; None where there is but one comparison, which has no order."""
+    """The order of the rewards in all places; None if there is only one comparison, which has no order."""
     if len(results.combinations) < 2:
         return None
     ranking = ranking_of(results)
@@ -147,7 +147,7 @@ def _returns(matrices: list[ReturnMatrix], is_open: bool) -> dict[str, Any] | No
 
 
 def _transfer(transfers: Transfers) -> dict[str, Any] | None:
-    """What the template shows of transfer; None where none is recorded."""
+    """What the template shows of transfer; None if no transfer is recorded."""
     if not transfers.matrices:
         return None
     return {

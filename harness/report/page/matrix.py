@@ -15,7 +15,7 @@ from harness.results.combination import Combination, Group
 from harness.results.overview import NOTHING
 
 SYMBOLS = {Answer.HELPS: "▲", Answer.HURTS: "▼", Answer.NO_DIFFERENCE: "=", Answer.CANNOT_TELL: "?"}
-"""Told apart without colour."""
+"""Symbols that tell the answers apart without colour."""
 
 
 class Sortable(NamedTuple):
@@ -23,9 +23,9 @@ class Sortable(NamedTuple):
 
     text: str
     detail: str
-    """Beside it, smaller: its interval."""
+    """A smaller text beside the value: its interval."""
     key: str
-    """Sorted by it; empty where there is no value, which comes last."""
+    """The key to sort by. It is empty if there is no value; such rows come last."""
 
 
 class Entry(NamedTuple):
@@ -38,7 +38,7 @@ class Entry(NamedTuple):
     badge: str
     symbol: str
     difference: str
-    """Of the success rate, in percentage points; empty where it is not known."""
+    """Difference of the success rate, in percentage points; empty if it is not known."""
     values: tuple[Sortable, ...]
 
 
@@ -49,10 +49,10 @@ class Matrix(NamedTuple):
     """What is the same in all."""
     places: list[str]
     rows: list[tuple[str, list[Entry | None]]]
-    """By proposed reward, an entry per place."""
+    """A row for each proposed reward, with an entry per place."""
     entries: list[Entry]
     counts: list[tuple[str, str, int]]
-    """How many there are of each answer: its badge, its words, the number."""
+    """How many comparisons have each answer: its badge, its words, the number."""
 
 
 HEADINGS = ("eta_N", "eta_P", "success, baseline", "success, proposed", "difference [pp]")
@@ -63,7 +63,7 @@ COLUMNS = (
     *("eta_N", "eta_N_low", "eta_N_high", "eta_P", "eta_P_low", "eta_P_high"),
     *("success_baseline", "success_proposed", "success_difference", "success_low", "success_high"),
 )
-"""Of the table as a file."""
+"""The columns of the table as a file."""
 
 
 def badge_of(answer: Answer) -> str:
@@ -72,7 +72,7 @@ def badge_of(answer: Answer) -> str:
 
 
 def anchor_of(place: int) -> str:
-    """Where the page tells of the comparison in that place, counted from 0."""
+    """The anchor of a comparison on the page, by its place, counted from 0."""
     return f"combination-{place + 1}"
 
 

@@ -11,14 +11,14 @@ LEAST = 0.08
 
 
 class Part(NamedTuple):
-    """One way to end."""
+    """A part of a bar: one way in which episodes ended."""
 
     kind: str
     """``reached``, ``ground``, ``obstacle`` or ``time-out``."""
     share: float
-    """Of the episodes, in [0, 1]."""
+    """Share of the episodes, in [0, 1]."""
     text: str
-    """Written into the bar; empty where there is no room."""
+    """The text that is written into the bar; empty if there is no room."""
 
 
 class Bar(NamedTuple):
@@ -32,7 +32,7 @@ class Bar(NamedTuple):
 
 
 def outcome_bars(combination: Combination) -> list[Bar]:
-    """A bar for the baseline, one for the proposed reward, one for random actions; empty where it was not measured."""
+    """Bars for the baseline, the proposed reward and random actions; empty if the outcomes were not measured."""
     changes = {change.name: change for change in combination.changes_of(combination.manner)}
     success, timeouts = changes.get(SUCCESS), changes.get(TIMEOUTS)
     if success is None or timeouts is None:
@@ -52,7 +52,7 @@ def outcome_bars(combination: Combination) -> list[Bar]:
 
 
 def _bar(who: str, reward: str, reached: float, over: float, hit: float) -> Bar:
-    """What neither reached the target nor ran out of time, and touched no obstacle, ended on the ground."""
+    """A bar. Episodes with no target reached, no obstacle touched and time left ended on the ground."""
     shares = {"reached": reached, "ground": max(0.0, 1.0 - reached - over - hit), "time-out": over}
     if hit:
         shares["obstacle"] = hit

@@ -24,7 +24,7 @@ def render_page(template: Path, noun: str, **values: Any) -> str:
 
 @lru_cache(maxsize=8)
 def _environment(folder: Path, jinja2: Any) -> Any:
-    """One for all pages of a folder's templates: it keeps them compiled, which takes longer than to fill them in."""
+    """One jinja2 environment for all pages of a folder's templates. It keeps the templates compiled."""
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader([folder, Path(__file__).parent]),
         autoescape=True,

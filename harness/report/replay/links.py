@@ -1,4 +1,4 @@
-"""From a number to an episode that shows it: links into the replay, each with a title that names the episode."""
+"""Links from a number into the replay, to an episode that shows it. The title of a link names the episode."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from harness.results.replay import Episode, Outcome, Show
 BASELINE, PROPOSED = 0, 1
 """Places of the sides in a show."""
 ENDS: tuple[Outcome, ...] = ("reached", "time-out", "ground", "obstacle")
-"""The first of them that an episode has is linked to."""
+"""The ways to end, in the order in which a link looks for them."""
 
 
 class Link(NamedTuple):
@@ -29,15 +29,15 @@ class EpisodeLinks:
     """Links to the episodes of one comparison.
 
     Attributes:
-        place: Of the show on the page, from 1.
-        show: Its episodes, under both rewards.
+        place: Number of the show on the page, from 1.
+        show: The show, with episodes under both rewards.
     """
 
     place: int
     show: Show
 
     def ending(self, side: int, outcome: str) -> Link | None:
-        """To the first episode that ended so under the side's reward; None where none is shown."""
+        """A link to the first episode that ended so under the side's reward; None if no such episode is shown."""
         for index, episode in enumerate(self.show.sides[side].episodes):
             if episode.outcome == outcome:
                 return self._link(side, index, outcome)
@@ -59,7 +59,7 @@ class EpisodeLinks:
 
     @property
     def success(self) -> dict[str, Link | None]:
-        """By column of the overview: to an episode that reached the target, or else to one that shows how it fails."""
+        """Links by column of the overview: to an episode that reached the target, else to one that failed."""
         return {
             column: next(filter(None, (self.ending(side, end) for end in ENDS)), None)
             for side, column in ((BASELINE, "success, baseline"), (PROPOSED, "success, proposed"))
@@ -67,7 +67,7 @@ class EpisodeLinks:
 
     @property
     def all(self) -> list[tuple[str, Link]]:
-        """Every episode, with how it ended under both rewards."""
+        """Links to all episodes, with how each ended under both rewards."""
         episodes = zip(*(side.episodes for side in self.show.sides), strict=True)
         return [
             (
@@ -92,11 +92,11 @@ class EpisodeLinks:
 
 
 def both_outcomes(episodes: Sequence[Episode]) -> str:
-    """How an episode ended under both rewards, said once where it is the same."""
+    """How an episode ended under both rewards. It is said once if it is the same."""
     return " | ".join(dict.fromkeys(episode.outcome for episode in episodes))
 
 
 def links_of(shows: Sequence[Show], combinations: Sequence[Combination]) -> list[EpisodeLinks | None]:
-    """Of each comparison; None where it has no episodes to show."""
+    """The links of each comparison; None if it has no episodes to show."""
     found = {id(show.combination): EpisodeLinks(place, show) for place, show in enumerate(shows, start=1)}
     return [found.get(id(combination)) for combination in combinations]

@@ -17,7 +17,7 @@ from harness.results.replay import Episode, Show, Side
 HERE = Path(__file__).parent
 TEMPLATE = HERE / "replay.html.j2"
 FULL = 32_767
-"""Values are whole numbers up to it, in parts of the largest of their column: 1e-4 rad of a joint's turn."""
+"""Values are scaled to whole numbers up to this, by their column's largest. A unit is 1e-4 rad for a joint."""
 
 TITLE = "Replay"
 EXPLANATION = (
@@ -27,7 +27,7 @@ EXPLANATION = (
 
 
 class Replay(NamedTuple):
-    """What a page takes in: `html` in its body, `style` in its <style>, `script` in a <script> after `html`."""
+    """The parts of the replay in a page: `html` in the body, `style` in <style>, `script` in <script> after `html`."""
 
     html: str
     style: str
@@ -37,7 +37,7 @@ class Replay(NamedTuple):
 
 
 def replay_of(shows: Sequence[Show]) -> Replay | None:
-    """The replay of some shows; None where there is none.
+    """The replay of some shows; None if there are no shows.
 
     Raises:
         UsageError: A library of the extra ``report`` is missing.

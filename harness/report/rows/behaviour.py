@@ -12,12 +12,12 @@ from harness.results.overview import NOTHING
 from harness.text import shortened
 
 SHOWN = 60
-"""Characters of the reason why a metric failed."""
+"""The most characters that are shown of the reason why a metric failed."""
 HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
 
 
 Text: TypeAlias = Callable[[float | None], str]
-"""Of a value."""
+"""A function that writes a value as text."""
 
 
 class BehaviourRow(NamedTuple):
@@ -41,22 +41,22 @@ def behaviour_grids(combination: Combination) -> list[Grid]:
 
 
 def defined_changes(combination: Combination, manner: str) -> list[Change]:
-    """The success rate first; what is not defined under either reward is left out."""
+    """The measures, the success rate first. A measure that is not defined under either reward is left out."""
     changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
     return sorted(changes, key=lambda change: change.name != SUCCESS)
 
 
 def failed_changes(combination: Combination, manner: str) -> list[Change]:
-    """Those whose metric failed for every seed: they stand below the others, with the reason."""
+    """The measures whose metric failed for every seed. They stand below the others, with the reason."""
     defined = {change.name for change in defined_changes(combination, manner)}
     return [change for change in combination.changes_of(manner) if change.reason and change.name not in defined]
 
 
 def behaviour_row(change: Change, text: Text | None = None) -> BehaviourRow:
-    """One measure; of a metric that failed for all seeds the reason stands in place of its values.
+    """The row of a measure. If its metric failed for all seeds, the reason stands in place of the values.
 
     Args:
-        change: Of the measure.
+        change: The values of the measure.
         text: How its values are written: `percentage`, or as any other number; by default as the values look.
     """
     text = text or _text_of(change)
@@ -90,7 +90,7 @@ def along_grid(combination: Combination) -> Grid:
 
 
 def seeds_grid(combination: Combination) -> Grid:
-    """What single seeds say where a mean may hide it: of the manner that decides."""
+    """What single seeds say where a mean may hide it, in the manner that decides."""
     headings = ("over seeds", "middle half: baseline", "proposed", "chance that a run is better")
     rows: list[tuple[str, ...]] = []
     for change in combination.changes_of(combination.manner):
@@ -126,7 +126,7 @@ def _title(combination: Combination, manner: str) -> str:
 
 
 def _moment_row(combination: Combination, moment: StepChange) -> tuple[str, ...]:
-    """An evaluation, and what would have been said after it."""
+    """The row of an evaluation, with the answer that would have been given after it."""
     success = next((change for change in moment.changes if change.name == SUCCESS), None)
     told = behaviour_row(success) if success else None
     values = (told.baseline, told.proposed, told.difference) if told else (NOTHING,) * 3
@@ -139,7 +139,7 @@ def _name(change: Change) -> str:
 
 
 def _text_of(change: Change) -> Text:
-    """A metric without a unit is a number like any other; as a percentage it reads best while it is a share."""
+    """The function that writes values of a measure: as a percentage if it is a share, else as a number."""
     values = (change.baseline, change.proposed, change.random)
     is_share = not change.measure.unit and all(value is None or 0.0 <= value <= 1.0 for value in values)
     return percentage if is_share else format_number
@@ -155,5 +155,5 @@ def _difference(change: Change, is_share: bool) -> str:
 
 
 def percentage(value: float | None) -> str:
-    """A share."""
+    """A share as a percentage."""
     return NOTHING if value is None else f"{value:.1%}"

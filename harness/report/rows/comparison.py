@@ -45,7 +45,7 @@ class Grid(NamedTuple):
     rows: list[tuple[str, ...]]
     notes: list[str]
     title: str = ""
-    """Stands above; the heading of the names would wrap."""
+    """The title above the grid. As the heading of the names it would wrap."""
 
 
 def rewards_text(combination: Combination) -> str:
@@ -66,7 +66,7 @@ def answer_text(headline: Headline) -> str:
 
 
 def advice(results: Results, combination: Combination) -> str:
-    """The command that adds the seeds that would tell; empty where none would, or none is needed."""
+    """The command that adds the seeds that would give an answer; empty if no number would, or if none is needed."""
     needed, seeds = combination.headline.seeds_to_decide, combination.seeds
     if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control or results.is_temporary:
         return ""
@@ -76,7 +76,7 @@ def advice(results: Results, combination: Combination) -> str:
 
 
 def claims_text(combination: Combination) -> str:
-    """What the tests of so many seeds can show at best; empty without a seed."""
+    """What tests with so many seeds can show at best; empty without a seed."""
     seeds = len(combination.seeds)
     if not seeds:
         return ""
@@ -87,7 +87,7 @@ def claims_text(combination: Combination) -> str:
 
 
 def ratio_grid(splits: Splits) -> Grid:
-    """eta_N and eta_P with their intervals, beside what single seeds and the baseline's own runs give."""
+    """eta_N and eta_P with their intervals, and beside them what single seeds and the baseline's own runs give."""
     rows: list[tuple[str, ...]] = [
         (
             name,
@@ -114,7 +114,7 @@ LABELS = {"per_seed": "seed by seed", "noise": "noise"}
 
 
 def split_grid(splits: Splits) -> Grid:
-    """Both etas as ruler x behaviour; what is said of the etas themselves is not said again."""
+    """Both etas as ruler x behaviour. Remarks on the etas themselves are not repeated."""
     headings = (*PARTS, "interaction")
     if not all(split.is_scored for split in splits.values()):
         reasons = dict.fromkeys(split.ruler.note for split in splits.values() if split.ruler != split.eta)
@@ -127,7 +127,7 @@ def split_grid(splits: Splits) -> Grid:
 
 
 def path_grid(splits: Splits) -> Grid:
-    """Both paths that each split is the mean of; what is said of the split itself is not said again."""
+    """Both paths whose mean each split is. Remarks on the split itself are not repeated."""
     parts = {
         f"{name} on {where}": path
         for name, split in splits.items()
@@ -142,11 +142,11 @@ def path_grid(splits: Splits) -> Grid:
 
 PARTS = ("", "ruler", "95% interval", "behaviour", "95% interval")
 PATH_NAMES = ("proposed runs", "baseline's runs")
-"""Where the ruler of a path is read."""
+"""Names of the paths: the runs on which a path's ruler is measured."""
 
 
 def sum_grid(total: SumSplit | None) -> Grid:
-    """The change of I_N + I_P, and what it is made of; no rows without any."""
+    """The change of I_N + I_P and its parts; no rows if there is none."""
     headings = ("", "difference", "95% interval")
     if total is None:
         return Grid(headings, [], [])
@@ -161,7 +161,7 @@ def sum_grid(total: SumSplit | None) -> Grid:
 
 
 def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") -> Grid:
-    """The indices of both mean curves of that kind; no rows without any."""
+    """The indices of both mean curves of that kind; no rows if there are none."""
     headings = (f"{kind} reward", "baseline", "proposed")
     if decomposition is None:
         return Grid(headings, [], [])
@@ -171,7 +171,7 @@ def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") 
 
 
 def count_cells(results: Results) -> str:
-    """How many cells there are, and how many ended how."""
+    """How many cells there are, and how many ended in which way."""
     counts = Counter(manifest.status for manifest in results.manifests)
     noun = "cell" if counts.total() == 1 else "cells"
     order: tuple[Status, ...] = ("done", "failed", "damaged", "skipped", "pending")
@@ -190,7 +190,7 @@ def unfinished_cells(results: Results) -> list[str]:
 
 
 def better_of(name: str) -> str:
-    """Which side of 1 is called better for the ratio of that name: of I_N, of I_P, or of a mean return."""
+    """Which side of 1 is called better for the ratio of that name: the ratio of I_N, of I_P, or of a mean return."""
     return BETTER.get(name, "above 1")
 
 
@@ -200,7 +200,7 @@ def ratio_text(ratio: Ratio) -> str:
 
 
 def interval_text(ratio: Ratio, missing: str = NOTHING) -> str:
-    """Its interval, under the same condition; `missing` where there is none."""
+    """The ratio's interval, under the same condition; `missing` if there is none."""
     if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
         return missing
     return f"[{format_number(ratio.low)}, {format_number(ratio.high)}]"
@@ -237,12 +237,12 @@ def format_p(p: float | None) -> str:
 
 
 def _known(splits: Iterable[Split]) -> set[str]:
-    """What is said of the etas themselves."""
+    """The remarks on the etas themselves."""
     return {remark for split in splits for remark in split.eta.remarks}
 
 
 def _part_notes(parts: Mapping[str, SplitPath], known: Collection[str]) -> list[str]:
-    """What is to keep in mind of rulers and behaviours, by what they are parts of."""
+    """Remarks on rulers and behaviours, by what they are parts of."""
     named = ((f"{what} of {name}", part) for name, path in parts.items() for what, part in path._asdict().items())
     return _lines(_remarks(named, known))
 
@@ -252,9 +252,9 @@ def _cells(path: SplitPath) -> tuple[str, ...]:
 
 
 def _remarks(ratios: Iterable[tuple[str, Ratio]], known: Collection[str] = ()) -> Iterator[tuple[str, str]]:
-    """Of each ratio: its name, with n/a if it has no value, and one thing to keep in mind.
+    """For each ratio: its name, with n/a if it has no value, and a remark.
 
-    What is `known` already is left out, unless it is why there is no value.
+    A remark that is `known` already is left out, unless it says why there is no value.
     """
     for name, ratio in ratios:
         for remark in ratio.remarks:
@@ -265,7 +265,7 @@ def _remarks(ratios: Iterable[tuple[str, Ratio]], known: Collection[str] = ()) -
 
 
 def _lines(remarks: Iterable[tuple[str, str]]) -> list[str]:
-    """One line for each thing to keep in mind, with all that it holds for."""
+    """One line for each remark, with all that it holds for."""
     subjects: dict[str, list[str]] = {}
     for name, remark in remarks:
         subjects.setdefault(remark, []).append(name)

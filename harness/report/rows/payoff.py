@@ -1,6 +1,6 @@
 """What a reward pays for, as the page shows it: the returns of scripted policies under it.
 
-A report reads results only: whoever can ask the rewards passes in what they say.
+A report reads results only. The caller asks the rewards and passes in what they pay.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ class Payoffs(NamedTuple):
     """What one reward pays the scripted policies of one robot and task."""
 
     verdict: tuple[str, ...]
-    """Whether finishing is what pays, in sentences; or why that is not known."""
+    """Whether reaching the target pays best, in sentences; or why that is not known."""
     returns: Mapping[str, float]
     """Mean return of an episode, event terms included, by script; empty where it is not known."""
     success: Mapping[str, float]
@@ -33,14 +33,14 @@ EXPLANATION = (
 
 
 class Story(NamedTuple):
-    """What both rewards pay for, and what the robot did."""
+    """What both rewards pay for, and what the robot did under them."""
 
     sentences: tuple[str, ...]
     grid: Grid
 
 
 def payoff_story(combination: Combination, audits: Audits) -> Story | None:
-    """None where no audit was made."""
+    """The story of a comparison; None if no audit was made."""
     group = combination.group
     labels = list(dict.fromkeys((combination.baseline, combination.proposed)))
     found = {label: audits[key] for label in labels if (key := (group.robot, group.task.label, label)) in audits}
@@ -53,7 +53,7 @@ def payoff_story(combination: Combination, audits: Audits) -> Story | None:
 
 
 def _done(combination: Combination, label: str, payoffs: Payoffs) -> str:
-    """What the robot did that was taught so."""
+    """What the robot did that was trained with this reward."""
     changes = {change.name: change for change in combination.changes_of(combination.manner)}
     over, missed = (changes.get(name) for name in ("timeouts", "closest_distance"))
     if not payoffs.returns or over is None:
@@ -69,7 +69,7 @@ def _done(combination: Combination, label: str, payoffs: Payoffs) -> str:
 
 
 def _grid(found: Mapping[str, Payoffs]) -> Grid:
-    """A row per script, the one that earns most under the last reward first."""
+    """A row for each script. The script that earns most under the last reward comes first."""
     *_, last = found.values()
     scripts: Sequence[str] = sorted(last.returns, key=lambda script: -last.returns[script])
     rows = [

@@ -29,23 +29,23 @@ SCORES: Mapping[str, tuple[str, str]] = {
     "eta_P": ("eta_P", "eta_P behaviour"),
     "eta_N": ("eta_N", "eta_N behaviour"),
 }
-"""What a table of ranks has beside success."""
+"""The columns of a table of ranks, besides success."""
 CHOICES = ("chosen in > used in", "choice", "best there", "costs there\n[points]", "another\nreward?", "what is open")
 AGREEMENTS = ("order by success", "tau", "95% interval", "")
 
 
 class Rank(NamedTuple):
-    """What a cell of a table of ranks shows."""
+    """The content of a cell in a table of ranks."""
 
     place: int | None
-    """From 1, the best; equal ones share it. None where there is no value."""
+    """The rank, from 1 for the best; equal values share it. None if there is no value."""
     value: str
     is_best: bool = False
-    """Whether others come behind it."""
+    """Whether it is the best and others come behind it."""
 
     @property
     def text(self) -> str:
-        """Both."""
+        """Rank and value as text."""
         return NOTHING if self.place is None else f"{self.place}. {self.value}"
 
 
@@ -53,10 +53,10 @@ class RankTable(NamedTuple):
     """The rank of every reward in every place.
 
     Attributes:
-        places: Their names.
-        measures: What each place has a column of: success, an eta, its behaviour part.
-        rows: Of each reward its ranks, place by place.
-        taus: How alike each column's order and that of success are; empty for success itself.
+        places: The names of the places.
+        measures: The columns of each place: success, an eta, its behaviour part.
+        rows: The ranks of each reward, place by place.
+        taus: Kendall's tau between each column's order and that of success; empty for success itself.
     """
 
     places: list[str]
@@ -66,14 +66,14 @@ class RankTable(NamedTuple):
 
     @property
     def grid(self) -> Grid:
-        """For a terminal."""
+        """The table as a grid for a terminal."""
         headings = [f"{place}\n{measure}" for place in self.places for measure in self.measures]
         rows = [(name, *(rank.text for rank in ranks)) for name, ranks in self.rows]
         return Grid(("reward", *headings), [*rows, ("tau with success", *self.taus)], [])
 
 
 class TaskRows(NamedTuple):
-    """All that is told of a task."""
+    """Everything that is said about a task."""
 
     title: str
     lines: list[str]
@@ -90,12 +90,12 @@ def task_rows(task: TaskRanking) -> TaskRows:
 
 
 def title_of(task: TaskRanking) -> str:
-    """What the places share."""
+    """The title of a task: what its places share."""
     return f"{task.task} · {task.robot} · {task.steps:,} steps"
 
 
 def lines_of(task: TaskRanking) -> list[str]:
-    """What it comes to: choices, then orders."""
+    """The answer in sentences: choices, then orders."""
     counts = {answer: task.count(answer) for answer in Answer}
     told = ", ".join(f"{answer.value} {count}" for answer, count in counts.items())
     costly = sum(it.is_costly for it in task.transplants)
@@ -152,7 +152,7 @@ def _by_success(place: Place) -> list[tuple[str, float]]:
 
 
 def _ranks(ordered: Sequence[tuple[str, str, float]]) -> dict[str, Rank]:
-    """Of rewards, best first; equal values share the better rank."""
+    """The ranks of rewards, best first. Equal values share the better rank."""
     found: dict[str, Rank] = {}
     place, last = 0, None
     for number, (reward, text, value) in enumerate(ordered, start=1):
@@ -163,7 +163,7 @@ def _ranks(ordered: Sequence[tuple[str, str, float]]) -> dict[str, Rank]:
 
 
 def _place_names(task: TaskRanking) -> list[str]:
-    """What tells them apart."""
+    """The names of a task's places: what tells them apart."""
     simulators, algorithms = ({getattr(it, kind) for it in task.places} for kind in ("simulator", "algorithm"))
     return [
         " · ".join([*([it.simulator] if len(simulators) > 1 else []), *([it.algorithm] if len(algorithms) > 1 else [])])
@@ -200,6 +200,6 @@ def _agreements(task: TaskRanking) -> Grid:
 
 
 def _shared(task: TaskRanking, pair: PlacePair) -> str:
-    """What both places have in common, where others have something else."""
+    """What both places have in common and other places have not."""
     other = "algorithm" if pair.kind == "simulator" else "simulator"
     return f" ({pair.shared})" if len({getattr(it, other) for it in task.places}) > 1 else ""

@@ -32,7 +32,7 @@ def _named(matrix: ReturnMatrix) -> dict[str, Mapping[str, SeedMean]]:
 
 
 def _notes(matrix: ReturnMatrix) -> list[str]:
-    """One line for each thing to keep in mind, with the rows that it holds for if not for all."""
+    """One line for each remark, with the rows that it holds for if not for all."""
     where: dict[str, list[str]] = {}
     rows = _named(matrix)
     for name, row in rows.items():

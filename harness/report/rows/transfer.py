@@ -18,21 +18,21 @@ EXPLANATION = (
 
 
 class TransferCell(NamedTuple):
-    """The policies of one simulator in one simulator, ready to print."""
+    """The policies that one simulator trained, evaluated in one simulator, ready to print."""
 
     success: str
     success_interval: str
     drop: str
-    """Empty where the policies are at home."""
+    """The drop in success; empty in the simulator in which the policies were trained."""
     drop_interval: str
     paid: str
     paid_interval: str
     share: float
-    """The success again, in [0, 1], for its colour; 0 where there is none."""
+    """The success as a number in [0, 1], for its colour; 0 if there is none."""
     home: bool
-    """Whether they were trained there."""
+    """Whether the policies were trained there."""
     is_known: bool
-    """Whether there is a success."""
+    """Whether the success is known."""
 
 
 class TransferRow(NamedTuple):
@@ -68,7 +68,7 @@ def transfer_block(matrix: TransferMatrix) -> TransferBlock:
 
 
 def transfer_grid(block: TransferBlock) -> Grid:
-    """A block as a table for a terminal, the words under it."""
+    """A block as a table for a terminal, with the summary below it."""
     headings = ("trained in \\ evaluated in", *block.evaluated_in)
     return Grid(headings, [line for row in block.rows for line in _lines(row)], [*block.summary, *block.notes])
 
@@ -79,7 +79,7 @@ def failure_lines(failed: Iterable[Failure]) -> list[str]:
 
 
 def _lines(row: TransferRow) -> list[tuple[str, ...]]:
-    """Each value under the other, an interval under its mean; without the intervals if there is none."""
+    """The lines of a row: an interval stands under its mean. Without any interval there is one line."""
     cells = row.cells
     lines = [
         (f"{row.trained_in}: success", [f"{cell.success} {HOME if cell.home else ' '}" for cell in cells]),
@@ -109,7 +109,7 @@ def _cell(matrix: TransferMatrix, row: int, column: int) -> TransferCell:
 
 
 def _largest_drop(matrix: TransferMatrix, row: int) -> str:
-    """What the policies of one simulator lose where they lose most."""
+    """The largest loss of success of the policies of one simulator."""
     drops = zip(matrix.evaluated_in, matrix.drop[row], strict=True)
     known = {place: drop for place, drop in drops if drop.mean is not None}
     home = matrix.trained_in[row].label
@@ -121,7 +121,7 @@ def _largest_drop(matrix: TransferMatrix, row: int) -> str:
 
 
 def _notes(matrix: TransferMatrix) -> list[str]:
-    """One line for each thing to keep in mind, with where it holds."""
+    """One line for each remark, with the places that it holds for."""
     where: dict[str, list[str]] = {}
     for home, row in zip(matrix.trained_in, matrix.success, strict=True):
         for place, mean in zip(matrix.evaluated_in, row, strict=True):
@@ -132,7 +132,7 @@ def _notes(matrix: TransferMatrix) -> list[str]:
 
 
 def _drop_text(drop: SeedMean) -> str:
-    """In percentage points."""
+    """A drop in percentage points."""
     return "" if drop.mean is None else f"{_percent(drop.mean)} pp"
 
 

@@ -1,1 +1,1 @@
-"""What of an experiment is small enough to be kept beside the code: records and figures."""
+"""Summaries of an experiment: records and figures that are small enough to be kept beside the code."""

@@ -12,11 +12,11 @@ from harness.results import Results
 from harness.text import visible
 
 OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")
-"""Of the run alone, under the reward that it was paid; the indices are not rounded."""
+"""Columns on the single run, under the reward that paid it. The indices are not rounded."""
 NOT_MEASURED = "not_measured"
 """The column of the metrics that failed, each with the reason."""
 FORMULAS = ("=", "+", "-", "@")
-"""What a spreadsheet takes for the beginning of one."""
+"""Characters with which a formula begins in a spreadsheet."""
 
 
 def write_cells(results: Results) -> str:
@@ -53,7 +53,7 @@ def _describe_names() -> tuple[str, ...]:
 def _describe(manifest: Manifest) -> tuple[Any, ...]:
     cell = manifest.cell
     choices = (cell.simulator.label, cell.task.label, cell.robot, cell.algorithm.label, cell.reward.label)
-    times = (manifest.training_seconds or None, manifest.seconds or None)  # 0 of a process that could not say
+    times = (manifest.training_seconds or None, manifest.seconds or None)  # 0: the process could not measure it
     return (cell.id, *choices, cell.seed, cell.steps, manifest.status, " ".join(manifest.reason.split()), *times)
 
 
@@ -66,7 +66,7 @@ def _own(results: Results, manifest: Manifest) -> dict[str, Any]:
 
 
 def plain_text(value: Any) -> str:
-    """Python's own text of a float is the shortest that gives the same float back."""
+    """A value as text. Python's text of a float is the shortest that gives the same float back."""
     if value is None:
         return ""
     if isinstance(value, str):
@@ -75,6 +75,6 @@ def plain_text(value: Any) -> str:
 
 
 def _text(value: str) -> str:
-    """A text that a spreadsheet shows, and does not compute: behind an apostrophe where it begins like a formula."""
+    """A text that a spreadsheet does not compute: an apostrophe stands before it if it begins like a formula."""
     text = visible(value)
     return f"'{text}" if text.lstrip().startswith(FORMULAS) else text

@@ -13,7 +13,7 @@ from harness.results.combination import Combination
 
 CURVES = "curves.parquet"
 ROWS = 1_200
-"""Per curve, at most."""
+"""The most rows per curve."""
 FORMAT = 1
 ABOUT = (
     "Mean accumulated reward of the runs trained with one reward, scored by another (the shaped reward), at every n-th "

@@ -1,4 +1,4 @@
-"""What an experiment took."""
+"""The time that an experiment took."""
 
 from collections.abc import Iterable
 from datetime import datetime, timedelta
@@ -8,11 +8,11 @@ from harness.record.manifest import Manifest
 
 
 class Effort(NamedTuple):
-    """Of the cells that ran, finished or not."""
+    """The time that the cells took that ran, finished or not."""
 
     cells: int
     seconds: float
-    """Of all cells together, [s]; cells run beside one another."""
+    """The sum over all cells, [s]. Cells may run at the same time."""
     first: datetime | None
     """When the first cell began; None if none ran."""
     last: datetime | None
@@ -20,12 +20,12 @@ class Effort(NamedTuple):
 
     @property
     def span(self) -> float | None:
-        """From the one to the other, [s], pauses included."""
+        """The time from the first beginning to the last end, [s], pauses included."""
         return (self.last - self.first).total_seconds() if self.first and self.last else None
 
 
 def effort_of(manifests: Iterable[Manifest]) -> Effort:
-    """What the cells that ran took."""
+    """The time that the cells took that ran."""
     ran = [manifest for manifest in manifests if manifest.status in ("done", "failed")]
     begun = [(datetime.fromisoformat(manifest.started), manifest.seconds) for manifest in ran if manifest.started]
     return Effort(
@@ -37,7 +37,7 @@ def effort_of(manifests: Iterable[Manifest]) -> Effort:
 
 
 def duration_text(seconds: float) -> str:
-    """For people: ``12.5 s``, ``25 min``, ``3 h 5 min``."""
+    """A duration as people write it: ``12.5 s``, ``25 min``, ``3 h 5 min``."""
     if seconds < 100:
         return f"{seconds:.1f} s"
     minutes = round(seconds / 60)

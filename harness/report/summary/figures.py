@@ -15,9 +15,9 @@ from harness.results.combination import Combination
 from harness.results.learning import Learning
 
 OF_ALL_RUNS = 8_000
-"""Points of all runs of a figure together: about 70 kB."""
+"""The most points of all runs in a figure together, about 70 kB."""
 LEARNING_WIDTH, LEARNING_HEIGHT = 720.0, 250.0
-"""Of the figure of learning, which stands alone, and of its panel, [px]."""
+"""Width of the figure of learning, which stands alone, and height of its panel, [px]."""
 RUNS = (
     "Thin: one run per seed. Thick: their mean, which the indices are taken from. Shaded: Ω₁ below 0, which I_N sums, "
     "and Ω₂ above 0, which I_P sums."
@@ -26,7 +26,7 @@ LEARNING = "Lines: means over seeds. Bands: 95% intervals."
 
 
 def runs_file(combination: Combination, missing: str = "") -> bytes | None:
-    """The accumulated reward of every run, and their mean, a panel per reward; None without a finished pair."""
+    """The figure of accumulated reward: all runs and their mean, a panel per reward; None without a finished pair."""
     runs = 2 * max(1, len(combination.seeds))
     charts = draw_panels(combination, max(FEWEST, min(POINTS, OF_ALL_RUNS // runs)))
     if charts is None:
@@ -37,7 +37,7 @@ def runs_file(combination: Combination, missing: str = "") -> bytes | None:
 
 
 def split_file(combination: Combination, missing: str = "") -> bytes | None:
-    """Both etas and their parts, each with its interval; None where no part of either can be drawn."""
+    """The figure of both etas and their parts, each with its interval; None if no part of either can be drawn."""
     splits = combination.splits if combination.is_split else {}
     drawn = {name: draw_split(name, split) for name, split in splits.items()}
     panels = [Panel(f"{name} = ruler x behaviour", chart) for name, chart in drawn.items() if chart is not None]
@@ -48,7 +48,7 @@ def split_file(combination: Combination, missing: str = "") -> bytes | None:
 
 
 def learning_file(combination: Combination, learning: Learning, missing: str = "") -> bytes | None:
-    """The success rate over environment steps, under both rewards; None where success has no metric."""
+    """The figure of the success rate over environment steps, under both rewards; None if success has no metric."""
     if SUCCESS not in learning.random:
         return None
     chart = draw_learning(learning, SUCCESS)._replace(width=LEARNING_WIDTH, height=LEARNING_HEIGHT)
@@ -57,7 +57,7 @@ def learning_file(combination: Combination, learning: Learning, missing: str = "
 
 
 def _file(what: str, combination: Combination, missing: str, panels: list[Panel], notes: list[str]) -> bytes:
-    """What was compared where, over how many seeds, and what is missing stands above the panels."""
+    """A figure as a file. Above its panels stands what was compared where, over how many seeds, and what is missing."""
     where, rewards = combination.group.title, rewards_text(combination)
     seeds = seeds_text(combination.seeds) + (f"; {missing}" if missing else "")
     return draw_svg(f"{what}: {where}: {rewards}", (what, where, f"{rewards}, {seeds}"), panels, notes)

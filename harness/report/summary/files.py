@@ -18,7 +18,7 @@ FIGURE = re.compile(r"overview|.+\.(runs|split|learning)")
 def put_files(folder: Path, files: Mapping[str, bytes], figures: str) -> None:
     """Write `files`, by their paths within `folder`, and remove our older figures that are not among them.
 
-    All are written beside their final names before the first is renamed: whoever is killed leaves whole files.
+    All are written beside their final names before the first is renamed. So a killed process leaves whole files.
 
     Args:
         folder: Made if it is not there; what else is in it stays.
@@ -45,12 +45,12 @@ def put_files(folder: Path, files: Mapping[str, bytes], figures: str) -> None:
 
 
 def _is_ours(path: Path) -> bool:
-    """By its name and by its creator."""
+    """Whether a figure is ours, by its name and by its creator."""
     return bool(FIGURE.fullmatch(path.stem)) and CREATOR.encode() in path.read_bytes()
 
 
 def _write(partial: Path, files: Mapping[str, bytes]) -> None:
-    if partial.exists():  # of one that was killed
+    if partial.exists():  # left by a process that was killed
         shutil.rmtree(partial)
     partial.mkdir(parents=True)
     for name, content in files.items():

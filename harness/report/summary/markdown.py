@@ -1,4 +1,4 @@
-"""The combinations of an experiment as a page for a repository: what came out, of what, at what cost."""
+"""The combinations of an experiment as a page for a repository: results, settings and effort."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -51,9 +51,9 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
     """``summary.md``.
 
     Args:
-        results: Of the experiment.
+        results: The results of the experiment.
         overview: Path of the figure of all combinations; empty if there is none.
-        pictures: Of each combination.
+        pictures: The pictures of each combination.
     """
     combinations = results.combinations
     parts = [
@@ -101,7 +101,7 @@ def _row(number: int, combination: Combination, missing: str) -> tuple[str, ...]
 
 
 def _parts(combination: Combination, name: str) -> str:
-    """Geometric means of both paths."""
+    """The parts of an eta: geometric means of both paths."""
     split = combination.splits[name]
     if split.ruler.value is None and split.behaviour.value is None:
         return NOTHING
@@ -155,5 +155,5 @@ def markdown_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> st
 
 
 def escape(text: str) -> str:
-    """Text as itself, whatever Markdown would make of it: no link, no picture, no HTML, no line of its own."""
+    """A text that Markdown shows as it is: no link, no picture, no HTML, no line break."""
     return re.sub(r"[\\`*<>|&]|\](?=[\[(:])", r"\\\g<0>", visible(text))

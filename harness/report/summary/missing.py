@@ -10,7 +10,7 @@ STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending", "damaged")
 
 
 def missing_text(results: Results, combination: Combination) -> str:
-    """How many cells ended otherwise, or not yet: ``2 failed, 1 pending of 20 cells``; empty if all are done."""
+    """How many cells are not done, by their state: ``2 failed, 1 pending of 20 cells``; empty if all are done."""
     rewards = {combination.baseline, combination.proposed}
     statuses = Counter(
         manifest.status

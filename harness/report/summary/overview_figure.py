@@ -14,15 +14,15 @@ from harness.report.summary.svg import INTERVALS, Panel, draw_svg
 from harness.results.combination import Combination
 
 NAME = 44
-"""Characters of a line of a name."""
+"""The most characters in a line of a name."""
 REWARD = 4
 """Place of the proposed reward in a name."""
 LINE = 18.0
-"""From one number to the next, [px]."""
+"""Distance from one number to the next, [px]."""
 AIR = 0.8
-"""Between two combinations, in lines."""
+"""Space between two combinations, in lines."""
 WIDTH = 340.0
-"""Of a panel with its numbers, [px]."""
+"""Width of a panel with its numbers, [px]."""
 LEGEND = {"eta": "eta, equal to", "ruler": "ruler times", "behaviour": "behaviour"}
 
 
@@ -36,7 +36,7 @@ class Row(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """Between top and bottom."""
+        """The middle between top and bottom."""
         return (self.top + self.bottom) / 2
 
 
@@ -45,7 +45,7 @@ def draw_overview(combinations: Sequence[Combination], missing: Sequence[str]) -
 
     Args:
         combinations: Rows, from top to bottom; one without a finished pair has a row too.
-        missing: Of each, which of its cells are not done.
+        missing: For each combination, which of its cells are not done.
     """
     if not any(combination.seeds for combination in combinations):
         return None
@@ -58,7 +58,7 @@ def draw_overview(combinations: Sequence[Combination], missing: Sequence[str]) -
 
 
 def name_apart(combinations: Sequence[Combination]) -> tuple[str, list[str]]:
-    """What all combinations share, and for each what it does not."""
+    """What all combinations share, and for each combination what it does not share."""
     told = [_parts(combination) for combination in combinations]
     apart = tell_apart(told, keep=REWARD if len(told) == 1 else None)
     return apart.shared, apart.names
@@ -78,7 +78,7 @@ def _label(name: str, combination: Combination, missing: str) -> list[str]:
 
 
 def _rows(combinations: Sequence[Combination], labels: Sequence[list[str]]) -> Iterator[Row]:
-    """One below the other, each as high as its three numbers or its name."""
+    """The rows, one below the other. Each is as high as its three numbers or its name."""
     top = 0.0
     for combination, label in zip(combinations, labels, strict=True):
         bottom = top + max(3, len(label)) + AIR
@@ -99,13 +99,13 @@ def _chart(name: str, rows: Sequence[Row], is_first: bool) -> Chart:
 
 
 def _places(row: Row) -> list[tuple[float, str]]:
-    """Every line of its label, around its middle."""
+    """The places of the lines of a row's label, around its middle."""
     first = row.middle - (len(row.label) - 1) / 2
     return [(-(first + number), line) for number, line in enumerate(row.label)]
 
 
 def _split(row: Row, name: str) -> list[SplitRow]:
-    """The means of both paths: these are in the combination's own figure."""
+    """An eta and the means of both paths. The combination's own figure shows the paths."""
     split, place = row.combination.splits[name], row.middle
     return [
         SplitRow("eta", split.eta, place - 1.0, "ink", "circle"),
@@ -115,7 +115,7 @@ def _split(row: Row, name: str) -> list[SplitRow]:
 
 
 def _marks(parts: Iterable[SplitRow], ratios: Axis) -> Iterator[Mark]:
-    """The number of each, or the word in its place, stands beside the panel."""
+    """The marks of ratios. The number of each, or a word in its place, stands beside the panel."""
     for part in parts:
         for mark in draw_ratio(part, ratios):
             yield mark._replace(legend=LEGEND[part.label]) if isinstance(mark, Dots) else mark

@@ -21,12 +21,12 @@ from harness.report.figures.draw import (
 from harness.text import visible
 
 CREATOR = "harness report --summary"
-"""Written into every figure: which figures in a folder are ours."""
+"""The creator that is written into every figure. It tells which figures in a folder are ours."""
 INTERVALS = "Bars: 95% intervals over seeds; one that ends at the edge of its panel goes on."
 STYLES = Path(__file__).parent.parent / "page"
 FONT = "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 EDGE, BETWEEN = 16.0, 24.0
-"""Around the figure and between its panels, [px]."""
+"""Margins around the figure and between its panels, [px]."""
 LINE = 18.0
 """Height of a line of text, [px]."""
 BOLD = 1.12
@@ -37,7 +37,7 @@ class Panel(NamedTuple):
     """A chart and its heading."""
 
     heading: str
-    """Empty where the headline says it."""
+    """The heading; empty if the headline says it."""
     chart: Chart
 
 
@@ -47,7 +47,7 @@ def draw_svg(title: str, headline: Sequence[str], panels: Sequence[Panel], notes
     Args:
         title: What it shows, for those who cannot see it.
         headline: Paragraphs; the first is bold.
-        panels: From left to right, one at least.
+        panels: The panels from left to right, at least one.
         notes: Paragraphs below.
     """
     width = 2 * EDGE + sum(panel.chart.width for panel in panels) + BETWEEN * (len(panels) - 1)
@@ -72,14 +72,14 @@ def draw_svg(title: str, headline: Sequence[str], panels: Sequence[Panel], notes
 
 
 def chart_style() -> str:
-    """The page's rules for charts, with the colours of its light screen in the place of their names."""
+    """The page's style rules for charts, with the colours of the light screen in place of their names."""
     page, rules = ((STYLES / name).read_text(encoding="utf-8") for name in ("report.css", "chart.css"))
     colours = dict(re.findall(r"--([\w-]+): ([^;]+);", page.partition("}")[0]))
     return re.sub(r"var\(--([\w-]+)\)", lambda name: colours[name[1]], rules)
 
 
 def _draw_panels(svg: Element, panels: Sequence[Panel], y: float, title: str) -> float:
-    """Headings, then charts, whose horizontal axes are level; returns where they end."""
+    """Draw headings, then charts, whose horizontal axes are level; returns where they end."""
     x, tops = EDGE, []
     for panel in panels:
         left = panel_left(panel.chart)
@@ -94,7 +94,7 @@ def _draw_panels(svg: Element, panels: Sequence[Panel], y: float, title: str) ->
 
 
 def _draw_legend(svg: Element, panels: Sequence[Panel], y: float, room: float) -> float:
-    """Every name once, in lines as long as there is room; returns where they end."""
+    """Draw every name once, in lines as long as there is room; returns where they end."""
     named: dict[str, Line | Dots] = {}
     for panel in panels:
         for name, mark in legend_of(panel.chart):
@@ -116,7 +116,7 @@ def _place(svg: Element, figure: Element, x: float, y: float, size: tuple[float,
 
 
 def _write(svg: Element, x: float, y: float, text: str, room: float, is_bold: bool = False) -> float:
-    """As many lines as the text needs; returns where they end."""
+    """Write as many lines as the text needs; returns where they end."""
     for line in textwrap.wrap(visible(text), int(room / (CHARACTER * (BOLD if is_bold else 1.0)))):
         element = SubElement(svg, "text", {"x": f"{x:g}", "y": f"{y + 0.75 * LINE:g}"})
         element.text = line

@@ -41,7 +41,7 @@ def _row(name: str, pair: Pair) -> tuple[str, ...]:
 
 
 def _change(texts: list[str]) -> str:
-    """Both, or one where they are alike."""
+    """Both texts, or one if they are alike."""
     return " > ".join(dict.fromkeys(texts))
 
 

@@ -1,4 +1,4 @@
-"""What an experiment says, as a terminal shows it."""
+"""The comparisons of an experiment, as a terminal shows them."""
 
 from rich.console import Group, RenderableType
 from rich.text import Text
@@ -44,7 +44,7 @@ def comparison_table(results: Results) -> RenderableType:
 
 
 def _combination_block(results: Results, combination: Combination) -> RenderableType:
-    """The two answers first, then what they rest on; what the page has beyond that would fill screens."""
+    """The two answers first, then what they rest on. The page shows more, which would fill many screens here."""
     headline, decomposition = combination.headline, combination.decomposition
     parts: list[RenderableType] = [
         Text(combination.group.title, style="bold"),

@@ -37,7 +37,7 @@ def comparison_title(comparison: Comparison) -> str:
 
 
 def runs_text(comparison: Comparison) -> str:
-    """How many runs there are, and what of them is not compared."""
+    """How many runs there are, and which part of them is not compared."""
     parts = []
     for who, count in comparison.runs.items():
         left_out = comparison.rows_left_out[who]

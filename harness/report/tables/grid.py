@@ -1,4 +1,4 @@
-"""A grid as a terminal shows it: every value whole, every name readable, however narrow the window is."""
+"""A grid as a terminal shows it. Values stay whole and names readable, however narrow the window is."""
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
@@ -13,7 +13,7 @@ from rich.text import Text
 from harness.report.rows.comparison import Grid
 
 NAME = 14
-"""A name of so many characters stays on one line; a longer one may take several, of at least so many."""
+"""A name with up to this many characters stays on one line. A longer one may take several lines at least so long."""
 GAP = 2
 """Characters between two columns."""
 
@@ -26,7 +26,7 @@ def show_grid(grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> list[Rendera
 
     Args:
         grid: What to show.
-        styles: By value, rich's styles for those that are to stand out.
+        styles: Styles of rich for values that are to stand out, by value.
     """
     parts: list[RenderableType] = [GridTable(grid, styles)] if grid.rows else []
     parts = [Text(grid.title, style="bold"), *parts] if grid.rows and grid.title else parts
@@ -35,7 +35,7 @@ def show_grid(grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> list[Rendera
 
 
 class GridTable:
-    """A grid as a table; where that is too wide, as several below one another, each with the names to its left."""
+    """A grid as a table. If it is too wide, it is several tables below one another, each with the names to its left."""
 
     def __init__(self, grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> None:
         self._grid, self._styles = grid, styles
@@ -49,7 +49,7 @@ class GridTable:
 
 
 def divide_columns(grid: Grid, width: int) -> list[range]:
-    """The columns of values of each table: as few tables as fit into `width` characters, of about the same size."""
+    """The columns of values of each table: as few tables as `width` characters allow, of about the same size."""
     count = len(grid.headings) - 1
     for tables in range(1, count):
         ends = [1 + count * table // tables for table in range(tables + 1)]
@@ -60,13 +60,13 @@ def divide_columns(grid: Grid, width: int) -> list[range]:
 
 
 def _width_of(grid: Grid, columns: range) -> int:
-    """The least that a table of the names and these columns takes."""
+    """The smallest width of a table with the names and these columns."""
     names = max(_name_width(row[0]) for row in (grid.headings, *grid.rows))
     return names + sum(GAP + _column_width(grid, column) for column in columns)
 
 
 def _name_width(name: str) -> int:
-    """What a name takes at least: all of it while it is short, else its longest word."""
+    """The smallest width of a name: all of it if it is short, else its longest word."""
     return cell_len(name) if cell_len(name) <= NAME else min(NAME, max(map(cell_len, name.split())))
 
 
@@ -75,7 +75,7 @@ def _column_width(grid: Grid, column: int) -> int:
 
 
 def _table(grid: Grid, columns: range, width: int, styles: Mapping[str, str]) -> Table:
-    """Names to the left, which may wrap; values to the right, which may not unless one alone is too wide."""
+    """A table. Names stand to the left and may wrap. Values may not, unless a single one is too wide."""
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column(Text(grid.headings[0]), overflow="fold")
     fits = _width_of(grid, columns) <= width

@@ -23,15 +23,15 @@ from harness.results.overview import (
 )
 
 STYLES = {Answer.HELPS.value.upper(): "bold green", Answer.HURTS.value.upper(): "bold red"}
-"""The words say it all without a colour."""
+"""Styles of rich for the answers. The words say everything without a colour too."""
 
 
 def overview_table(results: Results, details: str) -> RenderableType:
-    """What is the same in all comparisons, then a line for each; of a single one what it comes to, in sentences.
+    """What is the same in all comparisons, then a line for each. A single comparison is told in sentences.
 
     Args:
         results: The experiment.
-        details: The command that shows all that this rests on.
+        details: The command that shows everything behind the overview.
     """
     combinations = results.combinations
     parts: list[RenderableType] = [comparison_lines(combinations)] if combinations else []
@@ -51,10 +51,10 @@ def comparison_lines(combinations: Sequence[Combination]) -> RenderableType:
 
 
 class WideOrNarrow:
-    """A line per comparison, with intervals if all then still stand in one line."""
+    """A line per comparison. It has intervals if all comparisons then still fit into one line."""
 
     def __init__(self, wide: Sequence[Grid], narrow: Sequence[Grid]) -> None:
-        """The same lines with intervals, and without."""
+        """Take the same lines with intervals and without."""
         self._wide, self._narrow = wide, narrow
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
@@ -65,7 +65,7 @@ class WideOrNarrow:
 
 
 def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool) -> list[Grid]:
-    """A line per comparison; where both groups and rewards vary, a grid for each group."""
+    """A line per comparison. If both groups and rewards vary, there is a grid for each group."""
     varying = varying_kinds(combinations)
     if not varying or len({it.proposed for it in combinations}) == 1:
         names = zip(line_names(combinations), combinations, strict=True)
@@ -78,13 +78,13 @@ def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool)
 
 
 def _not_split(combinations: Sequence[Combination]) -> list[str]:
-    """Why a reward could not pay the runs of another one, each reason once: etas without it are hard to read."""
+    """Why a reward could not pay the runs of another one, each reason once. It explains why an eta was not split."""
     told = (it.splits for it in combinations if it.seeds and not it.is_split)
     return list(dict.fromkeys(note for splits in told for note in split_grid(splits).notes))
 
 
 def _sentences(results: Results, combination: Combination) -> list[RenderableType]:
-    """Both answers, and how to get one where there is none."""
+    """Both answers in sentences, and how to get an answer if there is none."""
     headline = combination.headline
     lines = [headline.robot, headline.number, advice(results, combination)]
     return [part for line in lines if line for part in (Text(), Text(line))]

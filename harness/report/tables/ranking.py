@@ -10,7 +10,7 @@ from harness.results.ranking import TaskRanking, ranking_of
 
 
 def ranking_table(results: Results, details: bool) -> RenderableType | None:
-    """What it comes to in each task, and on request what that rests on; None where there is nothing to compare."""
+    """The answer in each task, and on request what it rests on; None if there is nothing to compare."""
     tasks = ranking_of(results).tasks
     if not tasks:
         return None

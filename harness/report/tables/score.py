@@ -19,7 +19,7 @@ def score_table(matrices: Sequence[ScoreMatrix]) -> RenderableType:
 
 
 def score_grids(matrix: ScoreMatrix) -> list[Grid]:
-    """One for I_N, one for I_P: a row per scoring reward, a column per training."""
+    """A grid for I_N and one for I_P, with a row per scoring reward and a column per training."""
     negative = {scoring: {name: index.I_N for name, index in row.items()} for scoring, row in matrix.indices.items()}
     positive = {scoring: {name: index.I_P for name, index in row.items()} for scoring, row in matrix.indices.items()}
     return [_grid("I_N", matrix, negative), _grid("I_P", matrix, positive)]

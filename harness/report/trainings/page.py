@@ -184,7 +184,7 @@ def _learning_panels(study: Study, comparison: Comparison) -> list[Panel]:
 
 
 def _split_panels(comparison: Comparison) -> list[Panel]:
-    """The return where the verdict looks, then I_N and I_P, each with its parts."""
+    """The return in the manner that the verdict uses, then I_N and I_P, each with its parts."""
     main = {} if comparison.main is None else {"eta": comparison.main.ratio}
     drawn = [(name, split, draw_split(name, split)) for name, split in {**main, **comparison.splits}.items()]
     headings = {"eta": f"Mean return {comparison.manner}: eta = ruler x behaviour"}
@@ -228,7 +228,7 @@ def _number_grids(study: Study, comparison: Comparison) -> list[Grid]:
 
 
 def _matrix(study: Study) -> Matrix:
-    """A map of answers, a row for each reward against a column for each that comes before it."""
+    """A map of answers. Each reward has a row, and a column for each reward that comes before it."""
     comparisons = study.comparisons
     entries = [_entry(number, comparison) for number, comparison in enumerate(comparisons)]
     found = {(it.proposed, it.baseline): entry for it, entry in zip(comparisons, entries, strict=True)}

@@ -32,7 +32,7 @@ HEADINGS = ("", "baseline", "proposed", "difference", "better", "p", "result")
 
 
 def study_title(study: Study) -> str:
-    """The question that it answers."""
+    """The question that a study answers."""
     proposed = study.runs.trained[1:]
     asked = f"Does the reward {proposed[0]}"
     if len(proposed) > 1:
@@ -46,14 +46,14 @@ def pair_text(comparison: Comparison) -> str:
 
 
 def study_text(study: Study) -> str:
-    """What was recorded."""
+    """What the study recorded."""
     runs = study.runs
     told = ", ".join(f"{count_seeds(len(runs.of(reward)))} by {reward}" for reward in runs.trained)
     return f"{runs.env}: {len(runs.members)} trainings of {runs.steps:,} steps; {told}."
 
 
 def claims_text(comparison: Comparison) -> str:
-    """What the tests of so many seeds can show at best; empty without a seed."""
+    """What tests with so many seeds can show at best; empty without a seed."""
     seeds = len(comparison.seeds)
     if not seeds:
         return ""
@@ -83,7 +83,7 @@ def returns_grid(comparison: Comparison) -> Grid:
 
 
 def return_splits(comparison: Comparison) -> dict[str, Split]:
-    """The ratio of mean returns by name, one for each manner; one that is no number stands with its reason."""
+    """The ratios of mean returns by name, one for each manner. A ratio without a value has the reason."""
     return {f"eta {manner}": split.ratio for manner, split in comparison.returns.items()}
 
 
@@ -110,7 +110,7 @@ def behaviour_grid(comparison: Comparison, manner: str) -> Grid:
 
 
 def text_of(change: Change) -> Text:
-    """A share as a percentage, all else as it is: nobody has told the unit."""
+    """The function that writes a measure's values: shares as percentages, all others as they are."""
     return format_number if change.measure.episodes is None else percentage
 
 
@@ -120,7 +120,7 @@ def _behaviour_texts(change: Change) -> tuple[str, ...]:
 
 
 def _notes(table: Table) -> list[str]:
-    """One line for each thing to keep in mind, with the places that it holds for if not for all."""
+    """One line for each remark, with the places that it holds for if not for all."""
     where: dict[str, list[str]] = {}
     for (payer, trained), mean in table.items():
         for note in mean.notes:
@@ -133,7 +133,7 @@ def _interval(mean: SeedMean) -> str:
 
 
 def recordings_grid(study: Study) -> Grid:
-    """What every training came to by its own reward."""
+    """The result of every training by its own reward."""
     runs = study.runs
     rows: list[tuple[str, ...]] = []
     for run in runs.members.values():

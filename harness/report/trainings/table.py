@@ -48,11 +48,11 @@ DIFFERENCE_IS = "difference = ruler + behaviour, because a ratio needs returns a
 
 
 def study_overview(study: Study, details: str) -> RenderableType:
-    """A line per comparison, the full table of returns, and of a single comparison the answers in sentences.
+    """A line per comparison, and the full table of returns. A single comparison has its answers in sentences.
 
     Args:
-        study: What is told.
-        details: The command that shows all that this rests on.
+        study: The study to show.
+        details: The command that shows everything behind the overview.
     """
     comparisons = study.comparisons
     parts: list[RenderableType] = [Text(study_text(study), style="bold"), *_notes(study)]
@@ -70,7 +70,7 @@ def study_overview(study: Study, details: str) -> RenderableType:
 
 
 def study_table(study: Study) -> RenderableType:
-    """All of every comparison: returns first, then how they split, then what the agent did."""
+    """Everything about each comparison: returns first, then how they split, then what the agent did."""
     parts: list[RenderableType] = [Text(study_text(study), style="bold"), *_notes(study), Text()]
     for comparison in study.comparisons:
         parts += _block(study, comparison)
@@ -114,12 +114,12 @@ def _notes(study: Study) -> list[RenderableType]:
 
 
 def _first_manner(study: Study) -> str:
-    """The one that verdicts look at."""
+    """The manner that verdicts use."""
     return next(iter(study.comparisons)).manner
 
 
 def _line(comparison: Comparison, is_ratio: bool) -> tuple[str, ...]:
-    """What stands under the headings."""
+    """The values of a line, under the headings."""
     main, change = comparison.main, comparison.decisive
     measures = [] if comparison.deciding is None else [NOTHING]
     if change is not None:

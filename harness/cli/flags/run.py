@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from harness.cli.options import ALGORITHMS, REWARDS, TRACKERS, Names
+from harness.cli.flags.shared import ALGORITHMS, REWARDS, TRACKERS, Names
 
 ExperimentFile = Annotated[
     Path | None,

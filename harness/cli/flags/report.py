@@ -1,0 +1,26 @@
+"""The flags of ``harness report`` that no other command has."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ExperimentFolders = Annotated[
+    list[Path],
+    typer.Argument(
+        help="The folder of an experiment. Several folders are read as if one run had made them.", metavar="DIR..."
+    ),
+]
+HtmlFile = Annotated[Path | None, typer.Option(help="Write the report page to this file.", metavar="FILE")]
+Details = Annotated[
+    bool,
+    typer.Option(
+        "--details", help="Print every number of every comparison. With many comparisons this fills many screens."
+    ),
+]
+SummaryFolder = Annotated[
+    Path | None,
+    typer.Option(
+        help="Write records into this folder: small tables and figures, made to be kept and shared.", metavar="FOLDER"
+    ),
+]
