@@ -12,7 +12,7 @@ from harness.files.bounded import digest_of
 from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
 from harness.record.cell_folder import require_files
-from harness.record.folder import TRACE, TRANSFER, partial_folder, publish
+from harness.record.folder import DERIVED, TRACE, TRANSFER, partial_folder, publish
 from harness.record.forms import Status
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan
@@ -50,7 +50,8 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     """Put the cells of experiments into one folder, whole, with the evaluations of their policies elsewhere.
 
     A cell that is in several folders is taken from the first where it is done, else from the first where it failed.
-    What is damaged is left out. What can be made again, as tables and pages, is not copied.
+    What is damaged is left out. What is kept of a cell's results comes with it: a report need not compute it again.
+    Tables and pages are not copied.
 
     Args:
         folders: Of the experiments. They are not changed.
@@ -85,7 +86,9 @@ def _choose(folders: Sequence[Path]) -> Merged:
     for cell in merged.plan.cells:
         chosen = _choose_cell(cell, stores, merged.left_out)
         if chosen is not None:
-            merged.taken[chosen.cell_folder(cell).relative_to(chosen.folder)] = chosen.cell_folder(cell)
+            for source in (chosen.cell_folder(cell), chosen.folder / DERIVED / cell.id):
+                if source.is_dir():
+                    merged.taken[source.relative_to(chosen.folder)] = source
             _choose_transfers(cell, [chosen, *(store for store in stores if store is not chosen)], merged)
     return merged
 
@@ -138,10 +141,11 @@ def _transfers_of(cell: Cell, store: Store, left_out: list[LeftOut]) -> Iterator
 
 
 def _copy(source: Path, target: Path) -> None:
-    """Copy the folder of a cell or of a transfer; it is there when it is whole."""
+    """Copy the folder of a cell, of its kept results or of a transfer; it is there when it is whole."""
     partial = partial_folder(target)
     if partial.exists():
         shutil.rmtree(partial)
+    partial.mkdir(parents=True)
     for path in sorted(source.rglob("*")):
         if path.is_symlink() or not path.is_file() or is_partial(path):
             continue

@@ -76,7 +76,7 @@ class CellResults:
     def recorded(self) -> Float:
         """What the cell's own reward paid, every row of the training, (rows,)."""
         what, made_of = f"{TRACE} reward", [self._kept.digest(TRACE)]
-        return self._kept.rewards(what, made_of, lambda: read_trace(self._files / TRACE, ["reward"])["reward"])
+        return self._kept.rewards(what, made_of, lambda: self._training_with_reward()["reward"])
 
     def paid_by(self, payer: Payer) -> Float:
         """What another reward pays for every row of the training, (rows,).
@@ -140,6 +140,11 @@ class CellResults:
         if known is None:
             known = self._read[file, whole] = read_trace(self._files / file, None if whole else TO_PAY)
         return known
+
+    def _training_with_reward(self) -> Trace:
+        """The training trace as it was read already; else that one column, which is read again sooner than held."""
+        known = next((trace for (file, _), trace in self._read.items() if file == TRACE), None)
+        return read_trace(self._files / TRACE, ["reward"]) if known is None else known
 
     def finish(self) -> None:
         """Keep the numbers and drop the traces, because a report asks for one cell after the other."""

@@ -110,8 +110,10 @@ def _curve(records: Records, match: _Match, pair: Pair) -> GroupCurve:
 
 def _scored_curve(records: Records, own: Cell, cells: Sequence[Cell]) -> GroupCurve:
     """The trainings of `cells` paid by the reward that taught `own`."""
-    payer = records.payer(own.reward)
-    payer.require_unchanged(records.of(own).pays_recorded(payer))
+    payer, taught = records.payer(own.reward), records.of(own)
+    is_unchanged = taught.pays_recorded(payer)
+    taught.finish()
+    payer.require_unchanged(is_unchanged)
     return records.curve_paid_by(payer, cells)
 
 

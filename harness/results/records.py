@@ -160,8 +160,10 @@ class Records:
     def measured(self, cell: Cell) -> Measured:
         """Every metric of a done cell."""
         if cell.id not in self._measured:
-            self._measured[cell.id] = self.of(cell).measured({**dict.fromkeys(self.metrics), **self._floors.of(cell)})
-            self.of(cell).finish()
+            found = self.of(cell)
+            self._measured[cell.id] = found.measured({**dict.fromkeys(self.metrics), **self._floors.of(cell)})
+            found.rows()  # and what it was paid, if that is not kept: the trace is there now
+            found.finish()
         return self._measured[cell.id]
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:

@@ -1,5 +1,6 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -124,7 +125,7 @@ class _Block:
 
 
 class _TraceRows:
-    """One env's rows of a trace, in order."""
+    """Some rows of a trace, in the order of their numbers."""
 
     def __init__(self, trace: Trace, rows: NDArray[np.int64] | slice) -> None:
         self.start = trace["step"][rows] == 0
@@ -137,11 +138,23 @@ class _TraceRows:
 def score_trace(reward: Reward, trace: Trace) -> Float:
     """The shaped reward of every row of a trace under `reward`, (rows,), in the trace's order."""
     values = np.empty(len(trace))
-    envs = np.flatnonzero(np.bincount(trace["env"]))
-    for env in envs:
-        rows = np.flatnonzero(trace["env"] == env) if len(envs) > 1 else slice(None)  # of one env all, without a copy
+    for rows in _runs_of(trace):
         values[rows] = Scorer(reward).score(_TraceRows(trace, rows))
     return values
+
+
+def _runs_of(trace: Trace) -> Sequence[NDArray[np.int64] | slice]:
+    """Row numbers, env after env; a run goes on to the next env where that begins with a start row, as all should.
+
+    Nothing from before a start row counts after it. So one scorer does for all envs: for the hundred of an evaluation
+    it takes a fifth of the time of a hundred scorers, and less if the reward has a memory.
+    """
+    env = trace["env"]
+    if (env[1:] == env[:-1]).all():
+        return [slice(None)]  # without a copy
+    order = np.argsort(env, kind="stable")
+    is_next = np.diff(env[order]) != 0
+    return np.split(order, np.flatnonzero(is_next & (trace["step"][order][1:] != 0)) + 1)
 
 
 def _touched_of(trace: Trace, rows: NDArray[np.int64] | slice) -> Mask | None:

@@ -91,14 +91,14 @@ def test_sources_stay_as_they_were(run: Run, tmp_path: Path):
     assert [_files(folder) for folder in folders] == before
 
 
-def test_what_can_be_made_again_is_not_copied(run: Run, tmp_path: Path):
-    """Cells are whole; tables, pages and what is kept are left out."""
+def test_tables_and_pages_are_not_copied(run: Run, tmp_path: Path):
+    """Cells are whole, and what is kept of them comes with them."""
     one = run("one", [0])
     for name in (RESULTS, REPORT):
         (one / name).write_text("made")
     assert (one / DERIVED).is_dir()
     merge([one], tmp_path / "all")
-    cells = {name: content for name, content in _files(one).items() if name.startswith(CELLS)}
+    cells = {name: content for name, content in _files(one).items() if name.startswith((CELLS, DERIVED))}
     assert _files(tmp_path / "all") == {**cells, **{name: (one / name).read_bytes() for name in (PLAN, EXPERIMENT)}}
 
 

@@ -4,16 +4,20 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 import pytest
 
 import harness.results.cell_results as module
 from harness.experiment.plan import Plan, check_experiment, expand
-from harness.record.folder import DERIVED, EVALUATION, TRACE
+from harness.record.folder import DERIVED, EVALUATION, SCORES, TRACE
 from harness.record.manifest import read_manifest
-from harness.record.trace import read_trace
+from harness.record.merge import merge
+from harness.record.store import CELLS
+from harness.record.trace import Trace, read_trace
 from harness.registry.registry import Registry
 from harness.report.document import report_text
+from harness.report.summary.cells import write_cells
 from harness.results import Results
 from harness.score.scored_runs import Payer
 
@@ -28,11 +32,17 @@ class Reads:
 
     def __init__(self) -> None:
         self.files: list[str] = []
+        self.whole: list[Path] = []
+        self.held: WeakSet[Trace] = WeakSet()
 
-    def __call__(self, path: Path, columns: list[str] | None = None) -> Any:
+    def __call__(self, path: Path, columns: list[str] | None = None) -> Trace:
         """Read one."""
         self.files.append(path.name)
-        return read_trace(path, columns)
+        if columns is None:
+            self.whole.append(path)
+        trace = read_trace(path, columns)
+        self.held.add(trace)
+        return trace
 
 
 @pytest.fixture(name="reads")
@@ -64,6 +74,51 @@ def remove_kept(results: Results) -> None:
 def test_first_report_after_a_run_reads_no_trace(ended: Results, reads: Reads):
     """All that follows from traces was made as the cells ended."""
     report_text(ended)
+    assert reads.files == []
+
+
+def test_run_reads_each_trace_once(toys: Registry, run_here: Callable[..., Results], tmp_path: Path, reads: Reads):
+    """As a cell ends: all metrics, returns and what other rewards pay follow from traces that are open together."""
+    results = run_here(expand(check_experiment(GIVEN), toys), tmp_path / "out")
+    assert len(reads.files) == len(reads.whole) == len(set(reads.whole))
+    traces = {path for path in (results.folder / CELLS).rglob("*.parquet") if path.name != SCORES}
+    assert set(reads.whole) == traces
+
+
+def test_first_report_reads_each_trace_whole_once(ended: Results, reads: Reads):
+    """With nothing kept: what a training was paid comes from the trace that its metrics were read from."""
+    remove_kept(ended)
+    results = fresh(ended)
+    assert results.not_measured == {}
+    assert len(reads.files) == len(reads.whole) == len(set(reads.whole))
+    for cell in results.done_cells:
+        results.of(cell).recorded()
+    assert len(reads.files) == len(reads.whole)
+
+
+def test_comparisons_hold_no_trace(toys: Registry, run_here: Callable[..., Results], tmp_path: Path, reads: Reads):
+    """Those that are read to see whether a reward still pays the same: with many rewards they would fill the memory."""
+    asked = {name: value for name, value in GIVEN.items() if name != "evaluate_every"}
+    ended = run_here(expand(check_experiment(asked), toys), tmp_path / "out")
+    remove_kept(ended)
+    results = fresh(ended)
+    assert results.not_measured == {}  # as a report asks first
+    reads.files.clear()
+    assert len(results.combinations) == 2
+    assert reads.files != []
+    assert len(reads.held) == 0
+
+
+def test_records_of_cells_read_no_trace_after_a_run(ended: Results, monkeypatch: pytest.MonkeyPatch):
+    """The indices of each run alone are those of the kept rewards."""
+    monkeypatch.setattr("pyarrow.parquet.ParquetFile", None)  # whoever opens a trace fails
+    assert len(write_cells(ended).splitlines()) == 1 + len(ended.done)
+
+
+def test_merged_cells_bring_what_is_kept(ended: Results, tmp_path: Path, reads: Reads):
+    """A report of several folders computes nothing again."""
+    merge([ended.folder], tmp_path / "all")
+    assert report_text(Results(tmp_path / "all", ended.registry)) == report_text(ended)
     assert reads.files == []
 
 

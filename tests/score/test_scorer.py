@@ -273,6 +273,31 @@ def test_envs_do_not_depend_on_one_another():
         np.testing.assert_array_equal(alone, trace["reward"][trace["env"] == env])
 
 
+@pytest.mark.parametrize("column", Sample._fields)
+def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(column: str):
+    """Whatever the rows of the env before end with."""
+    trace = record("baseline")
+    cut = Trace({name: values[2 * ENVS :] for name, values in trace.columns.items()})
+    runs = [rows_of(cut, env) for env in range(ENVS)]
+    assert not all(rows.start[0] for rows in runs[1:])
+    scored = score_trace(Shows(column), cut)
+    for env, rows in enumerate(runs):
+        np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(Shows(column)).score(rows))
+
+
+def test_envs_are_scored_together():
+    """Not one after the other: a reward that remembers nothing is called once for all of them."""
+    trace, sizes = record("baseline"), []
+
+    class Counts(Shows):
+        def __call__(self, carry: Any, sample: Sample) -> tuple[Any, Any]:
+            sizes.append(len(sample.distance))
+            return super().__call__(carry, sample)
+
+    score_trace(Counts("distance"), trace)
+    assert sizes == [len(trace)]
+
+
 def test_order_of_the_rows_is_kept():
     """Rows of several envs come back where they were, also when an env's rows stand together."""
     trace = record("aarp")

@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 
 from harness.eta.curve import curve_of
-from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
-from harness.record.trace import read_trace
 from harness.results import Results
 from harness.text import visible
 
@@ -60,7 +58,7 @@ def _describe(manifest: Manifest) -> tuple[Any, ...]:
 
 
 def _own(results: Results, manifest: Manifest) -> dict[str, Any]:
-    reward = read_trace(results.store.cell_folder(manifest.cell) / TRACE, ["reward"])["reward"]
+    reward = results.of(manifest.cell).recorded()
     index = curve_of([reward]).index
     final = float(np.cumsum(reward)[-1]) if len(reward) else None
     sums = (index.negative_sum, index.positive_sum)
