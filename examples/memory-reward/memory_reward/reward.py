@@ -1,4 +1,4 @@
-"""A reward that remembers: progress, less what it varies."""
+"""A reward that remembers: it pays progress, and less where the progress is uneven."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -10,13 +10,13 @@ from harness.reward import Array, Carry, Sample
 
 @dataclass(frozen=True)
 class Steady:
-    """r = p - price |p - m|, where p is the gain of the step and m the running mean of the episode's gains before it.
+    """r = p - price |p - m|, where p is the gain of the step and m the running mean of the episode's earlier gains.
 
-    m(t) = (1 - share) m(t-1) + share p(t), and m(0) = 0: memory that fades, one number for each env.
+    m(t) = (1 - share) m(t-1) + share p(t), and m(0) = 0. The reward remembers one number for each env.
     """
 
-    price: Annotated[float, Field(ge=0, description="of a metre's deviation from the usual gain")] = 0.5
-    share: Annotated[float, Field(gt=0, le=1, description="of the last step in the mean")] = 0.2
+    price: Annotated[float, Field(ge=0, description="price of deviating from the usual gain, per metre")] = 0.5
+    share: Annotated[float, Field(gt=0, le=1, description="weight of the last step in the running mean, 0 to 1")] = 0.2
 
     def initial_carry(self, begin_distance: Array) -> Carry:
         """The running mean at the start of an episode, (num_envs,), [m]."""

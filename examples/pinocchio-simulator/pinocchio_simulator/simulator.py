@@ -26,7 +26,7 @@ class Pinocchio:
     """
 
     substeps: Annotated[int, Field(gt=0, description="physics steps per control period")] = 20
-    bandwidth: Annotated[float, Field(gt=0, description="of the joint drives, w [rad/s]")] = 60.0
+    bandwidth: Annotated[float, Field(gt=0, description="bandwidth of the joint drives, w [rad/s]")] = 60.0
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> "PinocchioSimulation":
         """See `harness.simulator.Simulator`."""
