@@ -18,7 +18,6 @@ RECORDS: dict[str, dict[str, Any]] = {
 PARITY: dict[str, Any] = json.loads((FOLDER / "parity.json").read_text())
 SERVO = ":drive=servo"
 TRANSFER: dict[str, Any] = json.loads((FOLDER / "transfer.json").read_text())
-MOVED_TO = ("mujoco:drive=servo", "physx:drive=servo")
 PROSE = " ".join(PAGE.split())
 REWARDS = ("arp", "dense")
 EACH = pytest.mark.parametrize("name", RECORDS)
@@ -206,48 +205,59 @@ def test_eta_n_puts_dense_last_everywhere(name: str):
     assert {round(it["eta_N"]["eta"]["value"]) for it in combinations(name, "dense")} == {2}
 
 
-def moved(matrix: dict[str, Any], row: int, there: str) -> str:
-    """Success of policies in another simulator, and the drop from where they were trained, with its interval."""
-    column = matrix["evaluated_in"].index(there)
-    if matrix["trained_in"][row] == there:
-        return "at home"
-    drop = {name: 100 * matrix["drop"][row][column][name] for name in ("mean", "low", "high")}
-    success = share(matrix["success"][row][column]["mean"])
-    mean = round(drop["mean"], 1) + 0.0  # no -0.0
-    return f"{success}, {mean:+.1f} [{drop['low']:.1f}, {drop['high']:.1f}]"
+def where_moved(matrix: dict[str, Any]) -> list[tuple[int, int]]:
+    """Row and column of each simulator that policies were moved to."""
+    simulators = list(enumerate(matrix["trained_in"]))
+    return [
+        (row, matrix["evaluated_in"].index(there))
+        for row, trained_in in simulators
+        for _, there in simulators
+        if there != trained_in
+    ]
+
+
+def drops() -> list[dict[str, Any]]:
+    """What the success of policies loses in other simulators."""
+    return [it["drop"][row][column] for it in TRANSFER["combinations"] for row, column in where_moved(it)]
 
 
 @pytest.mark.parametrize("matrix", TRANSFER["combinations"], ids=lambda it: it["reward"])
 def test_page_says_what_moved_policies_do(matrix: dict[str, Any]):
-    """Of each reward and simulator, in both that they were moved to."""
+    """Of each reward, from every simulator to every other one."""
     missing = []
     for row, trained_in in enumerate(matrix["trained_in"]):
-        home = share(matrix["success"][row][matrix["evaluated_in"].index(trained_in)]["mean"])
-        there = " | ".join(moved(matrix, row, it) for it in MOVED_TO)
-        line = f"| {matrix['reward']} | `{trained_in}` | {home} | {there} |"
+        success = {
+            there: f"{100 * matrix['success'][row][matrix['evaluated_in'].index(there)]['mean']:.1f}"
+            for there in matrix["trained_in"]
+        }
+        success[trained_in] = f"**{success[trained_in]}**"
+        line = f"| {matrix['reward']} | `{trained_in}` | {' | '.join(success.values())} |"
         missing += [line] if line not in PAGE else []
     assert missing == []
 
 
+def test_columns_of_moved_policies_are_in_order():
+    """Each engine with ideal and then with servo drives."""
+    engines = {"MuJoCo": "mujoco", "Bullet": "pybullet", "Drake": "drake", "PhysX": "physx"}
+    assert f"| reward | trained in | {' | '.join(f'{engine} | servo' for engine in engines)} |" in PAGE
+    in_order = [name + drive for name in engines.values() for drive in ("", SERVO)]
+    assert all(it["trained_in"] == in_order for it in TRANSFER["combinations"])
+
+
 def test_every_policy_was_moved():
-    """Ten seeds of each, and no evaluation failed."""
-    columns = [TRANSFER["combinations"][0]["evaluated_in"].index(it) for it in MOVED_TO]
-    assert {row[at]["seeds"] for it in TRANSFER["combinations"] for row in it["success"] for at in columns} == {10}
+    """Ten seeds of each reward and simulator, and no evaluation failed."""
+    assert {it["seeds"] for it in drops()} == {10}
     assert {it["reward"] for it in TRANSFER["combinations"]} == {"baseline", *REWARDS}
     assert TRANSFER["failed"] == []
 
 
 def test_page_says_how_little_is_lost():
-    """The largest mean drop, and that no interval leaves 0 out."""
-    drops = [
-        row[it["evaluated_in"].index(there)]
-        for it in TRANSFER["combinations"]
-        for trained_in, row in zip(it["trained_in"], it["drop"], strict=True)
-        for there in MOVED_TO
-        if there != trained_in
-    ]
-    assert f"The largest mean drop is {100 * max(it['mean'] for it in drops):.1f} points" in PROSE
-    assert all(it["low"] < 0.0 < it["high"] for it in drops)
+    """The largest drop and rise, the widths of their intervals, and that none leaves 0 out."""
+    means, widths = [100 * it["mean"] for it in drops()], [100 * (it["high"] - it["low"]) for it in drops()]
+    assert f"drops by {max(means):.1f} points at most and rises by {-min(means):.1f} points at most" in PROSE
+    assert f"Each of these {len(means)} drops" in PROSE
+    assert f"of {min(widths):.1f} to {max(widths):.1f} points in width" in PROSE
+    assert all(it["low"] < 0.0 < it["high"] for it in drops())
 
 
 def test_page_says_who_succeeds_less():
