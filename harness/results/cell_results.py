@@ -142,7 +142,7 @@ class CellResults:
         return known
 
     def _training_with_reward(self) -> Trace:
-        """The training trace as it was read already; else that one column, which is read again sooner than held."""
+        """The training trace if it was read already. Else only its column of rewards, which is not kept in memory."""
         known = next((trace for (file, _), trace in self._read.items() if file == TRACE), None)
         return read_trace(self._files / TRACE, ["reward"]) if known is None else known
 

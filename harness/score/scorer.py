@@ -144,10 +144,10 @@ def score_trace(reward: Reward, trace: Trace) -> Float:
 
 
 def _runs_of(trace: Trace) -> Sequence[NDArray[np.int64] | slice]:
-    """Row numbers, env after env; a run goes on to the next env where that begins with a start row, as all should.
+    """Row numbers, env after env, cut into runs. A new run begins at an env that does not begin with a start row.
 
-    Nothing from before a start row counts after it. So one scorer does for all envs: for the hundred of an evaluation
-    it takes a fifth of the time of a hundred scorers, and less if the reward has a memory.
+    Rows after a start row do not depend on rows before it. So one scorer can score several envs in a row. For the 100
+    envs of an evaluation this takes a fifth of the time of 100 scorers, and less if the reward has a memory.
     """
     env = trace["env"]
     if (env[1:] == env[:-1]).all():
