@@ -1,0 +1,52 @@
+"""Recordings of format 1, which hold no actions, are read and reported as before.
+
+``recordings_1/loose`` was made by ``recordings_1/make.py``, and ``recordings_1/experiment`` by::
+
+    harness run --task gymnasium:id=FrozenLake-v1,pays=prob,tells=prob --algo random --seeds 2 --steps 64
+        --evaluation-episodes 3 --out experiment --jobs 1
+
+``returns.json`` has the mean returns that ``harness report --json`` told of both.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.record.recording.recorded_training import read_recording
+from harness.record.store import Store
+from harness.report.environments.studies import studies_of
+from harness.results import load_results
+from harness.trainings import Study, load_study
+
+HERE = Path(__file__).parent / "recordings_1"
+TOLD = json.loads((HERE / "returns.json").read_text())
+
+
+def _returns(study: Study) -> dict[str, Any]:
+    return {
+        manner: {f"{payer} pays {trained}": mean.mean for (payer, trained), mean in table.items()}
+        for manner, table in study.tables.items()
+    }
+
+
+def test_loose_recordings_are_reported_as_before():
+    """The same trainings, and the same mean returns."""
+    study = load_study(HERE / "loose")
+    assert sorted(study.runs.members) == [(reward, seed) for reward in ("own", "slow") for seed in (0, 1)]
+    assert _returns(study) == TOLD["loose"]
+
+
+def test_experiment_in_an_environment_is_reported_as_before():
+    """Its cells are done, and their returns are the same."""
+    (told,) = studies_of(load_results(HERE / "experiment"))
+    assert told.study is not None
+    assert len(told.study.runs.members) == len(Store.open(HERE / "experiment").read_plan().cells) == 4
+    assert _returns(told.study) == TOLD["experiment"]
+
+
+@pytest.mark.parametrize("path", ["own-0", "own-0/evaluation"])
+def test_recording_says_that_it_has_no_actions(path: str):
+    """So nobody takes them again."""
+    assert read_recording(HERE / "loose" / path).facts.actions is None
