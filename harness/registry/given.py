@@ -3,32 +3,34 @@
 They travel as data to the processes and machines that do the work: a file with its text, a class by its name.
 """
 
+import glob
 import hashlib
 import importlib
-import importlib.util
 import inspect
 import os
 import re
 import shlex
 import sys
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any, TypeAlias
 
 from harness.errors import UsageError, one_line
 from harness.files.bounded import read_text
 from harness.hookspecs import NOUNS
-from harness.registry.hooks import fault_of, hooks_of
 from harness.registry.members import MEMBERS, missing_members, sample_of
+from harness.registry.sources import imports_of
 from harness.registry.spec import Spec
 
 MOST_BYTES = 2**20
 """Of a file with plugins."""
+MOST_BESIDE = 100
+"""Files beside it that a file may import."""
 ENDING = ".py"
+BEHAVIOUR = ("behaviour", "behavior")
+"""Names of files whose functions measure what a robot does."""
+_PATTERN = re.compile(r"[*?\[]")
 _CLASS = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 
 
@@ -39,10 +41,16 @@ class PluginFile:
     Attributes:
         path: Where it was, in full.
         source: Its text.
+        beside: The modules in its folder that it imports, directly or through one another: name and text, by name.
+        measures: Whether its functions measure what a robot does, and are no rewards.
+        optional: Whether a pattern such as ``rewards/*.py`` found it: if it cannot be loaded, the others go on.
     """
 
     path: str
     source: str
+    beside: tuple[tuple[str, str], ...] = ()
+    measures: bool = False
+    optional: bool = False
 
     @property
     def name(self) -> str:
@@ -50,19 +58,30 @@ class PluginFile:
         return Path(self.path).name
 
     @property
+    def text(self) -> str:
+        """Its text, followed by that of the modules beside it."""
+        return "".join([self.source, *(text for _, text in self.beside)])
+
+    @property
     def digest(self) -> str:
-        """SHA-256 of its bytes."""
-        return hashlib.sha256(self.source.encode()).hexdigest()
+        """SHA-256 of `text` in UTF-8."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
+
+    @property
+    def stem(self) -> str:
+        """Its name without the ending."""
+        return Path(self.path).stem
 
     @property
     def module(self) -> str:
         """What it is imported as: no installed module has the name, and an edited file has another."""
-        return f"harness_file_{re.sub(r'[^A-Za-z0-9_]', '_', Path(self.path).stem)}_{self.digest[:8]}"
+        return f"harness_file_{re.sub(r'[^A-Za-z0-9_]', '_', self.stem)}_{self.digest[:8]}"
 
     @property
-    def need(self) -> dict[str, str]:
+    def need(self) -> dict[str, Any]:
         """What an experiment file says of it."""
-        return {"path": self.path, "sha256": self.digest}
+        told = {"measures": True} if self.measures and self.stem not in BEHAVIOUR else {}
+        return {"path": self.path, "sha256": self.digest, **told}
 
 
 @dataclass(frozen=True)
@@ -97,23 +116,37 @@ class PluginClass:
 Given: TypeAlias = PluginFile | PluginClass
 
 
-def given_to_json(given: Iterable[Given]) -> list[dict[str, str]]:
+def given_to_json(given: Iterable[Given]) -> list[dict[str, Any]]:
     """Plain data; `given_from_json` gives the same back."""
     return [asdict(it) for it in given]
 
 
-def given_from_json(data: Iterable[Mapping[str, str]]) -> tuple[Given, ...]:
+def given_from_json(data: Iterable[Mapping[str, Any]]) -> tuple[Given, ...]:
     """What `given_to_json` told."""
-    return tuple(PluginFile(**it) if "path" in it else PluginClass(**it) for it in data)
+    return tuple(_file_from_json(it) if "path" in it else PluginClass(**it) for it in data)
 
 
-def read_given(asked: Iterable[str | Path | type] | None) -> tuple[Given, ...]:
-    """What ``--plugin`` or ``plugins=[...]`` names: paths of files, classes, or classes as ``"module:Class"``.
+def _file_from_json(data: Mapping[str, Any]) -> PluginFile:
+    return PluginFile(**{**data, "beside": tuple((name, text) for name, text in data.get("beside", ()))})
+
+
+def read_given(
+    asked: Iterable[str | Path | type] | None, measures: Iterable[str | Path] | None = None
+) -> tuple[Given, ...]:
+    """What ``--plugin`` or ``plugins=[...]`` names.
+
+    Args:
+        asked: Paths of files, patterns of such (``rewards/*.py``), classes, or classes as ``"module:Class"``.
+        measures: Paths of files whose functions measure what a robot does. So do those of files that are called
+            ``behaviour.py``, wherever they are named.
 
     Raises:
         UsageError: There is no such file, it cannot be read, two have one name, or the class fits no kind.
     """
-    given = tuple(dict.fromkeys(_read(item) for item in asked or ()))
+    files = [read for item in asked or () for read in _read_all(item)]
+    of_measures = [_read_file(str(item), measures=True) for item in measures or ()]
+    again = {it.path for it in of_measures}
+    given = tuple(dict.fromkeys([*(it for it in files if getattr(it, "path", None) not in again), *of_measures]))
     names = [it.name for it in given]
     for name in names:
         if names.count(name) > 1:
@@ -122,20 +155,77 @@ def read_given(asked: Iterable[str | Path | type] | None) -> tuple[Given, ...]:
     return given
 
 
-def _read(asked: str | Path | type) -> Given:
+def split_measures(asked: str | Sequence[str | Path]) -> tuple[list[str], list[str]]:
+    """What ``--measure`` names: names of measures, and paths of Python files whose functions are measures."""
+    listed = [asked] if isinstance(asked, str) else asked
+    parts = [part.strip() for item in listed for part in str(item).split(",") if part.strip()]
+    return [it for it in parts if not it.endswith(ENDING)], [it for it in parts if it.endswith(ENDING)]
+
+
+def _read_all(asked: str | Path | type) -> list[Given]:
     if inspect.isclass(asked):
-        return class_given(asked)
+        return [class_given(asked)]
     text = str(asked)
     if isinstance(asked, str) and _CLASS.fullmatch(text):
-        return class_given(_import_class(text))
-    path = Path(os.path.abspath(text))
+        return [class_given(_import_class(text))]
+    if _PATTERN.search(text) and not os.path.exists(text):
+        return [*_matched(text)]
+    return [_read_file(text)]
+
+
+def _matched(pattern: str) -> list[PluginFile]:
+    """The files of a pattern, by path; a file that one of them imports counts too if it matches."""
+    found = sorted(path for path in glob.glob(os.path.expanduser(pattern), recursive=True) if os.path.isfile(path))
+    files = [path for path in found if path.endswith(ENDING) and not Path(path).name.startswith("_")]
+    if not files:
+        raise UsageError(
+            f"No Python file matches '{pattern}'. Names that begin with _ are left out: files that others import"
+        )
+    return [_read_file(path, optional=True) for path in files]
+
+
+def _read_file(text: str, measures: bool = False, optional: bool = False) -> PluginFile:
+    path = Path(os.path.abspath(os.path.expanduser(text)))
     if path.suffix != ENDING:
-        raise UsageError(f"'{text}' is no plugin: give a Python file, my_reward{ENDING}, or a class, module:Class")
+        raise UsageError(
+            f"'{text}' is no plugin: give a Python file, my_reward{ENDING}, a pattern of such, 'rewards/*{ENDING}', "
+            "or a class, module:Class"
+        )
     try:
-        return PluginFile(str(path), read_text(path, MOST_BYTES))
+        source = read_text(path, MOST_BYTES)
     except (OSError, ValueError) as error:
         problem = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise UsageError(f"Plugin file '{text}' cannot be read: {problem}") from None
+    beside = tuple(sorted(_beside(path, source).items()))
+    return PluginFile(str(path), source, beside, measures or path.stem in BEHAVIOUR, optional)
+
+
+def _beside(path: Path, source: str) -> dict[str, str]:
+    """The files beside one that it imports, and those that these import: name of the module and text."""
+    found: dict[str, str] = {}
+    waiting = [source]
+    while waiting:
+        for name in sorted(_tops_imported(waiting.pop())):
+            file = path.with_name(f"{name}{ENDING}")
+            if name in found or name in sys.stdlib_module_names or file == path or not file.is_file():
+                continue
+            try:
+                found[name] = read_text(file, MOST_BYTES)
+            except (OSError, ValueError) as error:
+                raise UsageError(f"Plugin file '{path}' imports '{file}', which cannot be read: {error}") from None
+            if len(found) > MOST_BESIDE or sum(map(len, found.values())) > MOST_BYTES:
+                most = f"{MOST_BESIDE} files and {MOST_BYTES:,} characters"
+                raise UsageError(f"Plugin file '{path}' imports more than {most} beside it: install them as a package")
+            waiting.append(found[name])
+    return found
+
+
+def _tops_imported(source: str) -> set[str]:
+    """The first parts of all names that a source imports; none if it cannot be parsed, which its import will tell."""
+    try:
+        return {name.lstrip(".").partition(".")[0] for name in imports_of(source.encode(), "")}
+    except (SyntaxError, ValueError):
+        return set()
 
 
 def _import_class(target: str) -> Any:
@@ -163,10 +253,10 @@ def class_given(found: Any, kind: str | None = None) -> PluginClass:
         raise UsageError(f"{name} is defined in a notebook or script, where no worker process finds it: {save}")
     if "." in name:
         raise UsageError(f"{module}.{name} is defined inside a function or a class, where nobody can import it: {save}")
-    return PluginClass(_kind_of(found, name, kind), f"{module}:{name}")
+    return PluginClass(kind_of(found, name, kind), f"{module}:{name}")
 
 
-def _kind_of(found: type, name: str, kind: str | None = None) -> str:
+def kind_of(found: type, name: str, kind: str | None = None) -> str:
     """The one kind that a class fits by its members."""
     sample = sample_of(found)
     faults = {one: missing_members(one, sample) for one in ([kind] if kind else MEMBERS)}
@@ -181,67 +271,6 @@ def _kind_of(found: type, name: str, kind: str | None = None) -> str:
 
 def _share_of_members(kind: str, sample: Any) -> float:
     return sum(hasattr(sample, name) for name in MEMBERS[kind]) / len(MEMBERS[kind])
-
-
-def import_file(file: PluginFile) -> ModuleType:
-    """The file's module, imported once in a process.
-
-    Raises:
-        UsageError: It raises, or cannot be understood; its hooks are none that exist.
-    """
-    if file.module in sys.modules:
-        return sys.modules[file.module]
-    spec = importlib.util.spec_from_file_location(file.module, _copy_of(file))
-    assert spec is not None
-    module = sys.modules[file.module] = importlib.util.module_from_spec(spec)
-    try:
-        # Compiled here: Python would leave its own copy beside the file, and might believe an old one.
-        exec(compile(file.source.encode(), file.path, "exec", dont_inherit=True), vars(module))
-    except (Exception, SystemExit) as error:
-        del sys.modules[file.module]
-        problem = f"{one_line(error)}{_line_of(error, file.path)}"
-        raise UsageError(f"Plugin file '{file.path}' cannot be loaded: {problem}") from None
-    fault = fault_of(module) if hooks_of(module) else ""
-    if fault:
-        del sys.modules[file.module]
-        raise UsageError(f"Plugin file '{file.path}': {fault}")
-    return module
-
-
-def _line_of(error: BaseException, path: str) -> str:
-    """The last line of the file that was reached."""
-    trace, line = error.__traceback__, 0
-    while trace is not None:
-        line = trace.tb_lineno if trace.tb_frame.f_code.co_filename == path else line
-        trace = trace.tb_next
-    return f" (line {line})" if line else ""
-
-
-def class_of_file(file: PluginFile, module: ModuleType) -> Spec:
-    """What a file without hooks registers: its one public class, under the name of the file.
-
-    Raises:
-        UsageError: It has none or several, or the class fits no kind.
-    """
-    classes = [
-        it
-        for name, it in vars(module).items()
-        if inspect.isclass(it) and it.__module__ == file.module and not name.startswith("_")
-    ]
-    if len(classes) != 1:
-        names = ", ".join(it.__name__ for it in classes) or "none"
-        raise UsageError(
-            f"Plugin file '{file.path}' registers nothing: without hooks it needs one public class, it has {names}. "
-            "Begin the names of others with _, or register by @harness.hookimpl"
-        )
-    (found,) = classes
-    try:
-        kind = _kind_of(found, found.__name__)
-    except UsageError as error:
-        raise UsageError(f"Plugin file '{file.path}': {error}") from None
-    summary = next(iter(inspect.cleandoc(found.__doc__ or "").splitlines()), "")
-    name = Path(file.path).stem.lower()
-    return Spec(kind, name, f"{file.module}:{found.__name__}", summary, (), None, file.name, file.name)
 
 
 def require_given(needs: Sequence[str | Mapping[str, Any]], given: Sequence[Given]) -> None:
@@ -262,33 +291,28 @@ def require_given(needs: Sequence[str | Mapping[str, Any]], given: Sequence[Give
             raise UsageError(f"The experiment needs the plugin {Path(what).name}{which}: give{plugin_flags([need])}")
 
 
-def plugin_flags(needs: Any) -> str:
-    """The ``--plugin`` flags that give what an experiment file names, quoted for a shell: `` --plugin my_reward.py``.
+def plugin_flags(needs: Any, for_report: bool = False) -> str:
+    """The flags that give what an experiment file names, quoted for a shell: `` --plugin my_reward.py``.
 
     Each flag follows a blank, so that the text can be appended to a command. The text is empty if nothing is named.
 
     Args:
         needs: The key ``plugins`` of an experiment. Other people's files may hold anything there: what names no plugin
             is left out.
+        for_report: Leave out files of functions: what they said of each step is recorded.
     """
     named = [need for need in needs if isinstance(need, str | dict)] if isinstance(needs, list) else []
-    return "".join(f" --plugin {shlex.quote(what)}" for what in map(_what_to_give, named) if what)
+    if for_report:
+        named = [need for need in named if isinstance(need, str) or need.get("functions") is not True]
+    flags = [("--measure" if _is_of_measures(need) else "--plugin", _what_to_give(need)) for need in named]
+    return "".join(f" {flag} {shlex.quote(what)}" for flag, what in flags if what)
+
+
+def _is_of_measures(need: str | Mapping[str, Any]) -> bool:
+    return not isinstance(need, str) and need.get("measures") is True
 
 
 def _what_to_give(need: str | Mapping[str, Any]) -> str:
     """What ``--plugin`` has to name: the path of a file, or ``module:Class``; empty if the table names neither."""
     told = {"path": need} if isinstance(need, str) else need
     return str(told.get("path") or told.get("target") or "")
-
-
-def _copy_of(file: PluginFile) -> Path:
-    """The text as a file of this process, which nobody edits or removes while its digest is asked for."""
-    copy = Path(_own_folder().name) / f"{file.digest[:8]}-{file.name}"
-    copy.write_text(file.source, encoding="utf-8", newline="")
-    return copy
-
-
-@cache
-def _own_folder() -> "tempfile.TemporaryDirectory[str]":
-    """Removed when this process ends."""
-    return tempfile.TemporaryDirectory(prefix="harness-plugins-")

@@ -6,17 +6,19 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib.metadata import Distribution, EntryPoint
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pluggy
 
 from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
-from harness.registry.given import Given, PluginClass, PluginFile, class_of_file, import_file
+from harness.registry.given import Given, PluginClass, PluginFile
 from harness.registry.hooks import fault_of, hooks_of
 from harness.registry.installed import installed
 from harness.registry.names import unknown_name
+from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import Spec, canonical
+from harness.registry.step_functions import ARGUMENTS, StepFunction, functions_of_file
 from harness.registry.wanted import Wanted
 
 MENTIONED = 2
@@ -60,12 +62,18 @@ class Registry:
         specs: By kind and name, who claims the name.
         notes: What there is to say of the environment variable HARNESS_PLUGINS.
         given: What was given by hand: whoever does the work elsewhere needs it too.
+        functions: Rewards and measures for steps of environments, in the order in which their files were given.
     """
 
     plugins: list[Plugin] = field(default_factory=list)
     specs: dict[tuple[str, str], list[Spec]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     given: tuple[Given, ...] = ()
+    functions: list[StepFunction] = field(default_factory=list)
+
+    def functions_of(self, noun: str) -> dict[str, StepFunction]:
+        """Those that are a ``reward``, or those that are a ``measure``, by name."""
+        return {it.name: it for it in self.functions if it.noun == noun}
 
     def names(self, kind: str) -> list[str]:
         """Every name of one kind that can be used, sorted; a qualified one where the plain one means another's."""
@@ -86,7 +94,7 @@ class Registry:
         if distribution:
             specs = [spec for spec in specs if canonical(spec.distribution) == canonical(distribution)]
         if not specs:
-            raise UsageError(unknown_name(NOUNS[kind], name, self.names(kind)) + self._not_loaded())
+            raise UsageError(unknown_name(NOUNS[kind], name, self.names(kind)) + self.not_loaded(kind, name))
         found = _meant(specs)
         if found is None:
             raise PluginError(conflict(specs))
@@ -116,13 +124,34 @@ class Registry:
         """One line for each name that several plugins claim."""
         return [conflict(specs) for specs in self.specs.values() if len(specs) > 1]
 
+    def needs(self) -> list[dict[str, Any]]:
+        """What an experiment file says of the plugins that were given by hand; of those that could be loaded."""
+        broken = {it.name for it in self.plugins if it.is_at_fault}
+        with_functions = {it.file for it in self.functions}
+        return [
+            {**it.need, **({"functions": True} if it in with_functions else {})}
+            for it in self.given
+            if it.name not in broken
+        ]
+
+    def broken_files(self) -> list[str]:
+        """A line for each file that a pattern found and that cannot be loaded."""
+        names = {it.name for it in self.given if isinstance(it, PluginFile) and it.optional}
+        return [f"Left out: {it.reason}" for it in self.plugins if it.is_at_fault and it.name in names]
+
     def complaints(self) -> list[str]:
         """What there is to know before names are used: plugins that did not load, names that several claim."""
         at_fault = [sentence(plugin.complaint) for plugin in self.plugins if plugin.is_at_fault]
         return [*at_fault, *self.conflicts(), *self.notes]
 
-    def _not_loaded(self) -> str:
-        """What may be the reason that a name is not there."""
+    def not_loaded(self, kind: str = "", name: str = "") -> str:
+        """What may be the reason that a name is not there, to follow on a message; empty if nothing may."""
+        function = self.functions_of("reward").get(name) if kind == "rewards" else None
+        if function is not None:
+            return (
+                f" {function.file.name} has a function of {ARGUMENTS}, which pays in environments: "
+                "--task gymnasium:id=... . The reward of an arm is a class"
+            )
         at_fault = [plugin for plugin in self.plugins if plugin.is_at_fault]
         more = f" and {len(at_fault) - MENTIONED} more" if len(at_fault) > MENTIONED else ""
         told = "; ".join(plugin.complaint for plugin in at_fault[:MENTIONED])
@@ -223,29 +252,60 @@ def _load_plugin(point: EntryPoint, origin: Origin, manager: pluggy.PluginManage
 
 
 def _load_given(given: Given, manager: pluggy.PluginManager, registry: Registry) -> None:
-    """One that was given by hand; what is wrong with it is an error, for it was asked for."""
+    """One that was given by hand; what is wrong with it is an error, for it was asked for by its name."""
     if isinstance(given, PluginClass):
         origin, specs = Origin(given.spec.distribution, ""), [given.spec]
-    else:
-        origin, specs = Origin(given.name, given.digest[:8]), _specs_of_file(given, manager)
-        for spec in specs:
-            _require_free(spec, given, registry)
-    registered = _add(specs, registry)
-    registry.plugins.append(Plugin(given.name, *origin, specs[0].target.split(":")[0], "ok", "", registered))
+        registry.plugins.append(_given_plugin(given, origin, specs[0].target.split(":")[0], _add(specs, registry)))
+        return
+    try:
+        _load_file(given, manager, registry)
+    except UsageError as error:
+        if not given.optional:
+            raise
+        plugin = _given_plugin(given, Origin(given.name, given.digest[:8]), given.module, ())
+        registry.plugins.append(replace(plugin, status="broken", reason=str(error)))
 
 
-def _specs_of_file(file: PluginFile, manager: pluggy.PluginManager) -> list[Spec]:
+def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Registry) -> None:
     module, origin = import_file(file), Origin(file.name, file.digest[:8])
+    functions = [] if hooks_of(module) else functions_of_file(file, module)
+    for function in functions:
+        _require_free_function(function, registry)
+    specs = [] if functions else _specs_of_file(file, module, manager)
+    for spec in specs:
+        _require_free(spec, file, registry)
+    registry.functions += functions
+    told = (*_add(specs, registry), *(f"{it.noun} {it.name} of environments" for it in functions))
+    registry.plugins.append(_given_plugin(file, origin, file.module, told))
+
+
+def _given_plugin(given: Given, origin: Origin, module: str, registered: tuple[str, ...]) -> Plugin:
+    return Plugin(given.name, *origin, module, "ok", "", registered)
+
+
+def _specs_of_file(file: PluginFile, module: ModuleType, manager: pluggy.PluginManager) -> list[Spec]:
     if not hooks_of(module):
-        return [replace(class_of_file(file, module), version=origin.version)]
+        return [replace(class_of_file(file, module), version=file.digest[:8])]
     manager.register(module)
     try:
-        specs = _collect_specs(file.name, origin, module, manager)
+        specs = _collect_specs(file.name, Origin(file.name, file.digest[:8]), module, manager)
     except (Exception, SystemExit) as error:
         raise UsageError(f"Plugin file '{file.path}': its hooks raise {one_line(error)}") from None
     if not specs:
         raise UsageError(f"Plugin file '{file.path}' registers nothing")
     return specs
+
+
+def _require_free_function(function: StepFunction, registry: Registry) -> None:
+    path = function.file.path
+    if not _NAME.fullmatch(function.name):
+        told = f"the name '{function.name}' must be lower-case letters, digits, '-' and '_'"
+        raise UsageError(f"Plugin file '{path}': {told}. Rename it")
+    other = registry.functions_of(function.noun).get(function.name)
+    if other is not None:
+        raise UsageError(
+            f"Plugin file '{path}': the {function.noun} '{function.name}' stands in '{other.file.path}' too"
+        )
 
 
 def _require_free(spec: Spec, file: PluginFile, registry: Registry) -> None:

@@ -10,6 +10,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+BESIDE = "__harness_beside__"
+"""Of the module of a plugin file: the copies of the files beside it that it imports."""
+
 
 def source_hash(target: Any) -> str:
     """SHA-256 of a plugin's source files, one after the other; empty if it has none."""
@@ -20,6 +23,8 @@ def source_hash(target: Any) -> str:
 def source_files(target: Any) -> list[Path]:
     """Of a class its own file, those of the classes that it is derived from, and what it names in ``sources``.
 
+    Of what a plugin file has, also the files beside it that it imports.
+
     Args:
         target: What a plugin registered. Where it does its work in modules of its own, ``sources`` names them, modules
             or packages; they are not imported.
@@ -29,6 +34,7 @@ def source_files(target: Any) -> list[Path]:
     files = [Path(file) for file in found if file]
     for name in getattr(target, "sources", ()):
         files += _module_files(name)
+    files += getattr(sys.modules.get(target.__module__), BESIDE, ())
     return list(dict.fromkeys(files))
 
 
@@ -98,7 +104,7 @@ def _files_behind(module: str) -> list[Path]:
             continue
         found[name] = file = _source_of(name)
         if file is not None:
-            waiting += _imports_of(_content(str(file)), name if file.name == "__init__.py" else name.rpartition(".")[0])
+            waiting += imports_of(_content(str(file)), name if file.name == "__init__.py" else name.rpartition(".")[0])
     return [file for _, file in sorted(found.items()) if file is not None]
 
 
@@ -111,7 +117,7 @@ def _source_of(module: str) -> Path | None:
 
 
 @lru_cache(maxsize=1024)  # to parse a source takes milliseconds, and every cell asks
-def _imports_of(source: bytes, package: str) -> tuple[str, ...]:
+def imports_of(source: bytes, package: str) -> tuple[str, ...]:
     """Whatever the source of a module in `package` imports, also inside functions; names in a module among them."""
     found: list[str] = []
     for node in _statements(ast.parse(source)):

@@ -1,0 +1,155 @@
+"""Functions in plugin files: rewards and measures for the steps of any environment."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.registry.given import read_given, split_measures
+from harness.registry.registry import Registry, load_registry
+
+Lay = Callable[[str, str], Path]
+ONE = """
+import math
+from math import sqrt
+
+
+def pays(observation, action, next_observation, info):
+    return _half(next_observation)
+
+
+def _half(value):
+    return value / 2
+"""
+MEMORY = """
+class effort:
+    def reset(self):
+        self.sum = 0.0
+
+    def __call__(self, observation, action, next_observation, info):
+        self.sum += abs(action)
+        return self.sum
+"""
+
+
+@pytest.fixture
+def lay(tmp_path: Path) -> Lay:
+    """Write a file; gives its path."""
+
+    def write(name: str, source: str) -> Path:
+        (tmp_path / name).write_text(source, encoding="utf-8")
+        return tmp_path / name
+
+    return write
+
+
+def _registry(*paths: Path, measures: tuple[Path, ...] = ()) -> Registry:
+    return load_registry([], read_given(paths, measures))
+
+
+def test_one_function_has_the_name_of_its_file(lay: Lay):
+    """Imported functions and those whose names begin with _ do not count."""
+    registry = _registry(lay("calm.py", ONE))
+    (calm,) = registry.functions
+    assert (calm.name, calm.noun, calm.make()(None, None, 3.0, {})) == ("calm", "reward", 1.5)
+    assert registry.plugins[0].registered == ("reward calm of environments",)
+
+
+def test_several_functions_have_their_own_names(lay: Lay):
+    """In the order of the file."""
+    registry = _registry(lay("both.py", ONE + MEMORY))
+    assert [it.name for it in registry.functions] == ["pays", "effort"]
+
+
+def test_class_with_a_memory_makes_an_object_for_each_env(lay: Lay):
+    """Two envs share nothing."""
+    (effort,) = _registry(lay("effort.py", MEMORY)).functions
+    one, other = effort.make(), effort.make()
+    one.reset(), other.reset()
+    one(0, 2.0, 0, {})
+    assert (one(0, 2.0, 0, {}), other(0, 2.0, 0, {})) == (4.0, 2.0)
+
+
+@pytest.mark.parametrize("name", ["behaviour.py", "behavior.py"])
+def test_functions_of_a_file_called_behaviour_are_measures(lay: Lay, name: str):
+    """Each under its own name, one alone too; the file says of which less is better."""
+    (effort,) = _registry(lay(name, MEMORY + "lower_is_better = ['effort']")).functions
+    assert (effort.name, effort.noun, effort.lower_is_better) == ("effort", "measure", True)
+
+
+def test_any_file_may_be_one_of_measures(lay: Lay):
+    """Where the user says so, even if it is named as a plugin too."""
+    path = lay("mine.py", ONE)
+    (pays,) = _registry(path, measures=(path,)).functions
+    assert (pays.name, pays.noun) == ("pays", "measure")
+    assert read_given([], [path])[0].need["measures"] is True
+
+
+def test_a_measure_may_be_called_as_a_reward(lay: Lay):
+    """They are different things."""
+    registry = _registry(lay("pays.py", ONE), lay("behaviour.py", ONE))
+    assert list(registry.functions_of("reward")) == list(registry.functions_of("measure")) == ["pays"]
+
+
+BAD = {
+    "other arguments": ("def pay(state):\n    return 1", "pay takes (state), and a reward or a measure takes (observ"),
+    "a capital": (ONE.replace("def pays", "def Pays") + MEMORY, "the name 'Pays' must be lower-case letters"),
+    "lower of nothing": ("lower_is_better = ['x']\n" + ONE, "lower_is_better names 'x', which is none of pays"),
+    "lower of a reward": ("lower_is_better = ['pays']\n" + ONE, "lower_is_better goes with measures"),
+    "a class that is nothing": (ONE + "class Other: ...", "Other has no "),
+}
+
+
+@pytest.mark.parametrize(("source", "told"), BAD.values(), ids=BAD)
+def test_bad_file_is_told_in_one_line(lay: Lay, source: str, told: str):
+    """With the file and what to do."""
+    with pytest.raises(UsageError) as error:
+        _registry(lay("bad.py", source))
+    assert told in str(error.value)
+    assert "bad.py" in str(error.value)
+
+
+def test_two_functions_of_one_name_are_refused(lay: Lay, tmp_path: Path):
+    """With both files."""
+    with pytest.raises(UsageError, match=r"other\.py': the reward 'effort' stands in '.*both\.py' too"):
+        _registry(lay("both.py", ONE + MEMORY), lay("other.py", MEMORY + ONE.replace("pays", "more")))
+
+
+def test_pattern_finds_files(lay: Lay, tmp_path: Path):
+    """In the order of their names; those that begin with _ are for the others."""
+    for name in ("b.py", "a.py", "_parts.py", "notes.txt"):
+        lay(name, ONE)
+    assert [it.name for it in read_given([f"{tmp_path}/*"])] == ["a.py", "b.py"]
+
+
+def test_file_that_a_pattern_finds_may_be_broken(lay: Lay, tmp_path: Path):
+    """The others go on, and it is named; named by itself it is an error."""
+    broken = lay("broken.py", "def (")
+    lay("calm.py", ONE)
+    registry = _registry(tmp_path / "*.py")
+    assert [it.name for it in registry.functions] == ["calm"]
+    (line,) = registry.broken_files()
+    assert line.startswith("Left out: Plugin file")
+    assert "SyntaxError" in line
+    assert [need["path"] for need in registry.needs()] == [str(tmp_path / "calm.py")]
+    with pytest.raises(UsageError, match="SyntaxError"):
+        _registry(broken)
+
+
+def test_pattern_that_finds_nothing_is_refused(tmp_path: Path):
+    """It is mistyped."""
+    with pytest.raises(UsageError, match=r"No Python file matches '.*\*\.py'"):
+        read_given([tmp_path / "*.py"])
+
+
+def test_reward_of_an_arm_is_told_from_one_of_environments(lay: Lay):
+    """A function cannot pay an arm."""
+    with pytest.raises(UsageError, match=r"No reward 'calm'.*calm\.py has a function of .*, which pays in environmen"):
+        _registry(lay("calm.py", ONE)).get("rewards", "calm")
+
+
+def test_measures_are_names_and_files():
+    """As a command line or a program gives them."""
+    assert split_measures("height, my/measures.py,effort") == (["height", "effort"], ["my/measures.py"])
+    assert split_measures([Path("a.py"), "b"]) == (["b"], ["a.py"])
