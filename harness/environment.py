@@ -69,12 +69,6 @@ def goal_rewards(environment: Environment, env: AnyEnv) -> dict[str, GoalReward]
     return dict(ask(env)) if ask else {}
 
 
-def measured_behaviour(environment: Environment, env: AnyEnv) -> dict[str, Measure]:
-    """The measures of behaviour, the one that decides first."""
-    measures = dict(environment.behaviour(env))
-    return {**{name: measures[name] for name in measures if name == SUCCESS}, **measures}
-
-
 def rewards_of(environment: Environment, env: AnyEnv) -> dict[str, Measure]:
     """The rewards.
 

@@ -1,6 +1,5 @@
 """A recorded number: what the user gave for it, and how it is measured in each env."""
 
-import copy
 import functools
 import hashlib
 import inspect
@@ -15,6 +14,8 @@ import numpy as np
 from harness.errors import UsageError
 from harness.record.recording.facts import BEHAVIOUR, MOST_NAMES, MOST_SOURCE, OWN_SOURCE, REWARD, Source
 from harness.recorder.env_facts import plain
+from harness.recorder.own_copies import own_copies
+from harness.registry.plugin_module import file_behind
 
 OWN = "own"
 """What the env itself pays."""
@@ -25,7 +26,7 @@ class Measure(Protocol):
     """A reward, or a measure of behaviour, of one step.
 
     One with a memory is an object that also has ``reset()``, which is called when an episode starts. Each env of a
-    batch has a copy of its own.
+    batch has a copy of its own, see `own_copies`.
     """
 
     def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any, /) -> Any:
@@ -78,11 +79,12 @@ class Column:
 
 
 def columns_of(
-    rewards: Mapping[str, Given], behaviour: Mapping[str, Given], num_envs: int, batched: frozenset[str] = frozenset()
+    env: Any, rewards: Mapping[str, Given], behaviour: Mapping[str, Given], num_envs: int, batched: frozenset[str]
 ) -> list[Column]:
     """A column for each reward, then for each measure of behaviour.
 
     Args:
+        env: What is measured, a single env or a batch.
         rewards: By name.
         behaviour: By name.
         num_envs: How many envs are measured.
@@ -95,20 +97,20 @@ def columns_of(
     if unknown:
         raise UsageError(f"batched={sorted(batched)} names {sorted(unknown)[0]!r}, which is no reward and no behaviour")
     return [
-        _column(prefix, noun, name, given, num_envs, name in batched)
+        _column(env, prefix, noun, name, given, 1 if name in batched else num_envs, name in batched)
         for prefix, noun, given_ones in ((REWARD, "reward", rewards), (BEHAVIOUR, "behaviour", behaviour))
         for name, given in given_ones.items()
     ]
 
 
-def _column(prefix: str, noun: str, name: str, given: Given, num_envs: int, batched: bool) -> Column:
+def _column(env: Any, prefix: str, noun: str, name: str, given: Given, copies: int, batched: bool) -> Column:
     if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= MOST_NAMES:
         raise UsageError(f"{noun} {name!r}: a name is a text that can be printed, such as 'v1'")
     column = Column(f"{prefix}{name}", f"{noun} {name!r}", given, batched)
     if isinstance(given, str):
         return column
     _require_callable(column)
-    column.measures = [_own_copy(column) for _ in range(1 if batched else num_envs)]
+    column.measures = own_copies(given, column.noun, env, copies) if column.remembers else [given] * copies
     return column
 
 
@@ -126,17 +128,6 @@ def _require_callable(column: Column) -> None:
         signature.bind(None, None, None, None)
     except TypeError:
         raise UsageError(f"{column.noun} takes {signature}: it has to take {ARGUMENTS}") from None
-
-
-def _own_copy(column: Column) -> Any:
-    if not column.remembers:
-        return column.given
-    try:
-        return copy.deepcopy(column.given)
-    except Exception as error:  # whatever objects of users raise
-        raise UsageError(
-            f"{column.noun} has a memory, and each env needs a copy of its own, but it cannot be copied: {error!r}"
-        ) from error
 
 
 def as_number(value: object) -> float:
@@ -161,15 +152,19 @@ def as_number(value: object) -> float:
 
 
 def source_of(given: Given) -> Source:
-    """The code of a reward or a measure, and its SHA-256 where Python can tell it."""
+    """The code of a reward or a measure, and its SHA-256 where Python can tell it.
+
+    Of one in a plugin file that is the code of the whole file, followed by that of the files beside it that it imports.
+    """
     if isinstance(given, str):
         return Source("", OWN_SOURCE if given == OWN else f"info key {given!r}")
     if isinstance(given, functools.partial):
         inner = source_of(given.func)
         return _hashed(f"{inner.text}# with {plain(given.args)} {plain(given.keywords)}\n") if inner.sha256 else inner
     code: Callable[..., Any] | type = given if inspect.isroutine(given) else type(given)
+    file = file_behind(code)
     try:
-        text = textwrap.dedent(inspect.getsource(code))
+        text = textwrap.dedent(inspect.getsource(code)) if file is None else file.text
     except (OSError, TypeError):  # typed into a shell, or compiled
         return Source("", "")
     if is_dataclass(code):

@@ -1,15 +1,17 @@
 """`harness.RecordRewards`: for one Gymnasium environment."""
 
-import math
 import os
 import weakref
 from collections.abc import Collection, Mapping
+from math import isfinite
 from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
+from numpy import float64, ndarray
 
 from harness.recorder.asked import Asked, OnError
+from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import Column, Given, Measure, Untold, as_number
 from harness.recorder.env_facts import LEARNERS
 from harness.recorder.recorder import Recorder, differs, kept
@@ -18,6 +20,8 @@ Observation = TypeVar("Observation")
 Action = TypeVar("Action")
 
 NAN = float("nan")
+KEYS = 4
+"""Numbers at the beginning of a row that say which step it is: time, env, episode, step."""
 
 
 class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action]):
@@ -89,11 +93,12 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, learners=learners,
         )  # fmt: skip
-        self._recorder = Recorder(env, asked, num_envs=1)
+        self._recorder = Recorder(env, asked, num_envs=1, actions=action_facts(env.action_space))
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
-        self._looks = self._recorder.looks
+        self._looks, self._calls = self._recorder.looks, self._recorder.calls
+        self._pays = None if self._recorder.pays is None else KEYS + self._recorder.pays
         self._before: Any = None
-        self._numbers: list[float] = []
+        self._row: list[Any] = []
         self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
         weakref.finalize(self, self._recorder.close)
 
@@ -105,8 +110,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     @property
     def recorded(self) -> dict[str, float]:
         """What was recorded of the last step, by column, as ``behaviour_success``; NaN where nothing was."""
-        names = (column.name for column, _ in self._columns)
-        return dict(zip(names, self._numbers, strict=True)) if self._numbers else {}
+        names = [column.name for column, _ in self._columns]
+        return dict(zip(names, self._row[KEYS:], strict=False)) if self._row else {}
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -114,22 +119,24 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         """Start an episode."""
         observation, info = self.env.reset(seed=seed, options=options)
         self._recorder.note_seed(seed)
+        if self._calls is not None:
+            self._calls.note_reset(0, seed, options)
         self._before = kept(observation) if self._looks else None
         self._episode, self._step = self._episode + (self._step > 0), 0
         for column, _ in self._columns:
             if column.remembers and not column.given_up:
                 try:
                     column.measures[0].reset()  # type: ignore[attr-defined] # it remembers
-                except Exception as error:  # whatever rewards of users raise
+                except (Exception, SystemExit) as error:  # whatever rewards of users raise
                     self._recorder.give_up(column, 0, self._episode, 0, error)
         return observation, info
 
     def step(self, action: Action) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take a step, and record it."""
         observation, paid, terminated, truncated, info = self.env.step(action)
-        self._numbers = self._record(action, observation, paid, terminated, truncated, info)
-        if self._recorder.pays is not None:
-            paid = self._numbers[self._recorder.pays]
+        self._row = row = self._record(action, observation, paid, terminated, truncated, info)
+        if self._pays is not None:
+            paid = row[self._pays]
         return observation, paid, terminated, truncated, info
 
     def close(self) -> None:
@@ -151,28 +158,36 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         terminated: bool,
         truncated: bool,
         info: dict[str, Any],
-    ) -> list[float]:
-        """Record a step; returns its numbers, by column."""
-        after = kept(observation) if self._looks else None
-        row: list[float] = [self._time, 0, self._episode, self._step]
+    ) -> list[Any]:
+        """Record a step; returns its row: `KEYS` numbers that say which step it is, a number for each column, flags."""
+        after: Any = None
+        if self._looks:
+            seen: Any = observation
+            after = seen.copy() if type(seen) is ndarray else kept(seen)  # mostly a call less
+        row: list[Any] = [self._time, 0, self._episode, self._step]
         for column, measure in self._columns:
             value: Any = NAN
             if not column.given_up:
                 try:
                     value = paid if measure is None else measure(self._before, action, after, info)
-                    if type(value) is not float or not math.isfinite(value):  # else a call less
+                    if type(value) is float64:  # what most envs pay
+                        value = value.item()
+                    if type(value) is not float or not isfinite(value):  # else a call less
                         value = as_number(value)
-                except Exception as error:  # whatever rewards of users raise
+                except (Exception, SystemExit) as error:  # whatever rewards of users raise
                     value = NAN
                     if not (isinstance(error, Untold) and column.may_be_untold and not (terminated or truncated)):
                         self._recorder.give_up(column, 0, self._episode, self._step, error)
             row.append(value)
         trained = self._recorder.trained
-        if trained is not None and differs(row[4 + trained], paid):
-            self._recorder.tell_paid_otherwise(row[4 + trained], float(paid), 0, self._episode, self._step)
-        self._recorder.add([*row, terminated, truncated])
+        if trained is not None and differs(row[KEYS + trained], paid):
+            self._recorder.tell_paid_otherwise(row[KEYS + trained], float(paid), 0, self._episode, self._step)
+        row += (terminated, truncated)
+        if self._calls is not None:
+            self._calls.note_step(0, action, observation, terminated or truncated or self._step % CHECKED == 0)
+        self._recorder.add(row)
         self._before, self._time, self._step = after, self._time + 1, self._step + 1
-        return row[4:]
+        return row
 
 
 def _measure_of(column: Column) -> Measure | None:

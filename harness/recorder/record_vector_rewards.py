@@ -2,22 +2,26 @@
 
 import os
 import weakref
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
+from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv, VectorEnv, VectorWrapper
 from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.record.recording.facts import ActionFacts
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.batch import BatchStep, Mask
+from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import Column, Given, Untold, as_number
 from harness.recorder.recorder import Recorder, differs, kept
 
 Array = NDArray[Any]
+RESET_MASK = "reset_mask"
+"""Of the options of ``reset``: the envs that are reset, (num_envs,)."""
 
 
 class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
@@ -80,7 +84,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, batched,
         )  # fmt: skip
-        self._recorder = Recorder(env, asked, env.num_envs)
+        self._recorder = Recorder(env, asked, env.num_envs, _action_facts(env))
         self._looks = self._recorder.looks
         self._before: Any = None
         self._time = self._recorder.next_time
@@ -99,9 +103,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
     ) -> tuple[Any, dict[str, Any]]:
         """Start episodes, of all envs or of those in ``options["reset_mask"]``."""
         everywhere = np.ones(self.num_envs, bool)
-        mask = np.array((options or {}).get("reset_mask", everywhere))  # the env takes it out of the options
+        mask = np.array((options or {}).get(RESET_MASK, everywhere))  # the env takes it out of the options
         observations, infos = self.env.reset(seed=seed, options=options)  # type: ignore[arg-type] # a list is allowed
         self._recorder.note_seed(seed)
+        self._note_resets(mask, seed, options)
         self._begin(mask)
         self._before = kept(observations) if self._looks else None
         self._is_reset_next &= ~mask
@@ -135,10 +140,21 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         numbers = self._write(step, terminated, truncated)
         self._steps[live] += 1
         self._time += 1
-        self._begin(ended if at_once else ~live)
+        started = ended if at_once else ~live
+        self._note_resets(started)
+        self._begin(started)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
         self._before = kept(observations) if self._looks else None
         return numbers
+
+    def _note_resets(self, mask: Mask, seed: Any = None, options: Mapping[str, Any] | None = None) -> None:
+        """Note that these envs were reset; envs that start the next episode by themselves draw it without a seed."""
+        if self._recorder.calls is None:
+            return
+        told = {key: value for key, value in (options or {}).items() if key != RESET_MASK}
+        for env in np.flatnonzero(mask).tolist():
+            one = seed[env] if isinstance(seed, Sequence) else None if seed is None else seed + env
+            self._recorder.calls.note_reset(env, one, told or None)
 
     def _begin(self, mask: Mask) -> None:
         """Start an episode in these envs."""
@@ -159,7 +175,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
                 for number in np.flatnonzero(mask):
                     env = int(number)
                     column.measures[env].reset()  # type: ignore[attr-defined]
-        except Exception as error:  # whatever rewards of users raise
+        except (Exception, SystemExit) as error:  # whatever rewards of users raise
             self._recorder.give_up(column, env, self._episodes[env], 0, error)
 
     def _write(self, step: BatchStep, terminated: Mask, truncated: Mask) -> Float:
@@ -173,8 +189,15 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             self._require_paid(numbers[:, self._recorder.trained], step)
         envs = np.arange(self.num_envs)
         time = np.full(self.num_envs, self._time)
-        rows = np.column_stack([time, envs, self._episodes, self._steps, numbers, terminated, truncated])
-        self._recorder.write(rows[step.live])
+        rows = np.column_stack([time, envs, self._episodes, self._steps, numbers, terminated, truncated])[step.live]
+        calls = self._recorder.calls
+        if calls is not None:
+            is_checked = (step.ended | (self._steps % CHECKED == 0)).tolist()
+            for env in np.flatnonzero(step.live).tolist():
+                answer = step.each_after[env] if is_checked[env] else None
+                calls.note_step(env, step.each_action[env], answer, is_checked[env])
+            rows = np.column_stack([rows, calls.take()])
+        self._recorder.write(rows)
         return numbers
 
     def _measure(self, column: Column, step: BatchStep, numbers: Float) -> None:
@@ -191,7 +214,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
                 except Untold:
                     if step.ended[env] or not column.may_be_untold:
                         raise
-        except Exception as error:  # whatever rewards of users raise
+        except (Exception, SystemExit) as error:  # whatever rewards of users raise
             numbers[env:] = np.nan
             self._recorder.give_up(column, env, self._episodes[env], self._steps[env], error)
 
@@ -221,6 +244,12 @@ def _ways_to_measure(column: Column, step: BatchStep) -> tuple[Float, Mask, Call
         return measure(step.each_before[env], step.each_action[env], step.each_after[env], step.info(env))
 
     return np.zeros(count), np.zeros(count, bool), call
+
+
+def _action_facts(env: VectorEnv[Any, Any, Any]) -> ActionFacts | None:
+    """How actions are recorded; None where a batch is not made of single envs, one of which could be told the same."""
+    is_of_single_envs = isinstance(env.unwrapped, SyncVectorEnv | AsyncVectorEnv)
+    return action_facts(env.single_action_space) if is_of_single_envs else None
 
 
 def _autoreset_mode(env: VectorEnv[Any, Any, Any]) -> AutoresetMode:

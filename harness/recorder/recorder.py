@@ -2,19 +2,25 @@
 
 import copy
 import os
+import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
 
 from harness.errors import StorageError, UsageError, one_line
-from harness.record.recording.facts import REWARD, Failure, TrainingFacts
+from harness.record.recording.facts import REWARD, ActionFacts, Failure, TrainingFacts
 from harness.record.recording.recording_writer import RecordingWriter, Rows
 from harness.recorder.asked import Asked
+from harness.recorder.calls import Calls
 from harness.recorder.column import OWN, Column, columns_of, source_of
 from harness.recorder.env_facts import env_facts, versions_of
+
+ROWS_AT_ONCE = 256
+"""Single rows become numbers of an array together, which takes half of the time."""
 
 
 class Recorder:
@@ -25,12 +31,19 @@ class Recorder:
         pays: Index of the column that the learner is paid; None where it is paid by the env.
         trained: Index of the column that the env should pay; None where the column is what the env pays, or differed.
         looks: Whether a function measures: it is given the observations.
+        calls: Notes what each env is told; None where its actions are not recorded.
         next_time: Of the next step.
         next_episodes: Numbers of the next episodes, (num_envs,).
     """
 
-    def __init__(self, env: Any, asked: Asked, num_envs: int) -> None:
+    def __init__(self, env: Any, asked: Asked, num_envs: int, actions: ActionFacts | None) -> None:
         """Start the files.
+
+        Args:
+            env: What is recorded.
+            asked: What to record.
+            num_envs: How many envs there are.
+            actions: How actions are recorded; None if they are not.
 
         Raises:
             UsageError: What was asked for cannot be recorded, or the files hold another recording.
@@ -38,12 +51,13 @@ class Recorder:
             StorageError: The files cannot be written.
         """
         rewards = asked.all_rewards
-        self.columns = columns_of(rewards, asked.behaviour, num_envs, frozenset(asked.batched))
+        self.columns = columns_of(env, rewards, asked.behaviour, num_envs, frozenset(asked.batched))
         index = [column.name for column in self.columns].index(f"{REWARD}{asked.trained_with}")
         self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
         self.pays = index if asked.pay else None
         self.looks = any(column.measures for column in self.columns)
         self._path, self._on_error, self._stopped = Path(asked.path), asked.on_error, False
+        self._rows: list[list[float]] = []
         facts = TrainingFacts(
             rewards=tuple(rewards),
             trained_with=asked.trained_with,
@@ -55,12 +69,15 @@ class Recorder:
             env=env_facts(env),
             versions=versions_of(env, asked.learners),
             sources={column.name: source_of(column.given) for column in self.columns},
+            actions=actions,
         )
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
         except OSError as error:
             raise StorageError(f"'{asked.path}' cannot be written: {error.strerror or error}") from error
         self._note_given_up(asked.path)
+        now = self._writer.facts.actions  # a recording of an older version, which goes on, has none
+        self.calls = None if now is None else Calls(now, num_envs, self._note_actions)
         self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
 
     def note_seed(self, seed: Any) -> None:
@@ -70,7 +87,10 @@ class Recorder:
             kept = tuple(None if one is None else int(one) for one in seed) if several else int(seed)
             self._writer.facts = replace(self._writer.facts, seed=kept)
 
-    def give_up(self, column: Column, env: int, episode: int, step: int, error: Exception) -> None:
+    def _note_actions(self, facts: ActionFacts) -> None:
+        self._writer.facts = replace(self._writer.facts, actions=facts)
+
+    def give_up(self, column: Column, env: int, episode: int, step: int, error: BaseException) -> None:
         """Note that a column has failed, and tell it.
 
         Raises:
@@ -99,18 +119,21 @@ class Recorder:
         )
 
     def add(self, row: list[float]) -> None:
-        """Write a row, which is the recorder's from now on.
+        """Take a row of a single env, which is the recorder's from now on. What `calls` has noted of it follows in it.
 
         Raises:
             StorageError: It cannot be written, and the user wants errors raised.
         """
-        if self._stopped:
-            return
-        try:
-            self._writer.add(row)
-        except OSError as error:
-            self._stopped = True
-            self._tell(*self._unwritten(error))
+        rows = self._rows
+        rows.append(row)
+        if len(rows) >= ROWS_AT_ONCE or monotonic() >= self._writer.due:
+            self._put_rows()
+
+    def _put_rows(self) -> None:
+        if self._rows:
+            rows = np.array(self._rows, np.float64)
+            self.write(rows if self.calls is None else np.hstack([rows, self.calls.take()]))
+            self._rows.clear()
 
     def write(self, rows: Rows) -> None:
         """Write rows.
@@ -132,8 +155,12 @@ class Recorder:
         Raises:
             OSError: It cannot be written, and that was not told before.
         """
-        was_stopped, self._stopped = self._stopped, True
+        if not self._writer.is_open:
+            return
+        was_stopped = self._stopped
         try:
+            self._put_rows()
+            self._stopped = True
             self._writer.close()
         except OSError:
             if not was_stopped:
@@ -151,11 +178,23 @@ class Recorder:
                 self._writer.close()
                 raise UsageError(f"'{path}': {column.noun} failed before, and pays the learner: name another path")
 
-    def _tell(self, problem: str, rest: str, error: Exception | None = None) -> None:
+    def _tell(self, problem: str, rest: str, error: BaseException | None = None) -> None:
         if self._on_error == "raise":
             kind = StorageError if isinstance(error, OSError) else UsageError
             raise kind(problem) from error
-        warnings.warn(f"{problem}. {rest}", stacklevel=5)
+        warnings.warn(f"{problem}. {rest}", GivenUp, stacklevel=_depth_of_caller())
+
+
+def _depth_of_caller() -> int:
+    """How many frames above `Recorder._tell` the code stands that stepped the env: the first outside this room."""
+    depth, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and Path(frame.f_code.co_filename).parent == Path(__file__).parent:
+        depth, frame = depth + 1, frame.f_back
+    return depth
+
+
+class GivenUp(UserWarning):
+    """Something is not recorded from now on, and the training goes on."""
 
 
 def differs(value: Any, paid: Any) -> Any:

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 
 from harness.algorithm import Algorithm, needs_goals
-from harness.environment import AnyEnv, Environment, goal_rewards, lower_is_better, measured_behaviour, rewards_of
+from harness.environment import AnyEnv, Environment, goal_rewards
 from harness.executor import NO_SCALARS, CellOptions, Word
 from harness.experiment.checkpoints.attempt import Attempt, begin_attempt
 from harness.experiment.checkpoints.left_checkpoints import LeftCheckpoints
 from harness.experiment.draft import Draft
 from harness.experiment.environments.acting import Acting
 from harness.experiment.environments.batch import EnvironmentBatch
+from harness.experiment.environments.columns import columns_of
 from harness.experiment.progress.beat import Beat
 from harness.experiment.progress.learning_so_far import TELL_EVERY
 from harness.experiment.provenance import describe_environment
@@ -30,6 +31,8 @@ from harness.progress import RETURN, SPEED, SUCCESS, Progress, TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, POLICY, TRAINING_RECORDING
 from harness.record.manifest import Manifest
+from harness.record.recording.facts import TrainingFacts
+from harness.record.recording.recorded_training import facts_name, recorder_numbers
 from harness.recorder.evaluate_policy import evaluate_policy
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.registry import Registry
@@ -68,6 +71,7 @@ class EnvironmentTraining:
         self.watch.enter("evaluation")
         self._evaluate(environment, policy, draft.partial / EVALUATION_RECORDING)
         self.watch.enter("saving")
+        draft.note(note="; ".join(filter(None, [attempt.note, *_given_up(draft.partial)])))
 
     def _begin(
         self, environment: Environment, algorithm: Algorithm, draft: Draft[Manifest]
@@ -120,7 +124,7 @@ class EnvironmentTraining:
     def _recorded(self, environment: Environment, path: Path, number: int) -> RecordRewards[Any, Any]:
         env = self._made(environment)
         told = self._told(environment, env)
-        return RecordRewards(env, path, seed=self.cell.seed, pay=True, number=number, on_error="raise", **told)
+        return RecordRewards(env, path, seed=self.cell.seed, pay=True, number=number, **told)
 
     def _evaluate(self, environment: Environment, policy: Policy, path: Path) -> None:
         with closing(self._made(environment)) as env:
@@ -131,7 +135,6 @@ class EnvironmentTraining:
                 path,
                 seed=self.cell.seed,
                 episodes=self.cell.evaluation_episodes,
-                on_error="raise",
                 **self._told(environment, env),
             )
 
@@ -144,16 +147,27 @@ class EnvironmentTraining:
         with blamed_on(self.registry.get("environments", self.cell.task.name), "its rewards were named"):
             return {
                 "trained_with": self.cell.reward.name,
-                "rewards": rewards_of(environment, env),
-                "behaviour": measured_behaviour(environment, env),
-                "lower_is_better": lower_is_better(environment),
                 "learners": self._learners,
+                **vars(columns_of(environment, env, self.registry)),
             }
 
     @property
     def _learners(self) -> tuple[str, ...]:
         """The libraries that the algorithm needs, whose versions a recording tells; other imports do not matter."""
         return self.registry.get("algorithms", self.cell.algorithm.name).requires
+
+
+def _given_up(folder: Path) -> list[str]:
+    """A line for each reward and each measure that failed while it looked on; everything else was recorded."""
+    failures: dict[str, str] = {}
+    for part, where in ((TRAINING_RECORDING, "the training"), (EVALUATION_RECORDING, "the evaluation")):
+        for number in recorder_numbers(folder / part):
+            for it in TrainingFacts.read(folder / part / facts_name(number)).failures:
+                name = it.column.replace("_", " ", 1)
+                failures.setdefault(
+                    it.column, f"{name} given up in {where}, episode {it.episode}, step {it.step}: {it.reason}"
+                )
+    return list(failures.values())
 
 
 class TrainingProgress(Progress):

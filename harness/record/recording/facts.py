@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from math import prod
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NotRequired, Self
 
 from pydantic import Field, TypeAdapter, with_config
 from typing_extensions import TypedDict
@@ -12,12 +13,15 @@ from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal
 from harness.record.forms import EXACT, Digest, Line, Name, Whole, require_form
 
-FORMAT = 1
+FORMAT = 2
+"""Since format 2 a recording may hold the actions."""
 MOST_NAMES = 1_000
 """Of rewards, and of measures of behaviour."""
 MOST_ENVS = 1_000_000
 MOST_SOURCE = 100_000
 """Characters of a reward's code that are kept."""
+MOST_ACTION_NUMBERS = 256
+"""An action with more numbers is not recorded: a recording would mostly consist of actions."""
 OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
@@ -57,6 +61,27 @@ class Failure:
     reason: str
 
 
+@dataclass(frozen=True)
+class ActionFacts:
+    """How the actions of a training are recorded, so that another env can be given the same ones.
+
+    Attributes:
+        shape: Of an action.
+        type: Of an action as the learner gave it: the name of a NumPy type, or ``python int``, ``python float``,
+            ``python bool``. Empty before the first step.
+        problem: Why an env cannot be given the same actions; empty if it can. One line.
+    """
+
+    shape: tuple[int, ...]
+    type: str = ""
+    problem: str = ""
+
+    @property
+    def size(self) -> int:
+        """How many numbers an action has."""
+        return prod(self.shape)
+
+
 @dataclass(frozen=True, kw_only=True)
 class TrainingFacts:
     """What is known of a recorded training beside its steps.
@@ -77,6 +102,7 @@ class TrainingFacts:
         paid_otherwise: The first step in which the env paid something else than the reward `trained_with`; empty if
             there is none, or the env's own payment is that reward. One line.
         closed: Whether the training ended by itself; otherwise it is still going on, or was killed.
+        actions: How its actions are recorded; None if they are not.
     """
 
     rewards: tuple[str, ...]
@@ -92,6 +118,7 @@ class TrainingFacts:
     failures: tuple[Failure, ...] = ()
     paid_otherwise: str = ""
     closed: bool = False
+    actions: ActionFacts | None = None
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -142,7 +169,17 @@ class TrainingFacts:
             failures=tuple(Failure(**failure) for failure in data["failures"]),
             paid_otherwise=data["paid_otherwise"],
             closed=data["closed"],
+            actions=_actions_of(data.get("actions")),
         )
+
+
+def _actions_of(data: Mapping[str, Any] | None) -> ActionFacts | None:
+    if data is None:
+        return None
+    actions = ActionFacts(tuple(data["shape"]), data["type"], data["problem"])
+    if actions.size > MOST_ACTION_NUMBERS:
+        raise ValueError(f"an action has {actions.size:,} numbers, {MOST_ACTION_NUMBERS} are allowed")
+    return actions
 
 
 @with_config(EXACT)
@@ -165,6 +202,15 @@ class FailureForm(TypedDict):
 
 
 @with_config(EXACT)
+class ActionForm(TypedDict):
+    """See `ActionFacts`."""
+
+    shape: Annotated[list[Annotated[int, Field(gt=0)]], Field(max_length=32)]
+    type: Line
+    problem: Line
+
+
+@with_config(EXACT)
 class RecordingForm(TypedDict):
     """See `TrainingFacts`."""
 
@@ -182,6 +228,7 @@ class RecordingForm(TypedDict):
     failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
     paid_otherwise: Line
     closed: bool
+    actions: NotRequired[ActionForm | None]
 
 
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -1,7 +1,7 @@
 """Reads the folder of a recorded training."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.files.bounded import reading, require_regular
 from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+from harness.record.recording.scores import read_scores, scores_name
 
 PART_ROWS = 65_536
 """Of every part but a recorder's last."""
@@ -23,6 +24,9 @@ PART_BYTES, MOST_PARTS, MOST_RECORDERS = 2**31, 100_000, 10_000
 
 INTEGERS = ("env", "episode", "step")
 FLAGS = ("terminated", "truncated")
+ANSWER = "answer"
+CALLS = ("seed", "resets", ANSWER)
+"""Of a step whose action is recorded; `harness.recorder.calls.Calls` says what they are."""
 
 _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
 
@@ -66,9 +70,15 @@ def is_recording(folder: Path) -> bool:
     return (folder / facts_name(0)).is_file()
 
 
+def recordings_in(folder: Path) -> Iterator[Path]:
+    """The folders of all recorded trainings in a folder, at any depth."""
+    return (path.parent for path in folder.rglob(facts_name(0)))
+
+
 def read_recording(folder: Path) -> RecordedTraining:
     """Read a recorded training, one that is still going on too: as far as it was written.
 
+    Rewards that were written later and have paid its steps again (`harness.record.recording.scores`) are among its own.
     Where several recorders wrote it, their envs are numbered on: those of recorder 1 follow those of recorder 0.
 
     Raises:
@@ -84,6 +94,14 @@ def read_recording(folder: Path) -> RecordedTraining:
         facts = [TrainingFacts.read(folder / facts_name(number)) for number in numbers]
         _require_alike(folder, numbers, facts)
         tables = [read_steps(folder, number, one) for number, one in zip(numbers, facts, strict=True)]
+        scores = [
+            read_scores(folder / scores_name(number), len(table["time"]))
+            for number, table in zip(numbers, tables, strict=True)
+        ]
+        if all(scores):
+            facts = [one.told_in(told) for one, told in zip(scores, facts, strict=True) if one]
+            tables = [{**table, **one.columns} for one, table in zip(scores, tables, strict=True) if one]
+            _require_alike(folder, numbers, facts)
         return _united(facts, tables)
 
 
@@ -111,22 +129,37 @@ def part_schema(facts: TrainingFacts) -> pa.Schema:
     """Columns and types of a part."""
     integers = [("time", pa.int64()), *((name, pa.int32()) for name in INTEGERS)]
     numbers = [(name, pa.float64()) for name in facts.numbers]
-    return pa.schema([*integers, *numbers, *((name, pa.bool_()) for name in FLAGS)])
+    calls: list[tuple[str, pa.DataType]] = []
+    if facts.actions is not None:
+        calls = [*((name, pa.int64()) for name in CALLS), *((name, pa.float64()) for name in action_columns(facts))]
+    return pa.schema([*integers, *numbers, *((name, pa.bool_()) for name in FLAGS), *calls])
 
 
-def read_steps(folder: Path, number: int, facts: TrainingFacts) -> dict[str, NDArray[Any]]:
+def action_columns(facts: TrainingFacts) -> list[str]:
+    """The columns that hold the numbers of an action; none if actions are not recorded."""
+    return [f"action_{number}" for number in range(facts.actions.size if facts.actions else 0)]
+
+
+def read_steps(folder: Path, number: int, facts: TrainingFacts, with_calls: bool = False) -> dict[str, NDArray[Any]]:
     """All steps of one recorder, by column.
+
+    Args:
+        folder: Of the training.
+        number: Of the recorder.
+        facts: What it tells of itself.
+        with_calls: Whether to read the actions too, and what else a new env has to be told.
 
     Raises:
         SchemaError: A part is damaged or missing.
     """
     schema = part_schema(facts)
-    parts = [read_part(folder / part_name(number, part), schema) for part in range(part_count(folder, number))]
+    names = schema.names if with_calls else schema.names[: schema.get_field_index(FLAGS[-1]) + 1]
+    parts = [read_part(folder / part_name(number, part), schema, names) for part in range(part_count(folder, number))]
     for part, table in enumerate(parts[:-1]):
         if len(table) != PART_ROWS:
             raise SchemaError(f"{folder / part_name(number, part)} has {len(table):,} steps, not {PART_ROWS:,}")
     whole = pa.concat_tables(parts) if parts else schema.empty_table()
-    columns = {name: np.asarray(whole.column(name).to_numpy()) for name in schema.names}
+    columns = {name: np.asarray(whole.column(name).to_numpy()) for name in names}
     _require_sound(folder, facts, columns)
     return columns
 
@@ -139,8 +172,8 @@ def part_count(folder: Path, number: int) -> int:
     return count
 
 
-def read_part(path: Path, schema: pa.Schema) -> pa.Table:
-    """A part, of the columns of `schema`.
+def read_part(path: Path, schema: pa.Schema, names: Sequence[str] | None = None) -> pa.Table:
+    """A part, which has the columns of `schema`; those of these names, or all of them.
 
     Raises:
         SchemaError: It is damaged, or has other columns.
@@ -152,7 +185,7 @@ def read_part(path: Path, schema: pa.Schema) -> pa.Table:
             raise SchemaError(f"{path} has other columns than {facts_name(int(path.name.split('-')[1]))} tells")
         if file.metadata.num_rows > PART_ROWS:
             raise SchemaError(f"{path} has {file.metadata.num_rows:,} steps, {PART_ROWS:,} are allowed")
-        table = file.read()
+        table = file.read(names)
         if any(column.null_count for column in table.columns):
             raise SchemaError(f"{path} has gaps")
         return table

@@ -21,6 +21,7 @@ from harness.record.recording.recorded_training import (
     INTEGERS,
     PART_ROWS,
     RecordedTraining,
+    action_columns,
     facts_name,
     part_count,
     part_name,
@@ -29,8 +30,6 @@ from harness.record.recording.recorded_training import (
 )
 
 Rows = Float | Sequence[Sequence[float]]
-ROWS_AT_ONCE = 256
-"""Single rows become numbers of an array together, which takes half of the time."""
 WRITE_EVERY = 5.0
 """A training that is killed loses the steps of so many seconds at most, [s]."""
 
@@ -42,6 +41,7 @@ class RecordingWriter:
         facts: Written with the next part; replace them to tell more.
         next_time: The time of the next row: 0, or what follows on the rows of a recording that goes on.
         next_episodes: (num_envs,), the same of each env's episode.
+        due: When the newest part is written again, by `time.monotonic`.
     """
 
     def __init__(self, folder: Path, facts: TrainingFacts, number: int = 0, resume: bool = False) -> None:
@@ -64,10 +64,8 @@ class RecordingWriter:
         self._written_facts: TrainingFacts | None = None
         self._lock = FileLock(folder / f"recording-{number}.lock")
         self._process = os.getpid()
-        self._schema = part_schema(facts)
-        self._block = np.empty((PART_ROWS, len(self._schema)))
         self._part = self._filled = self.next_time = 0
-        self._rows: list[list[float]] = []
+        self.due = 0.0
         self.next_episodes = np.zeros(facts.num_envs, np.int64)
         self._hold()
         try:
@@ -75,16 +73,6 @@ class RecordingWriter:
         except BaseException:
             self._lock.release()
             raise
-
-    def add(self, row: list[float]) -> None:
-        """Take one row, which is the writer's from now on.
-
-        Raises:
-            OSError: It cannot be written.
-        """
-        self._rows.append(row)
-        if len(self._rows) >= ROWS_AT_ONCE or time.monotonic() >= self._due:
-            self._put_rows()
 
     def append(self, rows: Rows) -> None:
         """Take rows, (n, columns), which may be used again.
@@ -102,8 +90,13 @@ class RecordingWriter:
         if begin < count:
             self._block[self._filled : self._filled + count - begin] = rows[begin:]
             self._filled += count - begin
-        if time.monotonic() >= self._due:
+        if time.monotonic() >= self.due:
             self._write()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it may still write: it was not closed, and this is the process that began, not a fork of it."""
+        return os.getpid() == self._process and self._lock.is_locked
 
     def close(self) -> None:
         """Write what is left. Done twice, or in a fork of the process that began, it does nothing.
@@ -111,19 +104,13 @@ class RecordingWriter:
         Raises:
             OSError: It cannot be written.
         """
-        if os.getpid() != self._process or not self._lock.is_locked:
+        if not self.is_open:
             return
         self.facts = replace(self.facts, closed=True)
         try:
-            self._put_rows()
             self._write()
         finally:
             self._lock.release()
-
-    def _put_rows(self) -> None:
-        rows, self._rows = self._rows, []
-        if rows:
-            self.append(rows)
 
     def _hold(self) -> None:
         try:
@@ -136,6 +123,7 @@ class RecordingWriter:
 
     def _begin(self, resume: bool) -> None:
         if not (self.folder / facts_name(self.number)).exists():
+            self._make_room()
             self._write()
             return
         if not resume:
@@ -145,10 +133,16 @@ class RecordingWriter:
             )
         self._go_on()
 
+    def _make_room(self) -> None:
+        """For the rows of a part; a recording of an older version, which goes on, has the columns that it had."""
+        self._schema = part_schema(self.facts)
+        self._block = np.empty((PART_ROWS, len(self._schema)))
+
     def _go_on(self) -> None:
         before = TrainingFacts.read(self.folder / facts_name(self.number))
         _require_same_training(self.folder, before, self.facts)
         self.facts = replace(before, closed=False)
+        self._make_room()
         count = part_count(self.folder, self.number)
         self._part = max(0, count - 1)
         unseen = np.ones(self.facts.num_envs, bool)
@@ -181,7 +175,7 @@ class RecordingWriter:
             for partial, write in zip(partials, files.values(), strict=True):
                 write(partial)
         self._written_facts = self.facts
-        self._due = time.monotonic() + WRITE_EVERY
+        self.due = time.monotonic() + WRITE_EVERY
 
     def _write_part(self, path: Path) -> None:
         pq.write_table(
@@ -192,14 +186,14 @@ class RecordingWriter:
             column_encoding={
                 "time": "DELTA_BINARY_PACKED",
                 **dict.fromkeys(INTEGERS, "DELTA_BINARY_PACKED"),
-                **dict.fromkeys(self.facts.numbers, "BYTE_STREAM_SPLIT"),
+                **dict.fromkeys([*self.facts.numbers, *action_columns(self.facts)], "BYTE_STREAM_SPLIT"),
             },
             write_page_checksum=True,
         )
 
 
 def write_recording(folder: Path, training: RecordedTraining) -> None:
-    """Write a whole training at once, as one recorder of number 0 would have recorded it.
+    """Write a whole training at once, as one recorder of number 0 would have recorded it; without its actions.
 
     Raises:
         UsageError: There is a recording in `folder` already.
@@ -210,9 +204,10 @@ def write_recording(folder: Path, training: RecordedTraining) -> None:
         **{f"{BEHAVIOUR}{name}": training.behaviour[name] for name in training.facts.behaviour},
     }
     columns = {"time": training.time, **{name: getattr(training, name) for name in (*INTEGERS, *FLAGS)}, **numbers}
-    writer = RecordingWriter(folder, training.facts)
+    facts = replace(training.facts, actions=None)
+    writer = RecordingWriter(folder, facts)
     try:
-        writer.append(np.stack([columns[name] for name in part_schema(training.facts).names], axis=1).astype(float))
+        writer.append(np.stack([columns[name] for name in part_schema(facts).names], axis=1).astype(float))
     finally:
         writer.close()
 

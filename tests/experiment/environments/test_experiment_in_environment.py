@@ -193,18 +193,50 @@ def test_a_killed_cell_without_a_checkpoint_starts_over(registry: Registry, give
     }
 
 
-def test_a_reward_that_fails_is_the_reason_of_a_failed_cell(registry: Registry, tmp_path: Path):
-    """The others go on."""
+@pytest.fixture
+def broken(tmp_path: Path) -> tuple[Given, ...]:
+    """The toy with a reward that fails in the third step of its second episode."""
+    text = TOY.read_text().replace("class Toy", "class Broken")
     file = tmp_path / "broken.py"
-    text = TOY.read_text().replace(
-        "lambda before, action, after, info: env.unwrapped.at}", "lambda *told: float('nan')}"
-    )
-    file.write_text(text.replace("class Toy", "class Broken"))
-    given = read_given([file])
-    cell = _plan(load_registry(given=given), task="broken").cells[0]
-    manifest = _done(cell, tmp_path / "cell", given)
-    assert manifest.status == "failed"
-    assert "reward 'right' failed" in manifest.reason
+    file.write_text(text.replace("lambda before, action, after, info: env.unwrapped.at}", "_Fails()}") + FAILS)
+    return read_given([file])
+
+
+FAILS = """
+
+class _Fails:
+    episodes = 0
+
+    def reset(self):
+        self.steps, self.episodes = 0, self.episodes + 1
+
+    def __call__(self, before, action, after, info):
+        self.steps += 1
+        if (self.episodes, self.steps) == (3, 3):  # the algorithm resets the envs once more before its first step
+            raise SystemExit("the arm fell off")
+        return 1.0
+"""
+
+
+def test_a_reward_that_fails_is_the_reason_of_its_failed_cell(broken: tuple[Given, ...], tmp_path: Path):
+    """The learner cannot be paid."""
+    cell = _plan(load_registry(given=broken), task="broken").cells[1]
+    manifest = _done(cell, tmp_path / "cell", broken)
+    assert (cell.reward.label, manifest.status) == ("right", "failed")
+    assert "reward 'right' failed in env 0, episode 1, step 2: SystemExit: the arm fell off" in manifest.reason
+
+
+@pytest.mark.filterwarnings("ignore:reward 'right' failed")
+def test_a_reward_that_only_looks_on_fails_alone(broken: tuple[Given, ...], tmp_path: Path):
+    """The cell is done, the manifest says what was given up, and everything else is recorded."""
+    cell = _plan(load_registry(given=broken), task="broken").cells[0]
+    manifest = _done(cell, tmp_path / "cell", broken)
+    assert (cell.reward.label, manifest.status) == ("near", "done")
+    assert manifest.note == "reward right given up in the training, episode 1, step 2: SystemExit: the arm fell off"
+    training = read_recording(tmp_path / "cell" / TRAINING_RECORDING)
+    unknown = np.isnan(training.rewards["right"])
+    assert (unknown.sum(), np.flatnonzero(~unknown).max()) == (STEPS - 10, 9)
+    assert not any(np.isnan(column).any() for column in (training.rewards["near"], *training.behaviour.values()))
 
 
 def test_status_and_verify_know_it(folder: Path):

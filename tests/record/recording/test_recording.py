@@ -216,8 +216,8 @@ def test_damage_is_named(folder: Path, damage: Callable[[Path], object], message
 
 def test_newer_recording_is_named(folder: Path):
     """It is not called damaged."""
-    _change_facts(folder, format=2)
-    with pytest.raises(NewerFormat, match="has format 2, this version reads up to 1"):
+    _change_facts(folder, format=3)
+    with pytest.raises(NewerFormat, match="has format 3, this version reads up to 2"):
         read_recording(folder)
 
 
@@ -271,21 +271,3 @@ def test_only_steps_wait_for_the_disk(tmp_path: Path, monkeypatch: pytest.Monkey
     writer.append(np.zeros((len(training), 9)))
     writer.close()
     assert len(waited) == 3  # facts, steps, and the folder that holds both
-
-
-@pytest.mark.parametrize("count", [1, 255, 256, 257, 600])
-@pytest.mark.usefixtures("small_parts")
-def test_single_rows_are_those_of_a_batch(tmp_path: Path, count: int):
-    """However many wait, and however many parts they fill."""
-    rows = np.arange(9.0 * count).reshape(count, 9) % 2
-    rows[:, 0] = np.arange(count)
-    for name, take in (("one", RecordingWriter.add), ("all", RecordingWriter.append)):
-        writer = RecordingWriter(tmp_path / name, FACTS)
-        for given in rows.tolist() if name == "one" else [rows]:
-            take(writer, given)
-        writer.close()
-    parts = [
-        {path.name: pq.read_table(path) for path in (tmp_path / name).glob("*.parquet")} for name in ("one", "all")
-    ]
-    assert parts[0] == parts[1]
-    assert sum(len(table) for table in parts[0].values()) == count

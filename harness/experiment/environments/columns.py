@@ -1,0 +1,63 @@
+"""What is recorded of an env: the environment's own rewards and measures, and those that the user gave as files."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from harness.environment import (
+    SUCCESS,
+    AnyEnv,
+    Environment,
+    Measure,
+    lower_is_better,
+    rewards_of,
+)
+from harness.errors import UsageError
+from harness.registry.registry import Registry
+from harness.registry.step_functions import StepFunction
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What is recorded of each step of one env.
+
+    Attributes:
+        rewards: By name; the environment's own first.
+        behaviour: By name; the measure that decides first.
+        lower_is_better: Names of the measures of which less is better.
+    """
+
+    rewards: Mapping[str, Measure]
+    behaviour: Mapping[str, Measure]
+    lower_is_better: Collection[str]
+
+
+def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Columns:
+    """What is recorded of one env of an environment.
+
+    The measure called ``success`` decides, else the first one that the user gave, else the environment's first.
+
+    Raises:
+        UsageError: The environment has no reward, or two of these have one name.
+    """
+    rewards, measures = registry.functions_of("reward"), registry.functions_of("measure")
+    own, own_behaviour = rewards_of(environment, env), dict(environment.behaviour(env))
+    _require_other_names(rewards, own)
+    _require_other_names(measures, own_behaviour)
+    behaviour = {**_made(measures), **own_behaviour}
+    return Columns(
+        {**own, **_made(rewards)},
+        {**{name: behaviour[name] for name in behaviour if name == SUCCESS}, **behaviour},
+        {*lower_is_better(environment), *(it.name for it in measures.values() if it.lower_is_better)},
+    )
+
+
+def _made(functions: Mapping[str, StepFunction]) -> dict[str, Measure]:
+    return {name: it.make() for name, it in functions.items()}
+
+
+def _require_other_names(given: Mapping[str, StepFunction], own: Mapping[str, Measure]) -> None:
+    for name in given.keys() & own.keys():
+        it = given[name]
+        raise UsageError(
+            f"Plugin file '{it.file.path}': the environment has a {it.noun} '{name}' of its own. Rename yours"
+        )

@@ -1,0 +1,169 @@
+"""What rewards and measures that were written later say of a recorded training: ``scores-<n>.parquet``.
+
+The file has a column for each, named as in the parts of the recording, and a row for each step of recorder n. The facts
+about the columns stand in the file's metadata, as JSON. `read_recording` adds these columns to those of the recording.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from pydantic import Field, TypeAdapter, with_config
+from typing_extensions import TypedDict
+
+from harness.arrays import Float
+from harness.errors import NewerFormat, SchemaError
+from harness.files.bounded import parse_json, reading, require_regular
+from harness.files.whole_file import whole_file
+from harness.record.forms import EXACT, Name, require_form
+from harness.record.recording.facts import (
+    BEHAVIOUR,
+    MOST_NAMES,
+    REWARD,
+    Failure,
+    FailureForm,
+    Source,
+    SourceForm,
+    TrainingFacts,
+)
+
+FORMAT = 1
+MOST_BYTES = 2**33
+_FACTS = b"harness"
+
+
+@dataclass(frozen=True, eq=False)
+class Scores:
+    """Columns for the steps of one recorder.
+
+    Attributes:
+        columns: By column (``reward_calm``, ``behaviour_height``): its value for each step, (steps,). NaN from where
+            it was given up.
+        lower_is_better: Names of the measures among them of which less is better.
+        sources: By column: the code behind it.
+        failures: Columns that were given up, and where.
+    """
+
+    columns: Mapping[str, Float]
+    lower_is_better: tuple[str, ...]
+    sources: Mapping[str, Source]
+    failures: tuple[Failure, ...] = ()
+
+    def told_in(self, facts: TrainingFacts) -> TrainingFacts:
+        """The facts of a recording, with these columns in place of earlier ones of the same names."""
+        kept = tuple(failure for failure in facts.failures if failure.column not in self.columns)
+        return replace(
+            facts,
+            rewards=_with(facts.rewards, self.columns, REWARD),
+            behaviour=_with(facts.behaviour, self.columns, BEHAVIOUR),
+            lower_is_better=tuple(dict.fromkeys([*facts.lower_is_better, *self.lower_is_better])),
+            sources={**facts.sources, **self.sources},
+            failures=(*kept, *self.failures),
+        )
+
+    def with_earlier(self, earlier: "Scores") -> "Scores":
+        """These columns, and those that only `earlier` has."""
+        kept = {name: values for name, values in earlier.columns.items() if name not in self.columns}
+        return Scores(
+            {**kept, **self.columns},
+            tuple(dict.fromkeys([*earlier.lower_is_better, *self.lower_is_better])),
+            {**{name: earlier.sources[name] for name in kept}, **self.sources},
+            (*(failure for failure in earlier.failures if failure.column in kept), *self.failures),
+        )
+
+
+def _with(names: tuple[str, ...], columns: Mapping[str, Float], prefix: str) -> tuple[str, ...]:
+    added = [column.removeprefix(prefix) for column in columns if column.startswith(prefix)]
+    return tuple(dict.fromkeys([*names, *added]))
+
+
+def scores_name(number: int) -> str:
+    """The file of the scores of a recorder's steps."""
+    return f"scores-{number}.parquet"
+
+
+def write_scores(path: Path, scores: Scores) -> None:
+    """Write the file, in place of an earlier one.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    facts = {
+        "format": FORMAT,
+        "lower_is_better": list(scores.lower_is_better),
+        "sources": {column: asdict(source) for column, source in scores.sources.items()},
+        "failures": [asdict(failure) for failure in scores.failures],
+    }
+    table = pa.table(dict(scores.columns)).replace_schema_metadata({_FACTS: json.dumps(facts)})
+    with whole_file(path) as partial:
+        pq.write_table(
+            table,
+            partial,
+            compression="zstd",
+            use_dictionary=False,
+            column_encoding=dict.fromkeys(scores.columns, "BYTE_STREAM_SPLIT"),
+            write_page_checksum=True,
+        )
+
+
+def read_scores(path: Path, steps: int) -> Scores | None:
+    """What `write_scores` wrote; None if there is no such file, or the recording went on since.
+
+    Args:
+        path: The file.
+        steps: How many the recorder has recorded.
+
+    Raises:
+        SchemaError: It is damaged, or has more steps.
+        NewerFormat: A newer version wrote it.
+    """
+    if not path.exists():
+        return None
+    with reading(path, "file of scores"):
+        require_regular(path, MOST_BYTES)
+        file = pq.ParquetFile(path, page_checksum_verification=True)
+        if file.metadata.num_rows > steps:
+            raise SchemaError(f"{path} scores {file.metadata.num_rows:,} steps, and the recording has {steps:,}")
+        if file.metadata.num_rows < steps:
+            return None
+        facts = _facts_of(path, file.schema_arrow)
+        table = file.read()
+        columns = {name: np.asarray(table.column(name).to_numpy(), np.float64) for name in table.column_names}
+        if any(np.isinf(values).any() for values in columns.values()):
+            raise SchemaError(f"{path} has infinite numbers")
+        return Scores(
+            columns,
+            tuple(facts["lower_is_better"]),
+            {column: Source(**source) for column, source in facts["sources"].items()},
+            tuple(Failure(**failure) for failure in facts["failures"]),
+        )
+
+
+def _facts_of(path: Path, schema: pa.Schema) -> Mapping[str, Any]:
+    facts: dict[str, Any] = parse_json((schema.metadata or {}).get(_FACTS, b"{}"))
+    if isinstance(facts, dict) and isinstance(number := facts.get("format"), int) and number > FORMAT:
+        raise NewerFormat(f"{path} has format {number}, this version reads up to {FORMAT}")
+    require_form(FORM, facts)
+    for field in schema:
+        known = field.name in facts["sources"] and field.name.startswith((REWARD, BEHAVIOUR))
+        if not known or field.type != pa.float64():
+            raise SchemaError(f"{path}: the column '{field.name}' is no column of scores")
+    return facts
+
+
+@with_config(EXACT)
+class ScoresForm(TypedDict):
+    """See `Scores`."""
+
+    format: int
+    lower_is_better: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    sources: Annotated[dict[Name, SourceForm], Field(max_length=2 * MOST_NAMES)]
+    failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
+
+
+FORM: TypeAdapter[ScoresForm] = TypeAdapter(ScoresForm)

@@ -1,0 +1,181 @@
+"""The calls that a recorded env gets, and a checksum of each of its answers.
+
+With them the same calls can be given to a new env, `harness.recorder.retake`, and the checksums tell whether it answers
+as the recorded one did.
+"""
+
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from gymnasium import Space
+from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.record.recording.facts import MOST_ACTION_NUMBERS, ActionFacts
+
+NO_SEED = -1
+NO_RESET = (NO_SEED, 0)
+"""Before a step in the middle of an episode."""
+LARGEST_EXACT = 2**53
+"""A recording holds its numbers as 64-bit floats, which hold every whole number up to this one."""
+CHECKED = 16
+UNCHECKED = -1
+"""In place of a checksum."""
+PYTHON_TYPES: Mapping[str, type] = {"python int": int, "python float": float, "python bool": bool}
+TYPES = {"python int": np.dtype(np.int64), "python float": np.dtype(np.float64), "python bool": np.dtype(np.bool_)}
+"""How NumPy holds them."""
+
+
+def action_facts(space: Space[Any]) -> ActionFacts | None:
+    """How actions of a space are recorded; None if they are not: they are no numbers, or too many."""
+    if not isinstance(space, Box | Discrete | MultiBinary | MultiDiscrete):
+        return None
+    facts = ActionFacts(tuple(int(length) for length in space.shape or ()))
+    return facts if 0 < facts.size <= MOST_ACTION_NUMBERS else None
+
+
+class Calls:
+    """Notes the calls of one env or of a batch, and makes rows of numbers of them, many at once.
+
+    From where the same calls cannot be given to another env, `ActionFacts.problem`, only zeros are noted.
+
+    Attributes:
+        facts: What is known of the actions so far.
+    """
+
+    def __init__(self, facts: ActionFacts, num_envs: int, tell: Callable[[ActionFacts], None]) -> None:
+        """Nothing is noted yet.
+
+        Args:
+            facts: What is known of the actions.
+            num_envs: How many envs there are.
+            tell: Called when more is known of the actions.
+        """
+        self._tell = tell
+        self._begun: list[tuple[int, int] | None] = [None] * num_envs
+        self._was_seeded = [False] * num_envs
+        self._actions: list[bytes] = []
+        self._marks: list[tuple[int, int, int, int]] = []
+        self._know(facts)
+
+    def note_reset(self, env: int, seed: object, options: object) -> None:
+        """Note that an env was reset: with a seed, or to go on with what its generator draws next."""
+        if options is not None:
+            self._note_problem("its env was reset with options")
+        if seed is None:
+            seeded, resets = self._begun[env] or NO_RESET
+            self._begun[env] = seeded, resets + 1
+        elif isinstance(seed, int | np.integer) and 0 <= seed <= LARGEST_EXACT:
+            self._begun[env], self._was_seeded[env] = (int(seed), 0), True
+        else:
+            self._note_problem(f"its env was reset with the seed {seed!r}")
+
+    def note_step(self, env: int, action: Any, observation: Any, is_checked: bool) -> None:
+        """Note a step of an env.
+
+        Args:
+            env: Whose step it was.
+            action: As it was given.
+            observation: The answer.
+            is_checked: Whether the answer is summed up. It is in some steps only, since an env that has answered
+                otherwise once hardly ever comes back: every `CHECKED`-th step of an episode, and the last one.
+        """
+        begun = self._begun[env]
+        if begun is not None:
+            self._begun[env] = None
+            if not self._was_seeded[env]:
+                self._note_problem("its env was not reset with a seed")
+        if self._nothing:
+            self._actions.append(self._nothing)
+            return
+        if is_checked or begun is not None:
+            answer = checksum(observation) if is_checked else UNCHECKED
+            self._marks.append((len(self._actions), *(begun or NO_RESET), answer))
+        # Every step of every training comes by here: what most envs are given takes the short way.
+        if type(action) is np.ndarray and action.dtype is self._short and action.shape == self._shape:
+            self._actions.append(action.tobytes())
+        else:
+            self._actions.append(self._bytes_of(action))
+
+    def take(self) -> Float:
+        """The numbers of the steps that were noted since this was last asked, (steps, 3 + action_size).
+
+        In a row stand the seed and the number of resets before the step, the answer's checksum, and the action.
+        """
+        rows = np.empty((len(self._actions), 3 + self.facts.size))
+        rows[:, :3] = *NO_RESET, UNCHECKED
+        for row, *told in self._marks:
+            rows[row, :3] = told
+        rows[:, 3:] = np.frombuffer(b"".join(self._actions), self._type).reshape(len(rows), self.facts.size)
+        self._actions, self._marks = [], []
+        return rows
+
+    def _bytes_of(self, action: Any) -> bytes:
+        """The bytes of an action of any type; zeros from where it cannot be noted."""
+        told = type_of_action(action)
+        if not told or told != self.facts.type:
+            self._note_type(action, told)
+        if np.shape(action) != self._shape:
+            self._note_problem(f"an action has the shape {np.shape(action)}, not {self._shape}")
+        if self._nothing:
+            return self._nothing
+        array = np.asarray(action, self._type)
+        if self._type.kind in "iu" and (np.abs(array) > LARGEST_EXACT).any():
+            self._note_problem(f"an action is beyond {LARGEST_EXACT:,}")
+        return array.tobytes()
+
+    def _note_type(self, action: Any, told: str) -> None:
+        if not told:
+            self._note_problem(f"an action was given as a {type(action).__qualname__}")
+        elif self.facts.type:
+            self._note_problem(f"actions were given as {self.facts.type} and as {told}")
+        else:
+            self._know(replace(self.facts, type=told))
+
+    def _note_problem(self, problem: str) -> None:
+        """The first one stays."""
+        if not self.facts.problem:
+            self._know(replace(self.facts, problem=problem))
+
+    def _know(self, facts: ActionFacts) -> None:
+        self.facts, self._shape, self._type = facts, facts.shape, TYPES.get(facts.type) or np.dtype(facts.type or float)
+        is_exact = self._type.kind in "fb" or self._type.itemsize < 8  # such numbers, whatever they are
+        self._short = self._type if facts.type and is_exact else None
+        self._nothing = bytes(facts.size * self._type.itemsize) if facts.problem else b""
+        self._tell(facts)
+
+
+def type_of_action(action: Any) -> str:
+    """The type as `ActionFacts` names it; empty if actions of that type are not recorded."""
+    if isinstance(action, np.ndarray | np.generic):
+        kind = action.dtype
+        return kind.name if kind.kind in "biuf" and kind.itemsize <= 8 else ""
+    return next((name for name, python in PYTHON_TYPES.items() if type(action) is python), "")
+
+
+def action_of(numbers: NDArray[np.float64], facts: ActionFacts) -> Any:
+    """The action that a row of numbers (size,) tells of, in the type in which it was given."""
+    if facts.type in PYTHON_TYPES:
+        return PYTHON_TYPES[facts.type](numbers[0])
+    array = numbers.reshape(facts.shape).astype(facts.type)
+    return array if facts.shape else array[()]
+
+
+def checksum(observation: Any, begun: int = 0) -> int:
+    """CRC-32 of an observation: of an array, a number or a text, and of such in dicts, lists and tuples."""
+    if isinstance(observation, Mapping):
+        for key, inner in observation.items():
+            begun = checksum(inner, zlib.crc32(str(key).encode(), begun))
+        return begun
+    if isinstance(observation, Sequence) and not isinstance(observation, str | bytes):
+        for inner in observation:
+            begun = checksum(inner, begun)
+        return begun
+    if isinstance(observation, str):
+        return zlib.crc32(observation.encode(), begun)
+    array = np.asarray(observation)
+    return begun if array.dtype.hasobject else zlib.crc32(array.tobytes(), begun)

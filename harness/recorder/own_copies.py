@@ -1,0 +1,96 @@
+"""Copies of a reward that has a memory: one for each env, which measures the env that is stepped and no other."""
+
+import copy
+import functools
+from collections.abc import Iterator, Mapping
+from enum import Enum
+from logging import Logger
+from types import MethodType, ModuleType
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.vector import VectorEnv
+
+from harness.errors import UsageError
+
+MOST_PARTS = 100_000
+"""Objects that are looked at in an env or a reward; an env that holds a data set may have millions."""
+WITHOUT_STATE = (
+    str, bytes, int, float, complex, type(None), type, Enum, ModuleType, np.dtype, Logger, gymnasium.Space, EnvSpec
+)  # fmt: skip
+"""Kinds of objects that say nothing of the state of an env, so that a copy is as good."""
+WHAT_TO_DO = (
+    "Read what it needs from the observations or from info, or give a function, which is not copied and may use the env"
+)
+
+
+def own_copies(given: Any, noun: str, env: Any, count: int) -> list[Any]:
+    """Copies of an object with ``reset()``, one for each env.
+
+    A copy that holds an env would look at a copy of that env, which nobody steps. With one env the copy therefore keeps
+    the env itself, and every part of it that the object holds. With several envs nobody can say whose env is meant.
+
+    Args:
+        given: The object.
+        noun: What messages call it.
+        env: What is recorded, a single env or a batch.
+        count: How many copies.
+
+    Raises:
+        UsageError: It cannot be copied. Or it holds an env: another one than the one that is recorded, or one of a
+            batch.
+    """
+    held, parts = _parts_of(given), _parts_of(env, but=given)
+    envs = [part for part in held.values() if isinstance(part, gymnasium.Env | VectorEnv)]
+    shared = {key: part for key, part in held.items() if key in parts}
+    if any(id(part) not in parts for part in envs):
+        raise UsageError(
+            f"{noun} holds an env that is not the one that is recorded, so it would measure an env that nobody steps. "
+            f"{WHAT_TO_DO}"
+        )
+    if shared and count > 1:
+        raise UsageError(
+            f"{noun} has reset(), so each of the {count} envs needs a copy of it, but it holds "
+            f"{_told(next(iter(shared.values())))} of the envs. A copy would look at a copy of that, which nobody "
+            f"steps. {WHAT_TO_DO}"
+        )
+    try:
+        return [copy.deepcopy(given, dict(shared)) for _ in range(count)]
+    except Exception as error:  # whatever objects of users raise
+        raise UsageError(
+            f"{noun} has a memory, and each env needs a copy of its own, but it cannot be copied: {error!r}"
+        ) from error
+
+
+def _parts_of(whole: Any, but: Any = None) -> Mapping[int, Any]:
+    """The object, and every object with a state that it holds at any depth, by identity; what only `but` holds not."""
+    found: dict[int, Any] = {}
+    waiting = [whole]
+    while waiting and len(found) < MOST_PARTS:
+        part = waiting.pop()
+        if id(part) not in found and part is not but and not isinstance(part, WITHOUT_STATE):
+            found[id(part)] = part
+            waiting += _held_by(part)
+    return found
+
+
+def _held_by(part: Any) -> Iterator[Any]:
+    if isinstance(part, dict):
+        yield from part.values()
+    elif isinstance(part, list | tuple | set | frozenset):
+        yield from part
+    elif isinstance(part, MethodType):
+        yield part.__self__
+    elif isinstance(part, functools.partial):
+        yield from (part.func, *part.args, *part.keywords.values())
+    elif not callable(part) or not hasattr(part, "__code__"):  # a function is not copied, whatever it uses
+        yield from getattr(part, "__dict__", {}).values()
+
+
+def _told(part: Any) -> str:
+    """A held part in words."""
+    if isinstance(part, gymnasium.Env | VectorEnv):
+        return "one"
+    return "an array" if isinstance(part, np.ndarray) else f"a part ({type(part).__qualname__})"

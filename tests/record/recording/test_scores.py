@@ -1,0 +1,125 @@
+"""The file of what rewards that were written later say of a recording."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from harness.errors import NewerFormat, SchemaError
+from harness.record.recording.facts import Failure, Source, TrainingFacts
+from harness.record.recording.recorded_training import read_recording
+from harness.record.recording.recording_writer import RecordingWriter
+from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
+
+FACTS = TrainingFacts(
+    rewards=("own", "calm"),
+    trained_with="own",
+    behaviour=("success",),
+    sources={"reward_own": Source("", "what the env pays"), "reward_calm": Source("a" * 64, "old")},
+    failures=(Failure("reward_calm", 0, 1, 2, "ValueError: no"),),
+)
+STEPS = 4
+SCORES = Scores(
+    {"reward_new": np.arange(4.0), "behaviour_effort": np.array([1, np.nan, 3, 4])},
+    ("effort",),
+    {"reward_new": Source("b" * 64, "new"), "behaviour_effort": Source("c" * 64, "effort")},
+    (Failure("behaviour_effort", 0, 0, 1, "KeyError: 'x'"),),
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A recording of four steps of one env."""
+    writer = RecordingWriter(tmp_path / "run", FACTS)
+    writer.append([[time, 0, 0, time, 1.0, 2.0, 0.0, time == 3, False] for time in range(STEPS)])
+    writer.close()
+    return tmp_path / "run"
+
+
+def test_what_is_written_is_read(tmp_path: Path):
+    """Every column to the last bit, and what is known of it."""
+    path = tmp_path / scores_name(0)
+    write_scores(path, SCORES)
+    found = read_scores(path, STEPS)
+    assert found is not None
+    assert replace(found, columns={}).__dict__ == replace(SCORES, columns={}).__dict__
+    assert list(found.columns) == list(SCORES.columns)
+    assert all(np.array_equal(found.columns[it], SCORES.columns[it], equal_nan=True) for it in found.columns)
+
+
+def test_recording_has_them_among_its_own(folder: Path):
+    """Rewards, measures, code and failures; the files of the recording stay as they are."""
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    write_scores(folder / scores_name(0), SCORES)
+    found = read_recording(folder)
+    assert (found.facts.rewards, found.facts.behaviour) == (("own", "calm", "new"), ("success", "effort"))
+    assert (found.facts.lower_is_better, found.facts.sources["reward_new"].text) == (("effort",), "new")
+    assert found.rewards["new"].tolist() == [0, 1, 2, 3]
+    assert [failure.column for failure in found.facts.failures] == ["reward_calm", "behaviour_effort"]
+    assert {name: (folder / name).read_bytes() for name in before} == before
+
+
+def test_column_of_a_name_that_was_recorded_takes_its_place(folder: Path):
+    """Where it was computed by other code, or given up; its failure is gone then."""
+    later = Scores({"reward_calm": np.full(STEPS, 9.0)}, (), {"reward_calm": Source("d" * 64, "mended")})
+    write_scores(folder / scores_name(0), later)
+    found = read_recording(folder)
+    assert found.rewards["calm"].tolist() == [9.0] * STEPS
+    assert (found.facts.rewards, found.facts.failures) == (("own", "calm"), ())
+    assert found.facts.sources["reward_calm"].text == "mended"
+
+
+def test_earlier_scores_stay(folder: Path):
+    """Those of other names; a name that both have is the later one's."""
+    later = Scores({"reward_new": np.zeros(STEPS)}, (), {"reward_new": Source("e" * 64, "newer")})
+    both = later.with_earlier(SCORES)
+    assert {name: values.tolist()[0] for name, values in both.columns.items()} == {
+        "behaviour_effort": 1,
+        "reward_new": 0,
+    }
+    assert (both.sources["reward_new"].text, both.lower_is_better) == ("newer", ("effort",))
+    assert both.failures == SCORES.failures
+
+
+def test_recording_that_went_on_is_not_scored_any_more(folder: Path):
+    """Nobody has paid its newest steps."""
+    write_scores(folder / scores_name(0), SCORES)
+    writer = RecordingWriter(folder, FACTS, resume=True)
+    writer.append([[4, 0, 1, 0, 1.0, 2.0, 0.0, False, False]])
+    writer.close()
+    assert read_recording(folder).facts.rewards == ("own", "calm")
+
+
+def _damaged(path: Path, how: str) -> None:
+    if how == "cut off":
+        path.write_bytes(path.read_bytes()[:-9])
+        return
+    table = pq.read_table(path)
+    facts = json.loads(table.schema.metadata[b"harness"])
+    facts |= {"newer": {"format": 2}, "no sources": {"sources": {}}}.get(how, {})
+    if how == "infinite":
+        table = table.set_column(0, "reward_new", pa.array(np.full(STEPS, np.inf)))
+    if how == "another type":
+        table = table.set_column(0, "reward_new", pa.array(range(STEPS)))
+    if how == "another name":
+        table = table.rename_columns(["terminated", "behaviour_effort"])
+        facts["sources"]["terminated"] = facts["sources"]["reward_new"]
+    if how == "more steps":
+        table = pa.concat_tables([table, table])
+    metadata = {} if how == "no facts" else {b"harness": json.dumps(facts)}
+    pq.write_table(table.replace_schema_metadata(metadata), path)
+
+
+@pytest.mark.parametrize(
+    "how", ["cut off", "no facts", "no sources", "infinite", "another type", "another name", "more steps", "newer"]
+)
+def test_damaged_file_is_named(folder: Path, how: str):
+    """Each way in which it can be wrong."""
+    write_scores(folder / scores_name(0), SCORES)
+    _damaged(folder / scores_name(0), how)
+    with pytest.raises(NewerFormat if how == "newer" else SchemaError, match=r"scores-0\.parquet"):
+        read_recording(folder)
