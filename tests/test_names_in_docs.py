@@ -35,6 +35,8 @@ FILE = re.compile(r"`((?:\w+/)*\w+\.py)`")
 PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 CLASS = re.compile(r"^class (\w+)", re.MULTILINE)
 
+FILES_OF_READERS = {"behaviour.py"}
+"""Files of the reader's own whose name means something to the harness."""
 FILE_ENDINGS = {"md", "toml", "json", "html"}
 """What makes ``harness.toml`` a file."""
 
@@ -58,6 +60,7 @@ def wrong_names(text: str) -> list[Name]:
     files = [Name(line, name) for line, words in lines for name in FILE.findall(words)]
     found = [name for name in (*dotted, *_names_in_examples(text)) if not _leads_somewhere(name.text)]
     found += [name for name in members if not _is_member(name.text)]
+    files = [name for name in files if name.text not in FILES_OF_READERS]
     found += [name for name in files if not any((home / name.text).is_file() for home in (ROOT, HOMES["harness"]))]
     return sorted(set(found))
 

@@ -92,7 +92,7 @@ def _leave(
     results: "Results", folders: Sequence[Path], as_json: bool, html: Path | None, details: bool, summary: Path | None
 ) -> None:
     """Write and print what is asked for; by default the table."""
-    command = f"harness report {' '.join(map(str, folders))} --details{results.plugin_flags}"
+    command = f"harness report {' '.join(map(str, folders))} --details{results.report_flags}"
     if results.is_in_environment:
         show_environments(results, command, as_json=as_json, html=html, details=details, summary=summary)
         return

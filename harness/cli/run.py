@@ -64,6 +64,7 @@ def run(
     cell_memory: flags.CellMemory = 0.0,
     fresh: flags.Fresh = False,
     metric: MetricNames = None,
+    measure: flags.Measures = None,
     plugin: PluginFiles = None,
     quiet: flags.Quiet = False,
     as_json: flags.AsJson = False,
@@ -74,8 +75,9 @@ def run(
     One such training is called a cell. A cell that is done is not run again: the same command goes on where it stopped.
     """
     from harness.experiment.experiment import RunOptions
-    from harness.registry.given import read_given
+    from harness.registry.given import read_given, split_measures
 
+    measures, files = split_measures(measure or ())
     trackers = _all_trackers(tracker, {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow})
     options = RunOptions(
         out, jobs, executor, checkpoint_every, trackers, curve, wait, changed, only, limit, retry_failed, fail_fast,
@@ -86,10 +88,10 @@ def run(
         {
             "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
             "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
-            "evaluate_every": evaluate_every, "deterministic": deterministic,
+            "evaluate_every": evaluate_every, "deterministic": deterministic, "measure": measures or None,
         },
     )  # fmt: skip
-    plugins = read_given(plugin)
+    plugins = read_given(plugin, files)
     if dry_run:
         return _foresee(asked, options, plugins, as_json)
     return _train(asked, options, plugins, quiet, as_json)
@@ -122,7 +124,10 @@ def _foresee(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Give
     from harness.experiment.experiment import check
     from harness.experiment.foresee import foresee
 
-    found = foresee(check(asked, options, plugins))
+    ready = check(asked, options, plugins)
+    found = foresee(ready)
+    for line in ready.plan.warnings:
+        complain(line)
     if as_json:
         say_json(found.to_json())
         return 0
@@ -138,6 +143,8 @@ def _train(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]
     from harness.experiment.experiment import prepare
 
     ready = prepare(asked, options, plugins)
+    for line in ready.plan.warnings:
+        complain(line)
     folder = ready.store.folder
     console = Terminal(stderr=True, quiet=quiet)
     with (
@@ -189,7 +196,7 @@ def _show(results: "Results", as_json: bool) -> None:
     from harness.report.document import report_text
     from harness.report.tables.overview import overview_table
 
-    command = f"harness report {results.folder} --details{results.plugin_flags}"
+    command = f"harness report {results.folder} --details{results.report_flags}"
     if results.is_in_environment:
         show_environments(results, command, as_json=as_json, html=None, details=False, summary=None)
     elif as_json:

@@ -2,15 +2,16 @@
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from harness.cli.flags.shared import REWARDS, AsJson, PluginFiles
+from harness.cli.flags.score import Environment, Every, OutFolder, RewardNames, Targets
+from harness.cli.flags.shared import AsJson, PluginFiles
 from harness.cli.lines import complain, say, say_json
+from harness.cli.study import holds_recordings, refuse_flags
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
+    from harness.experiment.environments.paid_again import Paid
     from harness.registry.choice import Choice
     from harness.registry.registry import Registry
     from harness.results import Results
@@ -19,22 +20,11 @@ if TYPE_CHECKING:
 
 
 def score(
-    targets: Annotated[
-        list[str], typer.Argument(help="An experiment's folder, or recorded files.", metavar="DIR|FILES")
-    ],
-    reward: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="The rewards that pay the runs again, such as arp:k2=2.", metavar="NAME,...", autocompletion=REWARDS
-        ),
-    ] = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="Also use every reward that the experiment trained with.")
-    ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="Folder for the scores of files.", show_default="beside each file", metavar="DIR"),
-    ] = None,
+    targets: Targets,
+    reward: RewardNames = None,
+    every: Every = False,
+    task: Environment = None,
+    out: OutFolder = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
@@ -43,12 +33,19 @@ def score(
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
+    folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None
+    if folder is not None and _is_of_environments(folder):
+        refuse_flags({"--all": every, "--out": out})
+        registry = load_registry(given=read_given(plugin))
+        return _score_recordings(folder, split_list(reward or []), task, registry, as_json)
+    if task is not None:
+        raise UsageError("--task goes with a folder of recorded trainings in an environment: leave it out")
     if not reward and not every:
         raise UsageError("No reward is named: give --reward NAME, or --all for those of the experiment")
     registry = load_registry(given=read_given(plugin))
     scoring = [choose(registry, "rewards", name) for name in split_list(reward or [])]
-    if len(targets) == 1 and Path(targets[0]).is_dir():
-        failed = _score_experiment(Path(targets[0]), scoring, every, registry, as_json)
+    if folder is not None:
+        failed = _score_experiment(folder, scoring, every, registry, as_json)
     elif every:
         raise UsageError("--all takes an experiment's folder: files do not say which rewards there are")
     else:
@@ -56,6 +53,43 @@ def score(
     for label, reason in failed.items():
         complain(f"reward {label}: n/a ({reason})")
     return 1 if failed else 0
+
+
+def _is_of_environments(folder: Path) -> bool:
+    """Whether a folder holds recorded trainings in environments: of an experiment, or loose ones."""
+    from harness.record.store import Store
+
+    if Store.is_experiment(folder):
+        return any(cell.is_in_environment for cell in Store.open(folder).read_plan().cells)
+    return holds_recordings([folder])
+
+
+def _score_recordings(
+    folder: Path, names: "Sequence[str]", task: str | None, registry: "Registry", as_json: bool
+) -> int:
+    """Give the actions of recorded trainings to new envs, and pay them; status 1 if one could not be paid."""
+    from harness.experiment.environments.paid_again import PayAgain
+    from harness.record.out_folder import refuse_links
+
+    refuse_links(folder)
+    told = []
+    for paid in PayAgain(registry, names, task).run(folder):
+        told.append(paid)
+        if not as_json:
+            say(f"{paid.folder}: {_what_was_paid(paid)}")
+        for line in paid.failed:
+            complain(f"{paid.folder}: {line}")
+    if as_json:
+        say_json({"recordings": [paid.to_json() for paid in told]})
+    elif any(paid.names for paid in told):
+        say(f"What they come to: harness report {folder}")
+    return 1 if any(paid.refused or paid.failed for paid in told) else 0
+
+
+def _what_was_paid(paid: "Paid") -> str:
+    if paid.refused:
+        return f"n/a ({paid.refused})"
+    return f"{paid.steps:,} steps by {', '.join(paid.names)}" if paid.names else "nothing to do, all is recorded"
 
 
 def _score_experiment(
@@ -68,7 +102,6 @@ def _score_experiment(
     from harness.score.open_recording import open_recording
 
     results = load_results(folder)
-    results.require_arm("harness score")
     refuse_links(folder)
     if not results.done_cells:
         raise UsageError(f"'{folder}' has no finished cell to score")

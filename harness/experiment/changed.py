@@ -4,7 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple, TypeAlias
 
 from harness.errors import UsageError
-from harness.experiment.provenance import robot_digest
+from harness.experiment.provenance import function_digests, robot_digest
+from harness.hookspecs import KINDS
 from harness.record.cell import Cell
 from harness.record.manifest import SHOWN_DIGITS
 from harness.registry.registry import Registry
@@ -16,11 +17,13 @@ Changed: TypeAlias = Literal["refuse", "keep", "again"]
 """What happens to such cells: the run is refused, or they are kept beside new ones, or they are done again."""
 CHANGED: tuple[Changed, ...] = ("refuse", "keep", "again")
 Sources: TypeAlias = Mapping[str, str]
-"""SHA-256 of the files of each plugin that made a cell, by kind; see `harness.experiment.provenance`."""
+"""SHA-256 of the files of each plugin that made a cell, by kind, and of its functions; see `describe_environment`."""
 REMEDY = (
     "--changed keep keeps these cells, and reports say so; --changed again trains them again; "
     "another --out leaves them alone"
 )
+GONE = "none"
+"""In place of a hash, if a file with functions is not given any more."""
 NAMED = 2
 """The most plugins that the message names, so that it has room to say what to do."""
 
@@ -54,6 +57,10 @@ class _Installed:
         for kind, name in cell.plugins.items():
             if kind in recorded and recorded[kind] != (now := self._hash(kind, name, cell)):
                 yield Change(name, recorded[kind], now)
+        functions = function_digests(cell, self._registry)
+        for name in (name for name in recorded if name not in KINDS):
+            if recorded[name] != (now := functions.get(name, GONE)):
+                yield Change(name, recorded[name], now)
 
     def _hash(self, kind: str, name: str, cell: Cell) -> str:
         if kind == "robots":

@@ -30,7 +30,7 @@ from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
 from harness.registry.choice import choose
 from harness.registry.given import Given as Plugins
-from harness.registry.given import read_given, require_given
+from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.metrics import load_metrics
@@ -146,14 +146,17 @@ def run(**given: Unpack[RunArguments]) -> Results:
         **given: The fields of `RunOptions`, such as ``out`` and ``jobs``, and those of
             `harness.experiment.plan.Experiment`, such as ``sim`` and ``algo``; its lists may be single names, or text
             with commas. Where a name is expected, an object may stand whose class workers can import. ``plugins``
-            lists files and classes beside the installed plugins; see `harness.registry.given.read_given`.
+            lists files and classes beside the installed plugins; see `harness.registry.given.read_given`. ``measure``
+            lists names of measures, and files whose functions measure what the agent does.
 
     Raises:
         UsageError: Something given cannot be used; nothing is written.
     """
     of_options = {field.name for field in fields(RunOptions)}
     everything, classes = name_objects(given)
-    plugins = dict.fromkeys([*read_given(everything.pop("plugins", ())), *classes])
+    names, files = split_measures(everything.pop("measure", ()))
+    plugins = dict.fromkeys([*read_given(everything.pop("plugins", ()), files), *classes])
+    everything |= {"measure": names} if names else {}
     options = {name: everything.pop(name) for name in tuple(everything) if name in of_options}
     return prepare(check_experiment(everything), RunOptions(**options), tuple(plugins)).run()
 

@@ -18,7 +18,7 @@ from harness.experiment.task_form import task_for
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
 from harness.record.plan_file import control_seeds
 from harness.registry.choice import Choice, choose, split_list
-from harness.registry.given import Given as HandGiven
+from harness.registry.names import unknown_name
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
@@ -48,13 +48,17 @@ Steps: TypeAlias = Annotated[int, Field(gt=0, le=MOST_STEPS)]
 Episodes: TypeAlias = Annotated[int, Field(gt=0, le=MOST_EPISODES)]
 Seed: TypeAlias = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
 Interval: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
-LISTS = ("sim", "algo", "reward")
+LISTS = ("sim", "algo", "reward", "measure")
 
 
 NO_GOALS = (
     "learns by paying steps again for other goals. A task of an arm does not allow that: its rewards depend on earlier "
     "steps, touching the ground is paid too, and its observations contain the offset to the target. "
     "Give an environment with goals, such as --task fetch-reach"
+)
+UNMEASURED = (
+    "No measure says what the agent does, so the report cannot say whether it behaves better. Give a file of "
+    "functions, --measure behaviour.py, or name keys of info, --task gymnasium:id=...,tells=KEY"
 )
 DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
@@ -91,6 +95,10 @@ class Experiment:
         Interval, Field(description="environment steps from one evaluation to the next; 0: evaluate only at the end")
     ] = 0
     deterministic: Annotated[bool, Field(description="whether policies are evaluated without randomness")] = True
+    measure: Annotated[
+        list[str],
+        Field(max_length=MOST_NAMES, description="measures of an environment that come first; the first one decides"),
+    ] = Field(default_factory=list)
     plugins: Annotated[
         list[Given], Field(max_length=MOST_NAMES, description="required plugins, which you have to give with --plugin")
     ] = Field(default_factory=list)
@@ -112,6 +120,7 @@ class Plan:
         resolved: The experiment with every default filled in, as an experiment file holds it.
         control: Where the baseline is compared with itself, the null control: by each seed the other seed that it is
             trained with again.
+        warnings: What to know before anything is trained, a line each.
     """
 
     baseline: str
@@ -119,6 +128,7 @@ class Plan:
     skipped: tuple[tuple[Cell, str], ...]
     resolved: dict[str, Any]
     control: Mapping[int, int] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     @property
     def id(self) -> str:
@@ -165,6 +175,8 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     """
     if kind_of_task(experiment.task, registry) == "environments":
         return _expand_in_environment(experiment, registry)
+    if experiment.measure:
+        raise UsageError("--measure goes with an environment: an arm is judged by success and time to the target")
     if not experiment.sim:
         require_known(experiment.task, registry)
         raise UsageError(_unnamed("sim", "experiment"))
@@ -204,8 +216,9 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         baseline.label,
         tuple(cell for cell in cells if not reasons[cell.algorithm]),
         tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
-        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot, registry.given),
+        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot, registry.needs()),
         control=control,
+        warnings=tuple(registry.broken_files()),
     )
 
 
@@ -215,6 +228,10 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
     task = choose(registry, "environments", experiment.task)
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
     looked = look_at(task, registry)
+    for name in experiment.measure:
+        if name not in looked.measures:
+            told = f"{looked.label}: {unknown_name('measure', name, looked.measures)}"
+            raise UsageError(f"{told} A key of info becomes a measure by --task gymnasium:id=...,tells={name}")
     baseline, rewards = looked.rewards_asked(experiment.baseline, experiment.reward)
     seeds = experiment.seed_list
     _require_few(len(seeds), 1, len(algorithms), len(rewards))
@@ -229,7 +246,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
         )
         for seed, algorithm, reward in itertools.product(seeds, algorithms, rewards)
     ]  # fmt: skip
-    given = _given(experiment, registry.given)
+    given = _given(experiment, registry.needs())
     why_not_of = [(cell, reasons[cell.algorithm, cell.reward.name]) for cell in cells]
     return Plan(
         baseline,
@@ -242,6 +259,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
             "baseline": baseline,
             "task": table_of(task),
         },
+        warnings=(*registry.broken_files(), *([] if looked.measures else [UNMEASURED])),
     )
 
 
@@ -306,11 +324,11 @@ def _resolve(
     rewards: list[Choice],
     task: Choice,
     robot: str,
-    given: Sequence[HandGiven],
+    needs: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
     return {
-        **_given(experiment, given),
+        **_given(experiment, needs),
         "sim": [table_of(choice) for choice in simulators],
         "algo": [table_of(choice) for choice in algorithms],
         "reward": [table_of(choice) for choice in rewards],
@@ -320,10 +338,12 @@ def _resolve(
     }
 
 
-def _given(experiment: Experiment, given: Sequence[HandGiven]) -> dict[str, Any]:
+def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """The keys of an experiment file as they were given, but for the list of seeds, and of plugins."""
     values = {field.name: getattr(experiment, field.name) for field in fields(experiment) if field.name != "plugins"}
-    plugins = {"plugins": [it.need for it in given]} if given else {}
+    if not experiment.measure:
+        del values["measure"]
+    plugins = {"plugins": needs} if needs else {}
     return {**values, **plugins, "seeds": experiment.seed_list}
 
 

@@ -45,8 +45,20 @@ def describe_environment(
         **_engine(specs),
         "commit": source_commit(CHECKOUT),
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
-        "sources": {**_source_hashes(specs), **digests},
+        "sources": {**_source_hashes(specs), **digests, **function_digests(cell, registry)},
     }
+
+
+def function_digests(cell: Cell, registry: Registry) -> dict[str, str]:
+    """SHA-256 of each file with functions that decides the result of a cell in an environment.
+
+    They are the file of its reward, under ``reward calm``, and those of all measures, under ``measure height``. The
+    environment's own rewards and measures are part of the environment.
+    """
+    if not cell.is_in_environment:
+        return {}
+    decisive = [it for it in registry.functions if it.noun == "measure" or it.name == cell.reward.name]
+    return {f"{it.noun} {it.name}": it.file.digest for it in decisive}
 
 
 def _engine(specs: Mapping[str, Spec]) -> dict[str, str | None]:

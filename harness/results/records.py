@@ -123,8 +123,13 @@ class Records:
 
     @property
     def plugin_flags(self) -> str:
-        """The ``--plugin`` flags that the newest experiment needs, to be appended to a command; often empty."""
+        """The flags that give the plugins of the newest experiment, to be appended to ``harness run``; often empty."""
         return plugin_flags(self.plan.experiment.get("plugins"))
+
+    @property
+    def report_flags(self) -> str:
+        """Those of them that a report needs."""
+        return plugin_flags(self.plan.experiment.get("plugins"), for_report=True)
 
     @property
     def done(self) -> list[Manifest]:

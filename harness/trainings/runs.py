@@ -1,6 +1,6 @@
 """The recorded trainings below a folder, read once, and what makes them one study."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from typing import NamedTuple
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
-from harness.record.recording.recorded_training import facts_name, read_recording
+from harness.record.recording.recorded_training import read_recording, recordings_in
 from harness.trainings.episodes import Episodes, Part, episodes_of
 
 LAST_SHARE = 0.2
@@ -97,16 +97,19 @@ class Runs(NamedTuple):
 
 def has_recordings(folder: Path) -> bool:
     """Whether a recorded training lies somewhere in a folder."""
-    return next(_found(folder), None) is not None
+    return next(recordings_in(folder), None) is not None
 
 
-def read_runs(folder: Path, only: Sequence[Path] | None = None, baseline: str = "") -> Runs:
+def read_runs(
+    folder: Path, only: Sequence[Path] | None = None, baseline: str = "", deciding: Sequence[str] = ()
+) -> Runs:
     """All recorded trainings in a folder, at any depth.
 
     Args:
         folder: Where they lie.
         only: Of these folders in it, and not at any depth; None for all.
         baseline: The reward that the others are compared with; by default the one that was given first.
+        deciding: Measures that come before the others, the one that decides first.
 
     Raises:
         UsageError: There are none, or none that can be compared.
@@ -136,7 +139,7 @@ def read_runs(folder: Path, only: Sequence[Path] | None = None, baseline: str = 
         env,
         rewards,
         trained,
-        _in_order(run.facts.behaviour for run in members.values()),
+        _in_order([deciding, *(run.facts.behaviour for run in members.values())]),
         frozenset(name for run in members.values() for name in run.facts.lower_is_better),
         members,
         shortest,
@@ -145,17 +148,13 @@ def read_runs(folder: Path, only: Sequence[Path] | None = None, baseline: str = 
     )
 
 
-def _found(folder: Path) -> Iterator[Path]:
-    return (path.parent for path in folder.rglob(facts_name(0)))
-
-
 def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run], list[str]]:
     """Every recording in a folder, at any depth, evaluations too, by its path; and what could not be read, a line each.
 
     The seed of one that was recorded without is -1. With `only` it reads these folders alone.
     """
     runs, damaged = [], []
-    for path in sorted(_found(folder)) if only is None else only:
+    for path in sorted(recordings_in(folder)) if only is None else only:
         try:
             recording = read_recording(path)
         except SchemaError as error:

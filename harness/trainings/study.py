@@ -67,7 +67,11 @@ class Study:
 
 
 def load_study(
-    folder: str | Path, kind: Kind = "accumulated", only: Sequence[Path] | None = None, baseline: str = ""
+    folder: str | Path,
+    kind: Kind = "accumulated",
+    only: Sequence[Path] | None = None,
+    baseline: str = "",
+    deciding: Sequence[str] = (),
 ) -> Study:
     """The recorded trainings in a folder, at any depth, compared.
 
@@ -76,11 +80,12 @@ def load_study(
         kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
         only: See `harness.trainings.runs.read_runs`.
         baseline: The same.
+        deciding: The same.
 
     Raises:
         UsageError: There are none, or none that can be compared.
     """
-    runs = read_runs(Path(folder), only, baseline)
+    runs = read_runs(Path(folder), only, baseline, deciding)
     swaps = swaps_of(sorted({seed for _, seed in runs.members}))
     found = [compare(runs, *pair, swaps, kind) for pair in combinations(runs.trained, 2)]
     return Study(Path(folder), runs, _corrected(found), _tables(runs), kind)

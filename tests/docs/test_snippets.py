@@ -83,6 +83,10 @@ def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     (tmp_path / "my_reward.py").write_text(own.text, encoding="utf-8")
     (metric,) = (it for it in BLOCKS if it.page == "docs/how-to/own-metric.md" and it.language == "python")
     (tmp_path / "my_metric.py").write_text(metric.text, encoding="utf-8")
+    (tmp_path / "rewards").mkdir()
+    for block in (it for it in BLOCKS if it.page == "docs/how-to/reward-files.md" and it.language == "python"):
+        name = "behaviour" if "lower_is_better" in block.text else re.findall(r"def (\w+)", block.text)[0]
+        (tmp_path / "rewards" / f"{name}.py").write_text(block.text, encoding="utf-8")
     (tmp_path / "my_package").mkdir()
     shutil.copy(ROOT / "examples/reward-plugin/cautious_reward/reward.py", tmp_path / "my_package" / "cautious.py")
     monkeypatch.chdir(tmp_path)

@@ -44,6 +44,16 @@ Deterministic = Annotated[
         show_default="deterministic",
     ),
 ]
+Measures = Annotated[
+    Names,
+    typer.Option(
+        "--measure",
+        help="In an environment, what decides: a Python file of functions that measure behaviour, or the name of a "
+        "measure.",
+        show_default="success, else the first measure",
+        metavar="FILE|NAME,...",
+    ),
+]
 OutFolder = Annotated[
     Path | None,
     typer.Option(help="The experiment's folder.", show_default="one under results/runs/", metavar="DIR"),

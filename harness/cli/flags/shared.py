@@ -53,7 +53,8 @@ PluginFiles = Annotated[
     list[str] | None,
     typer.Option(
         "--plugin",
-        help="A Python file with plugins, to use beside the installed ones. May be given several times.",
+        help="A Python file with plugins or reward functions, or a pattern in quotes, such as 'rewards/*.py'. May be "
+        "given several times.",
         metavar="FILE",
         show_default=False,
     ),

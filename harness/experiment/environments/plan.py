@@ -6,16 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from harness.algorithm import ActionSpace, Algorithm, needs_arm, needs_goals
-from harness.environment import (
-    AnyEnv,
-    Environment,
-    baseline_of,
-    goal_rewards,
-    lower_is_better,
-    measured_behaviour,
-    rewards_of,
-)
+from harness.environment import AnyEnv, Environment, baseline_of, goal_rewards
 from harness.errors import UsageError
+from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
 from harness.registry.choice import Choice, parse
 from harness.registry.names import unknown_name
@@ -33,7 +26,8 @@ class Looked:
 
     Attributes:
         label: Of the environment.
-        rewards: Names, in the order that they were given in.
+        rewards: Names: the environment's own in its order, then those of files that the user gave.
+        measures: Names of the measures of behaviour, the one that decides first.
         baseline: The one that the others are compared with, where the user names none.
         actions: Their kind; None where no algorithm takes them.
         unusable: Why no algorithm can train in it; empty if some can.
@@ -43,6 +37,7 @@ class Looked:
 
     label: str
     rewards: tuple[str, ...]
+    measures: tuple[str, ...]
     baseline: str
     actions: ActionSpace | None
     unusable: str = ""
@@ -129,9 +124,9 @@ def look_at(task: Choice, registry: Registry) -> Looked:
     """
     environment: Environment = task.build(registry, "environments")
     with blamed_on(registry.get("environments", task.name), PLANNED), closing(environment.make()) as env:
-        names = tuple(rewards_of(environment, env))
-        measures = measured_behaviour(environment, env)
-        for measure in lower_is_better(environment) - measures.keys():
+        columns = columns_of(environment, env, registry)
+        names, measures = tuple(columns.rewards), tuple(columns.behaviour)
+        for measure in set(columns.lower_is_better).difference(measures):
             raise UsageError(f"{task.label}: lower_is_better names '{measure}', which is none of {sorted(measures)}")
         baseline = baseline_of(environment, dict.fromkeys(names, ""))
         if baseline not in names:
@@ -141,7 +136,7 @@ def look_at(task: Choice, registry: Registry) -> Looked:
             raise UsageError(
                 f"{task.label}: goal_rewards names '{name}', which is none of its rewards {', '.join(names)}"
             )
-        return Looked(task.label, names, baseline, *_actions_of(env), in_hindsight, _goalless(env))
+        return Looked(task.label, names, measures, baseline, *_actions_of(env), in_hindsight, _goalless(env))
 
 
 def why_not_in(looked: Looked, algorithm: Choice, reward: str, registry: Registry, steps: int) -> str:

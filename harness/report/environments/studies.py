@@ -50,7 +50,9 @@ def _study(results: Results, group: Group, cells: Sequence[Cell]) -> PlaceStudy:
         reason = f"nothing to compare: all done cells were trained with {trained[0]}"
         return PlaceStudy(group, tuple(cells), None, reason)
     try:
-        study = load_study(results.folder, results.kind, only, results.baseline)
+        told = results.plan.experiment.get("measure")  # a folder of anybody: whatever stands there
+        deciding = [name for name in told if isinstance(name, str)] if isinstance(told, list) else []
+        study = load_study(results.folder, results.kind, only, results.baseline, deciding)
     except UsageError as error:
         return PlaceStudy(group, tuple(cells), None, str(error))
     named = replace(study, runs=study.runs._replace(env=group.task.label))

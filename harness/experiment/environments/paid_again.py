@@ -1,0 +1,245 @@
+"""Recorded trainings paid by rewards that were written later: those of an experiment's cells, or wherever they lie."""
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+from harness.environment import AnyEnv, Environment, Measure
+from harness.errors import HarnessError, UsageError, one_line
+from harness.experiment.environments.columns import Columns, columns_of
+from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
+from harness.record.recording.recorded_training import (
+    facts_name,
+    read_recording,
+    recorder_numbers,
+    recordings_in,
+)
+from harness.record.store import Store
+from harness.recorder.column import source_of
+from harness.recorder.env_facts import env_facts
+from harness.recorder.retake import Later, Retake, Tell
+from harness.registry.choice import Choice, choose
+from harness.registry.names import unknown_name
+from harness.registry.registry import Registry
+from harness.registry.spec import blamed_on
+
+ID, CLASS, KWARGS, WRAPPERS, HORIZON = "id", "class", "kwargs", "wrappers", "max_episode_steps"
+"""Keys of what a recording tells of its env."""
+BATCHES = ("gymnasium.vector.sync_vector_env.SyncVectorEnv", "gymnasium.vector.async_vector_env.AsyncVectorEnv")
+"""Classes of envs that are made of single envs."""
+OF_BATCH = ("num_envs", "vectorization_mode", "vector_kwargs", "wrappers")
+"""Arguments of the env that say how a batch is made of single envs."""
+
+
+@dataclass(frozen=True)
+class Paid:
+    """What became of one recording.
+
+    Attributes:
+        folder: Of the recording.
+        names: Of the rewards and measures that were computed; without any, it had them all before.
+        steps: How many steps they say something of.
+        failed: A line for each that failed in the middle.
+        refused: Why nothing was computed; empty if something was, or nothing was missing.
+    """
+
+    folder: Path
+    names: tuple[str, ...] = ()
+    steps: int = 0
+    failed: tuple[str, ...] = ()
+    refused: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {**vars(self), "folder": str(self.folder), "names": list(self.names), "failed": list(self.failed)}
+
+
+@dataclass(frozen=True)
+class PayAgain:
+    """Pays recordings by rewards that were written later, and measures them by such measures.
+
+    Attributes:
+        registry: The plugins. All functions of plugin files are used if no name is given.
+        names: Of the rewards and measures to compute: of functions, or of an environment that has them now.
+        task: An environment that makes the envs of recordings that lie loose; None to make them by the ids in the
+            recordings.
+        tell: Called with the folder and the number of steps done.
+    """
+
+    registry: Registry
+    names: Sequence[str] = ()
+    task: str | None = None
+    tell: Callable[[Path, int], None] = field(default=lambda folder, steps: None)
+
+    def run(self, folder: Path) -> Iterator[Paid]:
+        """Pay every recording in a folder, at any depth, or those of an experiment's done cells.
+
+        What goes wrong with one recording is told, and the others go on.
+
+        Raises:
+            UsageError: No reward is given, a name is not known, or no recording is there.
+        """
+        functions = [it.name for it in self.registry.functions]
+        if not (self.names or functions):
+            told = " ".join(self.registry.broken_files())
+            raise UsageError(f"No reward is given: name a file of functions with --plugin.{f' {told}' if told else ''}")
+        found = dict(self._places(folder))
+        if not found:
+            raise UsageError(f"'{folder}' has no recording of a finished training")
+        self._refuse_unknown(*next(iter(found.items())))
+        self._refuse_other_code(found)
+        for path, task in found.items():
+            try:
+                yield self._pay(path, task)
+            except HarnessError as error:
+                yield Paid(path, refused=str(error))
+            except OSError as error:
+                yield Paid(path, refused=f"'{path}' cannot be written: {error.strerror or error}")
+
+    def _places(self, folder: Path) -> Iterator[tuple[Path, Choice | None]]:
+        """The recordings, each with the environment in which it was made, if that is known."""
+        if not Store.is_experiment(folder):
+            task = None if self.task is None else choose(self.registry, "environments", self.task)
+            yield from ((path, task) for path in sorted(recordings_in(folder)))
+            return
+        if self.task is not None:
+            raise UsageError("--task does not go with an experiment, whose cells say where they trained: leave it out")
+        store = Store.open(folder)
+        for cell in store.read_plan().cells:
+            if cell.is_in_environment and store.examine(cell).status == "done":
+                for part in (TRAINING_RECORDING, EVALUATION_RECORDING):
+                    yield store.cell_folder(cell) / part, cell.task
+
+    def _pay(self, path: Path, task: Choice | None) -> Paid:
+        recording = read_recording(path)
+        facts, steps = recording.facts, len(recording)
+        make, columns = self._made_by(facts, task, path)
+        with closing(make()) as env:
+            later = self._missing(facts, columns(env))
+        if not later.columns:
+            return Paid(path)
+
+        def again(env: AnyEnv) -> Later:
+            return _chosen(columns(env), later.rewards, later.behaviour)
+
+        failed = Retake(make, again, self._tell(path)).score(path)
+        return Paid(path, (*later.rewards, *later.behaviour), steps, failed)
+
+    def _tell(self, path: Path) -> Tell:
+        return lambda steps: self.tell(path, steps)
+
+    def _made_by(
+        self, facts: TrainingFacts, task: Choice | None, path: Path
+    ) -> tuple[Callable[[], AnyEnv], Callable[[AnyEnv], Columns]]:
+        """How an env like the recorded one is made, and what is recorded of it."""
+        if task is None:
+            return lambda: _env_of(path, facts), self._functions
+        environment: Environment = task.build(self.registry, "environments")
+
+        def make() -> AnyEnv:
+            with blamed_on(self.registry.get("environments", task.name), "an env was made"):
+                return environment.make()
+
+        return make, lambda env: columns_of(environment, env, self.registry)
+
+    def _functions(self, env: AnyEnv) -> Columns:
+        """The functions of plugin files alone."""
+        rewards, measures = self.registry.functions_of("reward"), self.registry.functions_of("measure")
+        return Columns(
+            {name: it.make() for name, it in rewards.items()},
+            {name: it.make() for name, it in measures.items()},
+            {name for name, it in measures.items() if it.lower_is_better},
+        )
+
+    def _missing(self, facts: TrainingFacts, columns: Columns) -> Later:
+        """What is asked for and the recording does not have: at all, by other code, or not to its end."""
+        rewards, measures = columns.rewards, columns.behaviour
+        return _chosen(
+            columns,
+            [it for it in self._asked if _is_missing(facts, f"{REWARD}{it}", rewards.get(it))],
+            [it for it in self._asked if _is_missing(facts, f"{BEHAVIOUR}{it}", measures.get(it))],
+        )
+
+    @property
+    def _asked(self) -> Sequence[str]:
+        return self.names or [it.name for it in self.registry.functions]
+
+    def _refuse_unknown(self, path: Path, task: Choice | None) -> None:
+        """Raise UsageError if a name is none of a function, and none of the environment of a recording."""
+        if not set(self.names).difference(it.name for it in self.registry.functions):
+            return
+        make, columns = self._made_by(read_recording(path).facts, task, path)
+        with closing(make()) as env:
+            known = columns(env)
+        for name in self.names:
+            if name not in {*known.rewards, *known.behaviour}:
+                raise UsageError(unknown_name("reward or measure", name, {*known.rewards, *known.behaviour}))
+
+    def _refuse_other_code(self, paths: Iterable[Path]) -> None:
+        """Raise UsageError if a function has the name of a reward that trained with other code."""
+        now = {name: it.make() for name, it in self.registry.functions_of("reward").items() if name in self._asked}
+        for path in paths:
+            for number in recorder_numbers(path):
+                facts = TrainingFacts.read(path / facts_name(number))
+                taken = facts.trained_with
+                if taken in now and _differs(facts, f"{REWARD}{taken}", now[taken]):
+                    raise UsageError(
+                        f"The reward '{taken}' trained '{path}' with other code than it has now: give the new one "
+                        "another name, or leave it out with --reward"
+                    )
+
+
+def _chosen(columns: Columns, rewards: Collection[str], behaviour: Collection[str]) -> Later:
+    """Those of these names."""
+    return Later(
+        {name: columns.rewards[name] for name in rewards},
+        {name: columns.behaviour[name] for name in behaviour},
+        [name for name in behaviour if name in columns.lower_is_better],
+    )
+
+
+def _is_missing(facts: TrainingFacts, column: str, given: Measure | None) -> bool:
+    if given is None:
+        return False
+    failed = any(failure.column == column for failure in facts.failures)
+    return failed or column not in facts.numbers or _differs(facts, column, given)
+
+
+def _differs(facts: TrainingFacts, column: str, given: Measure | None) -> bool:
+    """Whether a recorded column was computed by other code; False where that is not known."""
+    if given is None or column not in facts.sources:
+        return False
+    then, now = facts.sources[column].sha256, source_of(given).sha256
+    return bool(then and now) and then != now
+
+
+def _env_of(path: Path, facts: TrainingFacts) -> AnyEnv:
+    """An env like the one that a recording tells of.
+
+    Raises:
+        UsageError: It cannot be made without its author's word; says what to give.
+    """
+    name = facts.env.get(ID)
+    remedy = "Name an environment that makes it, --task gymnasium:id=... or one of your own by --plugin"
+    if not isinstance(name, str) or ":" in name or not isinstance(facts.env.get(KWARGS, {}), dict):
+        raise UsageError(f"'{path}' was recorded in the env {name!r}, which Gymnasium cannot make by itself. {remedy}")
+    limit, is_batch = facts.env.get(HORIZON), facts.env.get(CLASS) in BATCHES
+    given = {key: value for key, value in facts.env.get(KWARGS, {}).items() if not (is_batch and key in OF_BATCH)}
+    try:
+        env = gymnasium.make(name, **given, **({} if limit is None else {HORIZON: limit}))
+    except Exception as error:  # whatever constructors of envs raise
+        raise UsageError(f"'{path}': gymnasium.make('{name}') fails: {one_line(error)}. {remedy}") from error
+    now = env_facts(env)
+    for what in (CLASS, WRAPPERS):
+        if not is_batch and facts.env.get(what) != now[what]:
+            env.close()
+            raise UsageError(
+                f"'{path}' was recorded in an env of another {what}: {facts.env.get(what)}, and gymnasium.make gives "
+                f"{now[what]}. {remedy}"
+            )
+    return env

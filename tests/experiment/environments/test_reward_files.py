@@ -1,0 +1,306 @@
+"""Files of functions as rewards and measures of an environment: planned, trained, compared, and paid again later."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import harness
+from harness.cli import main
+from harness.errors import UsageError
+from harness.experiment.plan import Plan, check_experiment, expand
+from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
+from harness.record.recording.recorded_training import read_recording
+from harness.record.store import Store
+from harness.record.verify import verify
+from harness.registry.given import read_given
+from harness.registry.registry import load_registry
+from harness.report.environments.studies import studies_of
+from harness.results import load_results
+
+PENDULUM = "gymnasium:id=Pendulum-v1"
+CALM = """
+import _scale
+
+
+def calm(observation, action, next_observation, info):
+    return float(next_observation[0] - _scale.SPEED * abs(next_observation[2]))
+"""
+UPRIGHT = "def upright(observation, action, next_observation, info):\n    return float(next_observation[0] > 0.95)\n"
+CRASHES = "def crashes(observation, action, next_observation, info):\n    return 1 / 0\n"
+BEHAVIOUR = """
+lower_is_better = ["effort"]
+
+
+def height(observation, action, next_observation, info):
+    return float(next_observation[0])
+
+
+class effort:
+    def reset(self):
+        self.sum = 0.0
+
+    def __call__(self, observation, action, next_observation, info):
+        self.sum += abs(float(action[0]))
+        return self.sum
+"""
+LATER = "def later(observation, action, next_observation, info):\n    return -abs(float(next_observation[2]))\n"
+
+
+def _lay(folder: Path, **files: str) -> Path:
+    folder.mkdir(exist_ok=True)
+    for name, text in files.items():
+        (folder / f"{name}.py").write_text(text)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of reward files: two that work, one that crashes, one that is broken; and what measures behaviour."""
+    folder = tmp_path_factory.mktemp("files") / "rewards"
+    return _lay(
+        folder, calm=CALM, upright=UPRIGHT, crashes=CRASHES, broken="def (", behaviour=BEHAVIOUR, _scale="SPEED = 0.1"
+    )
+
+
+@pytest.fixture(scope="module")
+def trained(files: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An experiment with them."""
+    folder = tmp_path_factory.mktemp("trained") / "runs"
+    harness.run(
+        task=PENDULUM, algo="random", plugins=[files / "*.py"], seeds=2, steps=210, evaluation_episodes=1, out=folder,
+        jobs=1,
+    )  # fmt: skip
+    return folder
+
+
+def _plan(*paths: Path, measures: tuple[Path, ...] = (), **keys: Any) -> Plan:
+    asked = {"task": PENDULUM, "algo": "random", "seeds": 1, "steps": 10, **keys}
+    return expand(check_experiment(asked), load_registry(given=read_given(paths, measures)))
+
+
+def test_every_file_is_a_reward_beside_the_environments_own(files: Path):
+    """That is the baseline. What could not be loaded is told before anything is trained."""
+    plan = _plan(files / "*.py")
+    assert (plan.baseline, [cell.reward.label for cell in plan.cells]) == ("own", ["own", "calm", "crashes", "upright"])
+    (line,) = plan.warnings
+    assert line.startswith("Left out: Plugin file")
+    assert [Path(it["path"]).name for it in plan.resolved["plugins"]] == [
+        "behaviour.py", "calm.py", "crashes.py", "upright.py",
+    ]  # fmt: skip
+
+
+def test_rewards_may_be_chosen(files: Path):
+    """By their names."""
+    plan = _plan(files / "*.py", reward=["upright"], baseline="calm")
+    assert [cell.reward.label for cell in plan.cells] == ["calm", "upright"]
+
+
+def test_plan_without_a_measure_says_what_the_report_cannot_tell(files: Path):
+    """And what to give."""
+    (line,) = _plan(files / "calm.py").warnings
+    assert "cannot say whether it behaves better" in line
+    assert "--measure behaviour.py" in line
+    assert not _plan(files / "calm.py", measures=(files / "behaviour.py",)).warnings
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ({"measure": ["hight"]}, "No measure 'hight'. There is: effort, height. Did you mean 'height'?"),
+        ({"measure": ["height"], "task": "fd100-reach", "sim": "kinematic"}, "--measure goes with an environment"),
+        ({"reward": ["calmer"]}, "No reward 'calmer'. There is: calm, own. Did you mean 'calm'?"),
+    ],
+)
+def test_what_is_not_known_is_refused(files: Path, keys: dict[str, Any], told: str):
+    """In one line."""
+    with pytest.raises(UsageError) as error:
+        _plan(files / "calm.py", files / "behaviour.py", **keys)
+    assert told in str(error.value)
+
+
+def test_file_of_the_name_of_the_environments_own_reward_is_refused(tmp_path: Path):
+    """One of the two would not be told from the other."""
+    _lay(tmp_path, own=UPRIGHT)
+    with pytest.raises(UsageError, match=r"own\.py': the environment has a reward 'own' of its own\. Rename yours"):
+        _plan(tmp_path / "own.py")
+
+
+def test_crash_costs_only_the_cells_that_it_pays(trained: Path):
+    """All others are done, recorded by every other reward, and say what was given up."""
+    results = load_results(trained)
+    assert {(it.cell.reward.label, it.status) for it in results.manifests} == {
+        ("own", "done"), ("calm", "done"), ("upright", "done"), ("crashes", "failed"),
+    }  # fmt: skip
+    for manifest in results.done:
+        assert manifest.note == "reward crashes given up in the training, episode 0, step 0: ZeroDivisionError: " + (
+            "division by zero"
+        )
+        training = read_recording(results.store.cell_folder(manifest.cell) / TRAINING_RECORDING)
+        assert list(training.rewards) == ["own", "calm", "crashes", "upright"]
+        assert not np.isnan(training.rewards["calm"]).any()
+
+
+def test_first_measure_of_the_file_decides(trained: Path):
+    """None is called success; the file says of which less is better."""
+    (told,) = studies_of(load_results(trained))
+    assert told.study is not None
+    assert (told.study.comparisons[0].deciding, told.study.runs.measures) == ("height", ("height", "effort"))
+    assert told.study.runs.better("effort") == "lower"
+
+
+def test_named_measure_decides(files: Path, tmp_path: Path):
+    """Of the same cells, without training them again."""
+    given = {"task": PENDULUM, "algo": "random", "seeds": 2, "steps": 200, "evaluation_episodes": 1, "jobs": 1}
+    plugins = [files / "calm.py", files / "behaviour.py"]
+    for measure, deciding in (((), "height"), (["effort"], "effort")):
+        results = harness.run(**given, plugins=plugins, measure=measure, out=tmp_path / "runs")
+        (told,) = studies_of(results)
+        assert told.study is not None
+        assert told.study.comparisons[0].deciding == deciding
+    assert len(Store.open(tmp_path / "runs").read_plan().cells) == 4
+
+
+def test_edit_of_a_file_beside_is_noticed(tmp_path: Path):
+    """Done cells that the reward trained are not mixed with new ones; those of others stay."""
+    folder = _lay(tmp_path / "rewards", calm=CALM, _scale="SPEED = 0.1")
+    given = {"task": PENDULUM, "algo": "random", "steps": 20, "evaluation_episodes": 1, "jobs": 1, "seeds": 1}
+    harness.run(**given, plugins=[folder / "calm.py"], out=tmp_path / "runs")
+    _lay(folder, _scale="SPEED = 0.2")
+    with pytest.raises(UsageError, match=r"1 done cell was made by another reward calm \("):
+        harness.run(**given, plugins=[folder / "calm.py"], out=tmp_path / "runs")
+
+
+def test_measures_that_are_gone_are_noticed(files: Path, tmp_path: Path):
+    """New cells would lack what decides."""
+    given = {"task": PENDULUM, "algo": "random", "steps": 20, "evaluation_episodes": 1, "jobs": 1, "seeds": 1}
+    harness.run(**given, reward=[], plugins=[files / "behaviour.py"], out=tmp_path / "runs")
+    with pytest.raises(UsageError, match=r"another measure height \(\w{8}, now none\)"):
+        harness.run(**given, reward=[], out=tmp_path / "runs")
+
+
+@pytest.fixture
+def say(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[int, str, str]]:
+    """A command; its status and what it says on standard output and on standard error."""
+    monkeypatch.setenv("COLUMNS", "300")
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as ended:
+            main([*map(str, arguments)])
+        told = capsys.readouterr()
+        return int(ended.value.code or 0), told.out, told.err
+
+    return run
+
+
+Say = Callable[..., tuple[int, str, str]]
+
+
+def test_later_file_pays_the_old_recordings(trained: Path, tmp_path: Path, say: Say):
+    """Trainings and evaluations, by taking their actions again. Then the report has it, and nothing is damaged."""
+    _lay(tmp_path, later=LATER)
+    status, told, _ = say("score", trained, "--plugin", tmp_path / "later.py")
+    assert (status, told.count("210 steps by later"), told.count("200 steps by later")) == (0, 6, 6)
+    for manifest in load_results(trained).done:
+        for part in (TRAINING_RECORDING, EVALUATION_RECORDING):
+            recording = read_recording(Store.open(trained).cell_folder(manifest.cell) / part)
+            assert -8.0 <= recording.rewards["later"].min() < recording.rewards["later"].max() <= 0.0
+    assert not verify(trained)
+    assert "later  " in say("report", trained)[1]
+    assert say("score", trained, "--plugin", tmp_path / "later.py")[1].count("nothing to do") == 12
+
+
+def test_later_measure_measures_the_old_recordings(trained: Path, tmp_path: Path, say: Say):
+    """As it would have at once."""
+    _lay(tmp_path, behaviour=BEHAVIOUR.replace("height", "tip").replace("effort", "work"))
+    assert say("score", trained, "--plugin", tmp_path / "behaviour.py")[0] == 0
+    cell = next(it.cell for it in load_results(trained).done)
+    recording = read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING)
+    assert np.array_equal(recording.behaviour["tip"], recording.behaviour["height"])
+    assert np.array_equal(recording.behaviour["work"], recording.behaviour["effort"])
+    assert recording.facts.lower_is_better == ("effort", "work")
+
+
+def test_other_code_of_a_reward_that_trained_is_refused(trained: Path, tmp_path: Path, say: Say):
+    """Nothing is written: two rewards would have one name."""
+    _lay(tmp_path, upright=UPRIGHT.replace("0.95", "0.5"))
+    status, _, told = say("score", trained, "--plugin", tmp_path / "upright.py")
+    assert status == 2
+    assert "The reward 'upright' trained" in told
+    assert "give the new one another name" in told
+
+
+def test_mended_file_pays_what_it_could_not(trained: Path, files: Path, tmp_path: Path, say: Say):
+    """It had trained nothing, since its cells failed."""
+    _lay(tmp_path, crashes=CRASHES.replace("1 / 0", "0.5"))
+    assert say("score", trained, "--plugin", tmp_path / "crashes.py")[0] == 0
+    cell = next(it.cell for it in load_results(trained).done)
+    assert set(read_recording(Store.open(trained).cell_folder(cell) / TRAINING_RECORDING).rewards["crashes"]) == {0.5}
+
+
+def _loose(folder: Path) -> Path:
+    import gymnasium
+
+    env = harness.RecordRewards(gymnasium.make("Pendulum-v1"), folder / "own-0", trained_with="own", rewards={})
+    env.reset(seed=0)
+    for _ in range(20):
+        env.step(np.array([0.5], np.float32))
+    env.close()
+    return folder
+
+
+def test_later_file_pays_loose_recordings(tmp_path: Path, say: Say):
+    """In the env of the id in the recording."""
+    _lay(tmp_path, later=LATER)
+    status, told, _ = say("score", _loose(tmp_path / "runs"), "--plugin", tmp_path / "later.py", "--json")
+    assert status == 0
+    assert json.loads(told)["recordings"] == [
+        {"folder": f"{tmp_path}/runs/own-0", "names": ["later"], "steps": 20, "failed": [], "refused": ""}
+    ]
+
+
+def test_loose_recording_is_paid_in_the_environment_that_is_named(tmp_path: Path, say: Say):
+    """Another one answers otherwise, and pays nothing."""
+    _lay(tmp_path, later=LATER)
+    runs = _loose(tmp_path / "runs")
+    status, told, _ = say("score", runs, "--plugin", tmp_path / "later.py", "--task", f"{PENDULUM},made_with=g=9.0")
+    assert (status, "does not answer as it did" in told) == (1, True)
+    assert say("score", runs, "--plugin", tmp_path / "later.py", "--task", PENDULUM)[0] == 0
+
+
+def test_id_in_a_recording_imports_nothing(tmp_path: Path, say: Say):
+    """A folder may come from anybody."""
+    _lay(tmp_path, later=LATER)
+    runs = _loose(tmp_path / "runs")
+    from dataclasses import replace
+
+    from harness.record.recording.facts import TrainingFacts
+
+    path = runs / "own-0" / "recording-0.json"
+    facts = TrainingFacts.read(path)
+    replace(facts, env={**facts.env, "id": "antigravity:Pendulum-v1"}).write(path)
+    status, told, _ = say("score", runs, "--plugin", tmp_path / "later.py")
+    assert (status, "which Gymnasium cannot make by itself. Name an environment" in told) == (1, True)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ((), "No reward is given: name a file of functions with --plugin"),
+        (("--reward", "nothing"), "No reward or measure 'nothing'"),
+        (("--all",), "--all does not go with a folder of recorded trainings"),
+        (("--task", PENDULUM), "--task does not go with an experiment"),
+    ],
+)
+def test_what_cannot_be_scored_is_refused(
+    trained: Path, tmp_path: Path, say: Say, arguments: tuple[str, ...], told: str
+):
+    """With what to give."""
+    _lay(tmp_path, later=LATER)
+    plugin = ("--plugin", tmp_path / "later.py") if arguments else ()
+    status, _, err = say("score", trained, *plugin, *arguments)
+    assert status == 2
+    assert told in err
