@@ -331,6 +331,9 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
     if options.metrics is not None:
         load_metrics(registry, options.metrics)
     plan = expand(experiment, registry)
+    if not plan.cells:
+        reasons = dict.fromkeys(reason for _, reason in plan.skipped)
+        raise UsageError(f"Nothing can be run: {'; '.join(reasons)}")
     if options.only:
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))

@@ -48,6 +48,14 @@ def test_run_does_every_cell_and_returns_the_results(toys: Registry, tmp_path: P
     assert [item.seeds for item in results.combinations] == [(0,)]
 
 
+def test_experiment_of_which_nothing_can_run_is_refused(toys: Registry, tmp_path: Path):
+    """With the reasons; nothing is written."""
+    with pytest.raises(UsageError, match=r"^Nothing can be run: .*wander") as caught:
+        run(out=tmp_path / "out", **{**QUICK, "task": "fd100-reach:action=discrete"})
+    assert str(caught.value).count("wander") == 1, "a reason is said once"
+    assert not (tmp_path / "out").exists()
+
+
 def test_failed_cells_cost_themselves_alone(toys: Registry, tmp_path: Path):
     """One that raises and one that is killed are failed, each with its reason and its log; the others are done."""
     algorithms = ["wander", {"name": "wander", "then": "raise"}, {"name": "wander", "then": "die silently"}]

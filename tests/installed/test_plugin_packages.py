@@ -12,7 +12,7 @@ import pytest
 from harness.scaffold.package import kinds
 
 EXAMPLES = {
-    path.parent.name: path.parent for path in sorted(Path(__file__).parents[1].glob("examples/*/pyproject.toml"))
+    path.parent.name: path.parent for path in sorted(Path(__file__).parents[2].glob("examples/*/pyproject.toml"))
 }
 NO_TESTS = 5
 """Exit status of pytest where all tests are skipped before they are collected."""

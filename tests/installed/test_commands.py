@@ -1,0 +1,164 @@
+"""Every command, from a wheel without any extra, outside the checkout; every page that they make is opened."""
+
+import json
+import re
+import signal
+import subprocess
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from tests.installed.conftest import Answer, Environment
+
+pytestmark = pytest.mark.slow
+
+RUN = ("--steps", "300", "--evaluation-episodes", "2", "--seeds", "2", "--jobs", "2")
+REWARD = "def slow(observation, action, next_observation, info):\n    return -abs(float(next_observation[1]))\n"
+COMMANDS: dict[str, tuple[str, ...]] = {
+    "demo": ("demo", "--out", "demo"),
+    "run": ("run", "--sim", "kinematic", "--algo", "ik", "--reward", "dense", *RUN, "--out", "first"),
+    "run, learning": ("run", "--sim", "kinematic", "--algo", "sac-fast", "--reward", "dense", *RUN, "--out", "learned"),
+    "run, an environment": (
+        *("run", "--task", "gymnasium:id=CartPole-v1", "--algo", "random", "--plugin", "rewards/*.py", *RUN),
+        *("--out", "carts"),
+    ),
+    "report": ("report", "first", "--html", "page.html"),
+    "report, a text": ("report", "first", "--details"),
+    "report, records": ("report", "first", "--summary", "records"),
+    "report, an environment": ("report", "carts", "--html", "carts.html"),
+    "compare": ("compare", "first", "first"),
+    "status": ("status", "first"),
+    "list": ("list",),
+    "describe": ("describe", "arp"),
+    "doctor": ("doctor",),
+    "audit": ("audit", "--reward", "arp"),
+    "export": ("export", "first", "--csv", "--out", "runs"),
+    "eta": ("eta", "--baseline", "runs/**/baseline/*.csv", "--proposed", "runs/**/dense/*.csv", "--plot", "eta.html"),
+    "score": ("score", "first", "--reward", "sparse"),
+    "score, an environment": ("score", "carts", "--plugin", "later.py"),
+    "transfer": ("transfer", "first", "--to", "kinematic"),
+    "merge": ("merge", "first", "learned", "--out", "merged"),
+    "verify": ("verify", "first"),
+    "repair": ("repair", "first"),
+    "new-plugin": ("new-plugin", "reward", "my-reward"),
+    "check": ("check", "arp"),
+    "plugins": ("plugins",),
+    "parity": ("parity", "--sim", "kinematic", "--reference", "kinematic", "--steps", "9", "--html", "parity.html"),
+    "bench": (
+        *("bench", "--sim", "kinematic", "--algo", "ik", "--steps", "100", "--evaluation-episodes", "2"),
+        *("--rounds", "1"),
+    ),
+    "bench, speeds": (
+        *("bench", "simulators", "--sim", "kinematic", "--num-envs", "1", "--rounds", "1", "--html", "bench.html"),
+    ),
+}
+"""Each works without any extra; behind a comma stands what is special about it."""
+NEEDS_AN_EXTRA = {
+    "video": (("video", "first", "--out", "film.gif"), "pip install 'fd100-harness[video]'"),
+    "tune": (
+        ("tune", "--sim", "kinematic", "--algo", "sac-fast", "--search", "gamma=0.9..0.99", "--trials", "1"),
+        "pip install 'fd100-harness[tune]'",
+    ),
+}
+"""These say in one line what to install."""
+SERVES = "watch"
+"""Tried by itself, since it does not end."""
+PAGES = {
+    "demo/report.html": "arp",
+    "first/report.html": "dense",
+    "learned/report.html": "dense",
+    "merged/report.html": "dense",
+    "carts/report.html": "slow",
+    "page.html": "dense",
+    "carts.html": "slow",
+    "eta.html": "eta",
+    "parity.html": "kinematic",
+    "bench.html": "kinematic",
+}
+"""What stands in each page that the commands make."""
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where a user types."""
+    folder = tmp_path_factory.mktemp("user")
+    (folder / "rewards").mkdir()
+    (folder / "rewards" / "slow.py").write_text(REWARD)
+    (folder / "later.py").write_text(REWARD.replace("slow", "later"))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def answers(core: Environment, place: Path) -> dict[str, Answer]:
+    """What every command answered, in this order."""
+    return {name: core.harness(*arguments, cwd=place) for name, arguments in COMMANDS.items()}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_command_works_without_any_extra(answers: dict[str, Answer], name: str):
+    """It ends with status 0, and nothing is missing."""
+    answer = answers[name]
+    assert answer.status == 0, answer.out + answer.err
+    assert "Traceback" not in answer.err
+
+
+@pytest.mark.parametrize("name", NEEDS_AN_EXTRA)
+def test_command_says_which_extra_it_needs(core: Environment, answers: dict[str, Answer], place: Path, name: str):
+    """In one line."""
+    arguments, told = NEEDS_AN_EXTRA[name]
+    status, _, err = core.harness(*arguments, cwd=place)
+    assert (status, err.count("\n")) == (2, 1), err
+    assert told in err
+
+
+def test_every_command_is_tried(core: Environment, place: Path):
+    """Each that the help shows; the others are hidden on purpose."""
+    told = core.harness("--help", cwd=place).out
+    shown = set(re.findall(r"^│ ([a-z][a-z-]+) {2,}", told, re.MULTILINE))
+    assert len(shown) > 20
+    assert shown == {name.partition(",")[0] for name in (*COMMANDS, *NEEDS_AN_EXTRA)} | {SERVES}
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_page_is_whole(answers: dict[str, Answer], place: Path, page: str):
+    """It has its text, and its style and its code are inside."""
+    text = (place / page).read_text(encoding="utf-8")
+    assert PAGES[page] in text
+    assert "<style" in text
+    assert text.rstrip().endswith("</html>")
+
+
+def test_pages_are_all_that_there_are(answers: dict[str, Answer], place: Path):
+    """A command that makes another one stands in the list too."""
+    made = {path.relative_to(place).as_posix() for path in place.rglob("*.html")}
+    assert made == set(PAGES)
+
+
+def test_watch_serves_its_page(core: Environment, answers: dict[str, Answer], place: Path):
+    """Of an arm, while nothing runs; it ends with the interrupt."""
+    command = [core.python, "-P", "-m", "harness", "watch", "first", "--no-browser"]
+    with subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stderr is not None
+            line = process.stderr.readline()
+            (address,) = re.findall(r"http://\S+", line)
+            with urllib.request.urlopen(address, timeout=20) as answer:
+                assert "<canvas" in answer.read().decode()
+        finally:
+            process.send_signal(signal.SIGINT)
+        assert process.wait(20) in (0, 130)
+
+
+def test_doctor_finds_nothing_missing(answers: dict[str, Answer]):
+    """No file, and what is installed takes a step."""
+    told = answers["doctor"].out
+    assert "is missing" not in told
+    assert "tried simulators, a step in each: kinematic" in told
+    assert "gymnasium:id=CartPole-v1" in told
+
+
+def test_json_is_json(core: Environment, answers: dict[str, Answer], place: Path):
+    """And nothing else stands on standard output."""
+    for folder in ("first", "carts"):
+        assert json.loads(core.harness("report", folder, "--json", cwd=place).out)["cells"]

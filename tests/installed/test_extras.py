@@ -1,0 +1,104 @@
+"""Each extra alone, and all together: what it brings works, in an environment that has nothing else."""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from tests.installed.conftest import ROOT, Environment
+
+pytestmark = pytest.mark.slow
+
+FEW = ("--steps", "60", "--evaluation-episodes", "1", "--seeds", "1", "--jobs", "1", "--out", "out")
+ARM = ("run", "--algo", "ik", "--reward", "dense", *FEW, "--sim")
+KINEMATIC = ("run", "--sim", "kinematic", "--reward", "dense", *FEW, "--algo")
+ENV = ("run", "--algo", "random", *FEW, "--task")
+
+
+class Use(NamedTuple):
+    """What an extra brings, as a user would use it."""
+
+    commands: tuple[tuple[str, ...], ...]
+    makes: str = "out/report.html"
+    """A file that is there afterwards."""
+
+
+USES: dict[str, Use] = {
+    "mujoco": Use(((*ARM, "mujoco"),)),
+    "pybullet": Use(((*ARM, "pybullet"),)),
+    "dm-control": Use(((*ARM, "dm_control"),)),
+    "gymnasium": Use(
+        ((*ENV, "gymnasium:id=InvertedPendulum-v5"), ("report", "out", "--json"), ("verify", "out")), "out/plan.json"
+    ),
+    "robotics": Use(((*ENV, "fetch-reach"),)),
+    "metaworld": Use(((*ENV, "meta-world:episode_steps=20"),)),
+    "sb3": Use(((*KINEMATIC, "ppo:n_steps=60,batch_size=30"),)),
+    "ray": Use(((*KINEMATIC, "ik", "--executor", "ray"),)),
+    "slurm": Use((("list", "executors"),), ""),
+    "export": Use(((*KINEMATIC, "sac-fast"), ("export", "out/cells", "--onnx", "policy.onnx")), "policy.onnx"),
+    "report": Use(((*KINEMATIC, "ik"),)),
+    "video": Use(((*KINEMATIC, "ik"), ("video", "out", "--episodes", "1", "--out", "film.gif")), "film.gif"),
+    "tune": Use(
+        (
+            (
+                *("tune", "--sim", "kinematic", "--algo", "sac-fast:learning_starts=8", "--search", "gamma=0.9..0.99"),
+                *("--trials", "1", "--seeds", "1", "--steps", "64", "--validation-episodes", "1", "--out", "tuned"),
+            ),
+        ),
+        "tuned/tuned.toml",
+    ),
+    "tensorboard": Use(((*KINEMATIC, "ik", "--tensorboard"),), "out/tensorboard"),
+    "wandb": Use(((*KINEMATIC, "ik", "--tracker", "wandb:mode=offline"),), "wandb"),
+    "mlflow": Use(((*KINEMATIC, "ik", "--mlflow"),)),
+}
+"""By extra."""
+ELSEWHERE = {
+    "drake": "make engines", "physx": "make engines", "mjx": "make engines",
+    "dev": "make dev", "docs": "make docs", "peers": "make bench", "all": "test_all_extras_together",
+}  # fmt: skip
+"""Extras that are tried somewhere else."""
+APART = ("robotics", "metaworld")
+"""Not part of all: they take an older MuJoCo."""
+
+
+def test_every_extra_is_tried():
+    """Here or elsewhere."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert {*USES, *ELSEWHERE} == set(project["optional-dependencies"])
+
+
+def _use(env: Environment, use: Use, folder: Path) -> None:
+    for arguments in use.commands:
+        given = [_cell_in(folder) if argument == "out/cells" else argument for argument in arguments]
+        status, out, err = env.harness(*given, cwd=folder, MUJOCO_GL="egl")
+        assert status == 0, f"{arguments}\n{out}{err}"
+        assert "Traceback" not in err
+    assert (folder / use.makes).exists(), use
+
+
+def _cell_in(folder: Path) -> str:
+    """The folder of the one cell that trained with another reward than the baseline."""
+    return next(str(path) for path in sorted((folder / "out/cells").iterdir()))
+
+
+@pytest.mark.parametrize("extra", USES)
+def test_extra_brings_all_that_it_needs(
+    with_extras: Callable[[tuple[str, ...]], Environment], tmp_path: Path, extra: str
+):
+    """It is used, and the doctor agrees."""
+    env = with_extras((extra,))
+    _use(env, USES[extra], tmp_path)
+    status, out, _ = env.harness("doctor", cwd=tmp_path)
+    assert status == 0, out
+
+
+def test_all_extras_together(with_extras: Callable[[tuple[str, ...]], Environment], tmp_path: Path):
+    """They can be installed beside one another, and each still does what it did alone."""
+    env = with_extras(("all",))
+    for extra, use in USES.items():
+        if extra not in APART:
+            (tmp_path / extra).mkdir()
+            _use(env, use, tmp_path / extra)
+    assert env.harness("doctor", cwd=tmp_path).status == 0
