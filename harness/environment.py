@@ -25,6 +25,7 @@ class Environment(Protocol):
 
     * ``lower_is_better``: names of the measures of which less is better, see `lower_is_better`.
     * ``baseline``: the name of the reward that the others are compared with, see `baseline_of`.
+    * ``examples()``: parameters to try it with, if some have no default, see `examples_of`.
     * ``goal_rewards(env)``: if observations are dicts with achieved and desired goals, see `goal_rewards`.
     * ``sources``: the modules that it works in, see `harness.registry.sources.source_files`.
     """
@@ -52,6 +53,16 @@ class Environment(Protocol):
 def lower_is_better(environment: Environment) -> frozenset[str]:
     """Names of the measures of which less is better; none if the environment does not name any."""
     return frozenset(getattr(environment, "lower_is_better", ()))
+
+
+def examples_of(environment: Any) -> dict[str, tuple[str, ...]]:
+    """Parameters that an environment, or its class, can be tried with, ``{"id=CartPole-v1": ()}``.
+
+    Beside each stand the modules that it takes. ``harness doctor`` makes an env of each whose modules are installed.
+    They are what a static method ``examples()`` returns. Without that method the defaults are tried.
+    """
+    ask = getattr(environment, "examples", None)
+    return {text: tuple(modules) for text, modules in ask().items()} if ask else {}
 
 
 def baseline_of(environment: Environment, rewards: Mapping[str, Measure]) -> str:

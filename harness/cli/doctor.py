@@ -1,15 +1,22 @@
-"""``harness doctor``: what is installed, what is missing, whether this machine renders."""
+"""``harness doctor``: what is installed, what is missing, and what of it works on this machine."""
 
 import subprocess
 import sys
+from typing import TYPE_CHECKING
 
 import typer
 
 from harness.cli.commands import hidden_commands
+from harness.cli.lines import say
 from harness.cli.runnable import example_run, usable
 from harness.hookspecs import NOUNS
 from harness.registry.registry import Registry, load_registry
 from harness.registry.targets import examined
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from harness.doctor.trials import Trial
 
 RENDER = """
 import numpy, harness
@@ -23,7 +30,12 @@ BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 
 
 def doctor(context: typer.Context) -> int:
-    """Show versions, plugins, missing libraries and ways to draw pictures. Ends with status 1 if a plugin is broken."""
+    """Show versions, plugins and missing libraries, and try what is installed: simulators, environments, pictures.
+
+    Ends with status 1 if a plugin is broken, a file of the installation is missing, or something installed fails.
+    """
+    from harness.doctor.installed_files import file_lines
+    from harness.doctor.trials import half_installed, try_all
     from harness.experiment.provenance import CHECKOUT, describe_machine, source_commit, versions_behind
 
     machine, registry = describe_machine(), load_registry()
@@ -39,9 +51,26 @@ def doctor(context: typer.Context) -> int:
     fine = [] if at_fault or notes else [f"plugins {len(registry.plugins)}, all fine"]
     for line in [*(plugin.complaint for plugin in at_fault), *notes, *fine]:
         typer.echo(line)
-    for line in _missing_libraries(registry) + _rendering(registry) + _what_runs(registry):
-        typer.echo(line)
-    return 1 if at_fault else 0
+    files, trials = file_lines(), list(try_all(registry))
+    for line in [
+        *files,
+        *_missing_libraries(registry),
+        *half_installed(registry),
+        *_tried(trials),
+        *_rendering(registry),
+        *_what_runs(registry),
+    ]:
+        say(line)
+    return 1 if at_fault or files or any(trial.problem for trial in trials) else 0
+
+
+def _tried(trials: "Sequence[Trial]") -> list[str]:
+    """One line for all of a kind that took a step, and one for each that did not."""
+    worked: dict[str, list[str]] = {trial.kind: [] for trial in trials}
+    for trial in trials:
+        worked[trial.kind] += [] if trial.problem else [trial.name]
+    lines = [f"tried {kind}, a step in each: {', '.join(names)}" for kind, names in worked.items() if names]
+    return [*lines, *(trial.line for trial in trials if trial.problem)]
 
 
 def _what_runs(registry: Registry) -> list[str]:

@@ -13,12 +13,13 @@ def register_environments(register: harness.Register) -> None:
         "gymnasium",
         f"{here}.any_gymnasium:AnyGymnasium",
         summary="any id of Gymnasium, paid by its own reward and by numbers that it tells: gymnasium:id=Pendulum-v1",
+        extra="gymnasium",
     )
     register(
         "inverted-double-pendulum",
         f"{here}.inverted_double_pendulum:InvertedDoublePendulum",
         summary="two poles on a cart, paid as versions 4 and 5 of Gymnasium's environment pay",
-        requires=["mujoco", "imageio"],
+        requires=["mujoco", "imageio", "packaging"],
         extra="gymnasium",
     )
     register(

@@ -1,7 +1,7 @@
 """Any environment that Gymnasium knows by an id."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import gymnasium
@@ -14,6 +14,15 @@ from harness.arrays import Float
 from harness.environment import AnyEnv, GoalReward, Measure
 from harness.errors import UsageError
 
+EXAMPLES = {
+    "CartPole-v1": (),
+    "InvertedPendulum-v5": ("mujoco", "imageio", "packaging"),
+    "LunarLander-v3": ("Box2D", "pygame"),
+    "ALE/Pong-v5": ("ale_py",),
+}
+"""An id of each family of environments, and the modules that it takes beside Gymnasium."""
+MUJOCO = "gymnasium.envs.mujoco"
+"""The module of Gymnasium's own MuJoCo environments."""
 OWN, ACHIEVED, DESIRED = "own", "achieved_goal", "desired_goal"
 
 
@@ -41,12 +50,17 @@ class AnyGymnasium:
         """See `harness.environment.lower_is_better`."""
         return frozenset(_split(self.lower))
 
+    @staticmethod
+    def examples() -> Mapping[str, Sequence[str]]:
+        """See `harness.environment.examples_of`: an env of each family that Gymnasium knows."""
+        return {f"id={name}": modules for name, modules in EXAMPLES.items()}
+
     def make(self) -> AnyEnv:
         """See `harness.environment.Environment`."""
         try:
             return gymnasium.make(self.id, **self._arguments())
         except (gymnasium.error.Error, ImportError, TypeError) as error:
-            raise UsageError(f"gymnasium.make('{self.id}') fails: {error}") from error
+            raise UsageError(f"gymnasium.make('{self.id}') fails: {error}{_remedy(self.id, error)}") from error
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
         """See `harness.environment.Environment`."""
@@ -82,6 +96,16 @@ class AnyGymnasium:
                 raise UsageError(f"made_with={self.made_with}: '{part}' is malformed: write name=value+name=value")
             found[key] = _value_of(value)
         return found
+
+
+def _remedy(name: str, error: Exception) -> str:
+    """What to install where a library is missing, to follow on the message; empty if none is."""
+    if not isinstance(error, ImportError | gymnasium.error.DependencyNotInstalled):
+        return ""
+    spec = gymnasium.registry.get(name)
+    if spec is not None and str(spec.entry_point).startswith(MUJOCO):
+        return ". pip install 'fd100-harness[gymnasium]'"
+    return f". pip install {error.name}" if isinstance(error, ImportError) and error.name else ""
 
 
 def _split(text: str) -> list[str]:
