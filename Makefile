@@ -61,10 +61,10 @@ slow: dev
 # A new plugin of each kind, and the packages in examples/: written, installed and tested in a new environment each time.
 # What an example needs besides is not in the lock: make examples skips it, and says which, where it is not installed.
 plugins: dev
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/test_installed_packages.py -k new_plugin -m slow -n 2
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/installed/test_plugin_packages.py -k new_plugin -m slow -n 2
 
 examples: dev
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/test_installed_packages.py -k example -m '' -rs
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/installed/test_plugin_packages.py -k example -m '' -rs
 
 # The pages in a Chromium that is installed; without one these tests are skipped, and say why.
 browser: dev
@@ -93,16 +93,14 @@ docs: dev
 links: dev
 	$(BIN)/python -m sphinx --builder linkcheck --quiet docs build/links
 
-# What people install: built, checked, and used without any extra, in a new environment outside this folder.
+# What users get: the archive and the wheel, every command and extra from that wheel, every `pip install` of the pages.
 wheel: dev
-	rm -rf dist build/wheel-env
+	rm -rf dist
 	$(BIN)/python -m build --no-isolation --quiet
 	rm -rf *.egg-info # older than the next change of entry points, and Python would find it here
 	$(BIN)/twine check --strict dist/*
-	$(PYTHON) -m venv build/wheel-env
-	build/wheel-env/bin/python -m pip --disable-pip-version-check install --quiet dist/*.whl
-	cd build/wheel-env && bin/harness run --sim kinematic --algo sac-fast,ik,random --reward dense --seeds 1 \
-		--steps 500 --evaluation-episodes 5 --out first
+	HARNESS_WHEEL=$$(ls dist/*.whl) OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/installed -m slow -n 2 --dist loadfile -rs \
+		--deselect tests/installed/test_plugin_packages.py --benchmark-disable
 
 format: dev
 	$(BIN)/ruff check --fix .

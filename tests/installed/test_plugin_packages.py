@@ -1,6 +1,9 @@
 """Packages of plugins as their authors install and test them: new ones of every kind, and those in `examples/`."""
 
 import ast
+import re
+import shlex
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -10,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from harness.scaffold.package import kinds
+from tests.installed.conftest import Environment, make_environment
 
 EXAMPLES = {
     path.parent.name: path.parent for path in sorted(Path(__file__).parents[2].glob("examples/*/pyproject.toml"))
@@ -54,6 +58,23 @@ def test_new_plugin_passes_its_tests(python: Path, tmp_path: Path, kind: str):
     assert " passed" in tested.stdout
     shown = run(python, "-m", "harness", "plugins", cwd=tmp_path).stdout
     assert f"{name}  ok  {name} 0.1.0  (zz_{kind}.plugin)" in shown
+
+
+@pytest.mark.slow
+def test_workflow_of_a_new_plugin_needs_no_index_for_the_harness(core: Environment, wheel: Path, tmp_path: Path):
+    """Its lines, typed in an empty environment; `wheels` holds what README says to put there."""
+    assert core.harness("new-plugin", "reward", "zz-kept", cwd=tmp_path).status == 0
+    package = tmp_path / "zz-kept"
+    (package / "wheels").mkdir()
+    shutil.copy(wheel, package / "wheels")
+    workflow = (package / ".github/workflows/test.yml").read_text(encoding="utf-8")
+    first, *others = [shlex.split(line)[1:] for line in re.findall(r"- run: (.*)", workflow)]
+    env = make_environment(tmp_path / "env")
+    env.install(*first[first.index("install") + 1 :], cwd=package)
+    for command in others:
+        status, out, err = env.run(*command, cwd=package)
+        assert status == 0, out + err
+        assert " passed" in out
 
 
 @pytest.mark.slow
