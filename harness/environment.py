@@ -30,7 +30,10 @@ class Environment(Protocol):
     """
 
     def make(self) -> AnyEnv:
-        """A new env. It ends its episodes, and draws everything random from the generator that ``reset`` seeds."""
+        """A new env. It draws everything random from the generator that ``reset`` seeds, and should end its episodes.
+
+        A training in which no episode ends has no returns; episodes of evaluations are cut at the cell's horizon.
+        """
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
         """The rewards of one env, by name, at least one. One of them pays a training; all of them are recorded.

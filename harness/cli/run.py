@@ -44,6 +44,7 @@ def run(
     evaluation_episodes: EvaluationEpisodes = None,
     evaluate_every: flags.EvaluateEvery = None,
     deterministic: flags.Deterministic = None,
+    evaluation_horizon: flags.EvaluationHorizon = None,
     out: flags.OutFolder = None,
     jobs: Jobs = None,
     executor: ExecutorName = "processes",
@@ -87,6 +88,7 @@ def run(
             "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
             "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
             "evaluate_every": evaluate_every, "deterministic": deterministic,
+            "evaluation_horizon": evaluation_horizon,
         },
     )  # fmt: skip
     plugins = read_given(plugin)

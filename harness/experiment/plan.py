@@ -15,6 +15,7 @@ from harness.algorithm import Algorithm, needs_goals, why_not
 from harness.errors import UsageError, sentence
 from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
 from harness.experiment.task_form import task_for
+from harness.record.cell import EVALUATION_HORIZON as HORIZON
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
 from harness.record.plan_file import control_seeds
 from harness.registry.choice import Choice, choose, split_list
@@ -56,6 +57,10 @@ NO_GOALS = (
     "steps, touching the ground is paid too, and its observations contain the offset to the target. "
     "Give an environment with goals, such as --task fetch-reach"
 )
+OWN_HORIZON = (
+    "--evaluation-horizon goes with an environment. A task of an arm has a horizon of its own, "
+    "such as --task fd100-reach:horizon=50"
+)
 DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
 
@@ -91,6 +96,12 @@ class Experiment:
         Interval, Field(description="environment steps from one evaluation to the next; 0: evaluate only at the end")
     ] = 0
     deterministic: Annotated[bool, Field(description="whether policies are evaluated without randomness")] = True
+    evaluation_horizon: Annotated[
+        Steps | None,
+        Field(
+            description=f"in an environment: steps after which an episode of an evaluation is cut; None: {HORIZON:,}"
+        ),
+    ] = None
     plugins: Annotated[
         list[Given], Field(max_length=MOST_NAMES, description="required plugins, which you have to give with --plugin")
     ] = Field(default_factory=list)
@@ -165,6 +176,8 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     """
     if kind_of_task(experiment.task, registry) == "environments":
         return _expand_in_environment(experiment, registry)
+    if experiment.evaluation_horizon is not None:
+        raise UsageError(OWN_HORIZON)
     if not experiment.sim:
         require_known(experiment.task, registry)
         raise UsageError(_unnamed("sim", "experiment"))
@@ -216,7 +229,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
     algorithms = _choose_each(registry, "algorithms", experiment.algo)
     looked = look_at(task, registry)
     baseline, rewards = looked.rewards_asked(experiment.baseline, experiment.reward)
-    seeds = experiment.seed_list
+    seeds, horizon = experiment.seed_list, experiment.evaluation_horizon or HORIZON
     _require_few(len(seeds), 1, len(algorithms), len(rewards))
     reasons = {
         (algorithm, reward): why_not_in(looked, algorithm, reward, registry, experiment.steps)
@@ -225,7 +238,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
     cells = [
         Cell(
             NO_SIMULATOR, NO_ROBOT, task, algorithm, Choice(reward, (), reward), seed, experiment.steps,
-            experiment.evaluation_episodes, deterministic=experiment.deterministic,
+            experiment.evaluation_episodes, deterministic=experiment.deterministic, evaluation_horizon=horizon,
         )
         for seed, algorithm, reward in itertools.product(seeds, algorithms, rewards)
     ]  # fmt: skip
@@ -241,6 +254,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
             "reward": [reward for reward in rewards if reward != baseline],
             "baseline": baseline,
             "task": table_of(task),
+            "evaluation_horizon": horizon,
         },
     )
 
@@ -310,7 +324,7 @@ def _resolve(
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
     return {
-        **_given(experiment, given),
+        **{key: value for key, value in _given(experiment, given).items() if key != "evaluation_horizon"},
         "sim": [table_of(choice) for choice in simulators],
         "algo": [table_of(choice) for choice in algorithms],
         "reward": [table_of(choice) for choice in rewards],

@@ -35,6 +35,7 @@ class RunArguments(TypedDict, total=False):
     evaluation_episodes: int
     evaluate_every: int
     deterministic: bool
+    evaluation_horizon: int | None
     plugins: Sequence[str | Path | type]
     out: str | Path | None
     jobs: int | None

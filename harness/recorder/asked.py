@@ -33,12 +33,15 @@ class Asked:
     on_error: OnError
     batched: Collection[str] = ()
     learners: Collection[str] = LEARNERS
+    horizon: int | None = None
 
     def __post_init__(self) -> None:
         if self.on_error not in {"warn", "raise"}:
             raise UsageError(f"on_error={self.on_error!r}: it is 'warn' or 'raise'")
         if not isinstance(self.number, int) or self.number < 0:
             raise UsageError(f"number={self.number!r}: recorders of one training are numbered 0, 1, 2 ...")
+        if self.horizon is not None and self.horizon < 1:
+            raise UsageError(f"horizon={self.horizon!r}: an episode has one step at least; None: it is never cut")
         for name in self.lower_is_better:
             if name not in self.behaviour:
                 measures = sorted(self.behaviour)

@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 
 from harness.errors import UsageError
+from harness.record.cell import EVALUATION_HORIZON
 from harness.recorder.asked import OnError
 from harness.recorder.column import Given
 from harness.recorder.env_facts import LEARNERS
@@ -30,6 +31,7 @@ def evaluate_policy(
     episodes: int = EPISODES,
     on_error: OnError = "warn",
     learners: Collection[str] = LEARNERS,
+    horizon: int = EVALUATION_HORIZON,
 ) -> None:
     """Record whole episodes of a finished policy; ``harness report`` then judges by them, not by the training.
 
@@ -38,7 +40,7 @@ def evaluate_policy(
     Args:
         policy: From an observation to an action; of stable-baselines3
             ``lambda observation: model.predict(observation, deterministic=True)[0]``.
-        env: One that was made, which is left open, or the id of one. It has to end its episodes.
+        env: One that was made, which is left open, or the id of one.
         path: A folder for this evaluation, such as one inside that of the training.
         trained_with: The reward that taught the policy.
         seed: Of its training.
@@ -48,6 +50,7 @@ def evaluate_policy(
         episodes: How many.
         on_error: As of `RecordRewards`.
         learners: The same.
+        horizon: Steps after which an episode that goes on is cut; reports say how many were.
 
     Raises:
         UsageError: Something of that cannot be used, there is no such env, or `path` holds another recording.
@@ -67,6 +70,7 @@ def evaluate_policy(
         evaluation=True,
         on_error=on_error,
         learners=learners,
+        horizon=horizon,
     )
     try:
         for episode in range(episodes):

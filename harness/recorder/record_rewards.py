@@ -57,6 +57,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         resume: bool = False,
         on_error: OnError = "warn",
         learners: Collection[str] = LEARNERS,
+        horizon: int | None = None,
     ) -> None:
         """Check what was given, and start the recording.
 
@@ -78,6 +79,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
                 holds one is refused. Rewards, measures and env have to be the same as before.
             on_error: ``"warn"``, or ``"raise"`` to stop the training where a reward or a measure fails.
             learners: Modules of learning libraries; the version of each is noted where something has imported it.
+            horizon: Steps after which an episode is cut, if the env has not ended it: the step is truncated then. The
+                recording counts such episodes. None: only the env ends episodes.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -87,11 +90,11 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         super().__init__(env)
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
-            on_error, learners=learners,
+            on_error, learners=learners, horizon=horizon,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1)
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
-        self._looks = self._recorder.looks
+        self._looks, self._horizon = self._recorder.looks, horizon
         self._before: Any = None
         self._numbers: list[float] = []
         self._time, self._episode, self._step = self._recorder.next_time, int(self._recorder.next_episodes[0]), 0
@@ -127,6 +130,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     def step(self, action: Action) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take a step, and record it."""
         observation, paid, terminated, truncated, info = self.env.step(action)
+        if self._step + 1 == self._horizon and not (terminated or truncated):
+            truncated = True
+            self._recorder.note_cut()
         self._numbers = self._record(action, observation, paid, terminated, truncated, info)
         if self._recorder.pays is not None:
             paid = self._numbers[self._recorder.pays]

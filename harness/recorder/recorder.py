@@ -55,6 +55,7 @@ class Recorder:
             env=env_facts(env),
             versions=versions_of(env, asked.learners),
             sources={column.name: source_of(column.given) for column in self.columns},
+            horizon=asked.horizon or 0,
         )
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
@@ -69,6 +70,10 @@ class Recorder:
             several = isinstance(seed, (list, tuple, np.ndarray))
             kept = tuple(None if one is None else int(one) for one in seed) if several else int(seed)
             self._writer.facts = replace(self._writer.facts, seed=kept)
+
+    def note_cut(self) -> None:
+        """Count an episode that is cut."""
+        self._writer.facts = replace(self._writer.facts, cut=self._writer.facts.cut + 1)
 
     def give_up(self, column: Column, env: int, episode: int, step: int, error: Exception) -> None:
         """Note that a column has failed, and tell it.

@@ -86,6 +86,11 @@ def episodes_of(recording: RecordedTraining) -> Episodes:
     )
 
 
+def cut_text(cut: int, episodes: int, horizon: int) -> str:
+    """How many of the episodes of evaluations were cut at the horizon, in words."""
+    return f"{cut:,} of {episodes:,} evaluation episodes were cut after {horizon:,} steps"
+
+
 def _mistaken(recording: RecordedTraining) -> list[str]:
     """Rewards recorded as what the env pays where the env paid the reward that the learner was trained with.
 

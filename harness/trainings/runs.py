@@ -9,7 +9,7 @@ from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, read_recording
-from harness.trainings.episodes import Episodes, Part, episodes_of
+from harness.trainings.episodes import Episodes, Part, cut_text, episodes_of
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
@@ -130,7 +130,7 @@ def read_runs(folder: Path, only: Sequence[Path] | None = None, baseline: str = 
         )
     shortest = min(run.steps for run in members.values())
     notes = [*env_notes, *seed_notes, *evaluation_notes, *empty, *_cut_notes(members.values(), shortest)]
-    notes += _code_notes(everything)
+    notes += [*_end_notes(trained, members), *_code_notes(everything)]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     return Runs(
         env,
@@ -246,6 +246,26 @@ def _cut_notes(runs: Iterable[Run], shortest: int) -> list[str]:
     going = [run for run in runs if not run.facts.closed]
     if going:
         notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")
+    return notes
+
+
+def _end_notes(trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
+    """Trainings in which no episode ended, and evaluations whose episodes were cut, for each reward that trained."""
+    notes = []
+    for reward in trained:
+        runs = [run for (name, _), run in members.items() if name == reward]
+        unended = sum(not len(run.episodes.last) for run in runs)
+        if unended:
+            told = f"No episode ended in {unended} of {_count(len(runs), 'training')} by {reward}"
+            notes.append(f"{told}: give the environment a time limit")
+        evaluations: dict[int, list[Run]] = {}
+        for evaluation in (run.evaluation for run in runs if run.evaluation is not None):
+            evaluations.setdefault(evaluation.facts.horizon, []).append(evaluation)
+        for horizon, some in evaluations.items():
+            cut = sum(it.facts.cut for it in some)
+            if cut:
+                told = cut_text(cut, sum(len(it.episodes.last) for it in some), horizon)
+                notes.append(f"Policies trained by {reward}: {told}")
     return notes
 
 

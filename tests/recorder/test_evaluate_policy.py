@@ -1,3 +1,5 @@
+import json
+
 import gymnasium
 import numpy as np
 import pytest
@@ -63,6 +65,7 @@ def test_what_the_env_pays_needs_not_be_what_taught(counting, tmp_path, recwarn)
     ("given", "told"),
     [
         ({"episodes": 0}, "episodes=0: it takes one at least"),
+        ({"horizon": 0}, "horizon=0: an episode has one step at least"),
         ({"env": "Nowhere-v0"}, "env='Nowhere-v0' cannot be made: "),
         ({"lower_is_better": ["left"]}, "lower_is_better names 'left', which is none of the measures"),
     ],
@@ -123,3 +126,51 @@ def test_a_reward_that_pays_the_learner_may_not_fail(counting, tmp_path):
     env.close()
     with pytest.raises(UsageError, match="failed before, and pays the learner: name another path"):
         harness.RecordRewards(counting(), tmp_path, pay=True, resume=True, **given)
+
+
+def test_an_episode_that_nothing_ends_is_cut(counting, tmp_path):
+    """It is recorded as truncated, and counted."""
+    harness.evaluate_policy(still, counting(length=10**6), tmp_path, episodes=2, horizon=5, **GIVEN)
+    found = read_recording(tmp_path)
+    assert (found.facts.horizon, found.facts.cut) == (5, 2)
+    assert found.truncated.tolist() == [False, False, False, False, True] * 2
+    assert not found.terminated.any()
+
+
+def test_an_episode_that_ends_at_the_horizon_is_not_cut(counting, tmp_path):
+    """The env has ended it."""
+    harness.evaluate_policy(still, counting(length=5), tmp_path, episodes=2, horizon=5, **GIVEN)
+    found = read_recording(tmp_path)
+    assert (found.facts.cut, found.terminated.sum(), found.truncated.sum()) == (0, 2, 0)
+
+
+def test_by_default_an_episode_is_cut_after_ten_thousand_steps(counting, tmp_path):
+    """So that every evaluation ends."""
+    harness.evaluate_policy(still, counting(length=10**6), tmp_path, episodes=1, **GIVEN)
+    assert len(read_recording(tmp_path)) == 10_000
+
+
+def test_a_recording_without_a_horizon_says_nothing_of_one(counting, tmp_path):
+    """Its file is as it was before there was any."""
+    harness.RecordRewards(counting(), tmp_path, **GIVEN).close()
+    assert {"horizon", "cut"}.isdisjoint(json.loads((tmp_path / "recording-0.json").read_text()))
+
+
+def test_a_learner_is_told_of_a_cut(counting, tmp_path):
+    """As of any other truncation."""
+    env = harness.RecordRewards(counting(length=10**6), tmp_path, horizon=2, **GIVEN)
+    env.reset()
+    assert [env.step(still(None))[2:4] for _ in range(2)] == [(False, False), (False, True)]
+    env.close()
+
+
+def test_a_recording_that_goes_on_keeps_its_horizon(counting, tmp_path):
+    """Cut episodes are counted on; another horizon would be another recording."""
+    for _ in range(2):
+        env = harness.RecordRewards(counting(length=10**6), tmp_path, horizon=1, resume=True, **GIVEN)
+        env.reset()
+        env.step(still(None))
+        env.close()
+    assert read_recording(tmp_path).facts.cut == 2
+    with pytest.raises(UsageError, match="its horizon differ: 1, now 3"):
+        harness.RecordRewards(counting(), tmp_path, horizon=3, resume=True, **GIVEN)

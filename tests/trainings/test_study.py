@@ -339,3 +339,28 @@ def test_batches_of_envs_have_episodes_of_their_own(tmp_path):
     )
     assert found.returns["plain"].tolist() == [6.0, 60.0]
     assert found.last.tolist() == [4, 5]
+
+
+def test_trainings_without_the_end_of_an_episode_are_told(tmp_path):
+    """With what to do."""
+    two(tmp_path)
+    record(tmp_path / "endless", "plain", 2, RISING, ends=False)
+    (note,) = load_study(tmp_path).runs.notes
+    assert note == "No episode ended in 1 of 3 trainings by plain: give the environment a time limit"
+
+
+def test_cut_evaluations_are_told(tmp_path):
+    """How many of all evaluation episodes of a reward were, and after how many steps."""
+    two(tmp_path)
+    for seed, cut in enumerate((0, 2)):
+        facts = {"evaluation": True, "horizon": PULLS, "cut": cut}
+        for reward in PAYS:
+            record(
+                tmp_path / f"{reward}-{seed}" / "e",
+                reward,
+                seed,
+                RISING[:3],
+                **{**facts, "cut": cut * (reward == "plain")},
+            )
+    (note,) = load_study(tmp_path).runs.notes
+    assert note == "Policies trained by plain: 2 of 6 evaluation episodes were cut after 5 steps"

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NotRequired, Self
 
 from pydantic import Field, TypeAdapter, with_config
 from typing_extensions import TypedDict
@@ -22,6 +22,8 @@ OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
+OF_A_HORIZON = ("horizon", "cut")
+"""Left out of the file of a recording in which no episode was to be cut: it is as it was before these were known."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,8 @@ class TrainingFacts:
         paid_otherwise: The first step in which the env paid something else than the reward `trained_with`; empty if
             there is none, or the env's own payment is that reward. One line.
         closed: Whether the training ended by itself; otherwise it is still going on, or was killed.
+        horizon: After how many steps an episode was cut; 0 if only the env itself ended episodes.
+        cut: How many episodes were cut so.
     """
 
     rewards: tuple[str, ...]
@@ -92,6 +96,8 @@ class TrainingFacts:
     failures: tuple[Failure, ...] = ()
     paid_otherwise: str = ""
     closed: bool = False
+    horizon: int = 0
+    cut: int = 0
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -106,7 +112,8 @@ class TrainingFacts:
         Raises:
             OSError: The file cannot be written.
         """
-        path.write_bytes(seal({"format": FORMAT, **asdict(self)}))
+        told = {name: value for name, value in asdict(self).items() if name not in OF_A_HORIZON or self.horizon}
+        path.write_bytes(seal({"format": FORMAT, **told}))
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -142,6 +149,7 @@ class TrainingFacts:
             failures=tuple(Failure(**failure) for failure in data["failures"]),
             paid_otherwise=data["paid_otherwise"],
             closed=data["closed"],
+            **{name: data[name] for name in OF_A_HORIZON if name in data},
         )
 
 
@@ -182,6 +190,8 @@ class RecordingForm(TypedDict):
     failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
     paid_otherwise: Line
     closed: bool
+    horizon: NotRequired[Whole]
+    cut: NotRequired[Whole]
 
 
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -203,6 +203,7 @@ def _united(facts: Sequence[TrainingFacts], tables: Sequence[Mapping[str, NDArra
             ),
             paid_otherwise=next((one.paid_otherwise for one in facts if one.paid_otherwise), ""),
             closed=all(one.closed for one in facts),
+            cut=sum(one.cut for one in facts),
         ),
         env=env,
         rewards={name: columns[f"{REWARD}{name}"] for name in first.rewards},

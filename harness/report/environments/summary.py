@@ -105,7 +105,7 @@ def _markdown(results: Results, studies: Sequence[PlaceStudy], figures: Mapping[
     for told in studies:
         parts.append(f"## {escape(told.title)}")
         if told.study is None:
-            parts.append(escape(f"{told.reason}."))
+            parts += [escape(f"{told.reason}."), *(f"* {escape(line)}" for line in told.notes)]
             continue
         study = told.study
         parts += [escape(study_text(study)), *(f"* {escape(line)}" for line in study.runs.notes)]

@@ -26,7 +26,7 @@ def environments_table(
     for told in studies:
         parts += [Text(), Text(told.title, style="bold")]
         if told.study is None:
-            parts.append(Text(f"{told.reason}."))
+            parts += [Text(f"{line}.") for line in (told.reason, *told.notes)]
         else:
             parts.append(study_table(told.study) if details else study_overview(told.study, command))
     return Group(*parts)

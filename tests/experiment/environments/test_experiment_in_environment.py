@@ -12,7 +12,7 @@ import pytest
 from harness.cli import main
 from harness.errors import UsageError
 from harness.executor import CellOptions, Word
-from harness.experiment.experiment import RunOptions, check
+from harness.experiment.experiment import RunOptions, check, prepare
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
@@ -205,6 +205,91 @@ def test_a_reward_that_fails_is_the_reason_of_a_failed_cell(registry: Registry, 
     manifest = _done(cell, tmp_path / "cell", given)
     assert manifest.status == "failed"
     assert "reward 'right' failed" in manifest.reason
+
+
+def _cut_short(registry: Registry, given: tuple[Given, ...], folder: Path, words: list[Word] | None = None) -> Any:
+    """A cell in an env that ends no episode; evaluations are cut after five steps."""
+    cell = _plan(registry, task="toy:endless=true", evaluation_horizon=5).cells[0]
+    return _done(cell, folder, given, words)
+
+
+def test_an_evaluation_of_endless_episodes_ends(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """Each is cut at the cell's horizon, and is recorded as truncated."""
+    assert _cut_short(registry, given, tmp_path / "cell").status == "done"
+    evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
+    assert (evaluation.facts.cut, evaluation.facts.horizon) == (3, 5)
+    assert np.flatnonzero(evaluation.truncated).tolist() == [4, 9, 14]
+
+
+def test_a_manifest_says_what_never_ended(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """In the training, and in the evaluation."""
+    assert _cut_short(registry, given, tmp_path / "cell").note == (
+        "no episode of the training ended: give the environment a time limit; "
+        "3 of 3 evaluation episodes were cut after 5 steps"
+    )
+
+
+def test_a_manifest_has_no_note_where_episodes_end(folder: Path):
+    """There is nothing to know of it."""
+    assert {manifest.note for manifest in Store.open(folder).manifests()} == {""}
+
+
+def test_the_horizon_of_evaluations_belongs_to_a_cell(registry: Registry):
+    """Where it is not the default: cells of a version without it keep their ids."""
+    usual, named, other = (
+        _plan(registry, **keys).cells[0] for keys in ({}, {"evaluation_horizon": 10_000}, {"evaluation_horizon": 9})
+    )
+    assert usual.id == named.id != other.id
+    assert (usual.evaluation_horizon, other.evaluation_horizon) == (10_000, 9)
+
+
+def test_a_resolved_experiment_names_the_horizon(registry: Registry):
+    """The default too, so that who reads it knows."""
+    assert _plan(registry).resolved["evaluation_horizon"] == 10_000
+
+
+def test_a_horizon_of_evaluations_goes_with_environments_alone(registry: Registry):
+    """A task of an arm has its own."""
+    asked = {"sim": "kinematic", "algo": "random", "evaluation_horizon": 9}
+    with pytest.raises(UsageError, match="--evaluation-horizon goes with an environment"):
+        expand(check_experiment(asked), registry)
+    assert (
+        "evaluation_horizon" not in expand(check_experiment({**asked, "evaluation_horizon": None}), registry).resolved
+    )
+
+
+def test_the_plan_says_when_evaluations_are_cut(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    """Before anything runs."""
+    asked = ["--task", "toy", "--plugin", str(TOY), "--algo", "random", "--out", str(tmp_path / "new")]
+    with pytest.raises(SystemExit):
+        main(["run", *asked, "--evaluation-horizon", "50", "--dry-run"])
+    told = "Evaluations: 100 episodes of each policy, each cut after 50 steps if it goes on so long"
+    assert told in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.slow
+def test_an_evaluation_that_hangs_is_ended(tmp_path: Path):
+    """A step that never returns is no progress, also behind the training."""
+    file = tmp_path / "hanging.py"
+    text = TOY.read_text().replace("class Toy", "class Hanging")
+    text = text.replace("        self.steps += 1\n", "        self.steps += 1\n        self._hang()\n")
+    hang = """
+    def _hang(self) -> None:
+        import time
+
+        self.all = getattr(self, "all", 0) + 1
+        while self.seeded and self.all > 4:  # the second evaluation's step, or later
+            time.sleep(1.0)
+"""
+    text = text.replace("    def render(self)", f"{hang}\n    def render(self)")
+    file.write_text(
+        text.replace("super().reset(seed=seed)", "super().reset(seed=seed)\n        self.seeded = (seed or 0) >= 10**9")
+    )
+    asked = check_experiment({"task": "hanging", "algo": "random", "seeds": 1, "steps": STEPS, "reward": []})
+    options = RunOptions(out=tmp_path / "out", stall_after=2.0, jobs=1)
+    results = prepare(asked, options, read_given([file])).run()
+    (failed,) = results.failed
+    assert failed.reason == "no progress for 2 s (--stall-after)"
 
 
 def test_status_and_verify_know_it(folder: Path):
