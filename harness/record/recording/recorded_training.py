@@ -23,6 +23,8 @@ PART_BYTES, MOST_PARTS, MOST_RECORDERS = 2**31, 100_000, 10_000
 
 INTEGERS = ("env", "episode", "step")
 FLAGS = ("terminated", "truncated")
+STEPS = "steps-"
+"""What the names of the parts begin with."""
 
 _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
 
@@ -104,7 +106,7 @@ def facts_name(number: int) -> str:
 
 def part_name(number: int, part: int) -> str:
     """The file of a part of a recorder's steps."""
-    return f"steps-{number}-{part:05}.parquet"
+    return f"{STEPS}{number}-{part:05}.parquet"
 
 
 def part_schema(facts: TrainingFacts) -> pa.Schema:
@@ -133,7 +135,7 @@ def read_steps(folder: Path, number: int, facts: TrainingFacts) -> dict[str, NDA
 
 def part_count(folder: Path, number: int) -> int:
     """How many parts a recorder has written."""
-    count = sum(1 for _ in folder.glob(f"steps-{number}-*.parquet"))
+    count = sum(1 for _ in folder.glob(f"{STEPS}{number}-*.parquet"))
     if count > MOST_PARTS:
         raise SchemaError(f"{folder} has {count:,} parts, {MOST_PARTS:,} are allowed")
     return count

@@ -2,7 +2,9 @@
 
 import csv
 import json
+import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +21,10 @@ from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, TRAINING_RECORDING, partial_folder
-from harness.record.manifest import digests_in
+from harness.record.manifest import digests_in, read_manifest
 from harness.record.merge import merge
-from harness.record.recording.recorded_training import read_recording
+from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
 from harness.record.store import Store
 from harness.record.verify import verify
@@ -332,6 +335,51 @@ def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: P
     (told,) = studies_of(load_results(tmp_path / "both", plugins=[TOY]))
     assert told.study is not None
     assert told.study.comparisons[0].seeds == (0, 1)
+
+
+def test_a_cell_that_is_done_in_both_folders_is_taken_once(
+    folder: Path, results: Results, tmp_path: Path, report: Callable[..., str]
+):
+    """Both recorded the same steps; `harness report` reads the two together all the same."""
+    shutil.copytree(folder, tmp_path / "other")
+    merge([folder, tmp_path / "other"], tmp_path / "both")
+    both = load_results(tmp_path / "both", plugins=[TOY])
+    assert [manifest.cell for manifest in both.done] == [manifest.cell for manifest in results.done]
+    assert report(folder, tmp_path / "other").startswith("4 cells: 4 done")
+
+
+def _write_again(cell: Path, part: str, change: Callable[[RecordedTraining], RecordedTraining]) -> None:
+    """A recording of a cell, changed, as if the cell had left it so."""
+    recording = read_recording(cell / part)
+    shutil.rmtree(cell / part)
+    write_recording(cell / part, change(recording))
+    read_manifest(cell).write(cell)
+
+
+@pytest.mark.parametrize("part", [TRAINING_RECORDING, EVALUATION_RECORDING])
+def test_two_trainings_of_a_cell_that_differ_are_refused(folder: Path, tmp_path: Path, part: str):
+    """In a step of their training, or of their evaluation; the message names the cell and both folders."""
+    shutil.copytree(folder, tmp_path / "other")
+    cell = Store.open(folder).read_plan().cells[1]
+    _write_again(
+        Store(tmp_path / "other").cell_folder(cell), part, lambda it: replace(it, truncated=np.roll(it.truncated, 1))
+    )
+    with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{folder}' .* and the recordings differ"):
+        merge([folder, tmp_path / "other"], tmp_path / "both")
+    assert not (tmp_path / "both").exists()
+
+
+def test_versions_make_no_other_training_of_a_cell(folder: Path, tmp_path: Path):
+    """Two machines may have recorded the same steps."""
+    shutil.copytree(folder, tmp_path / "other")
+    cell = Store.open(folder).read_plan().cells[1]
+    versions = {"python": "3.99"}
+    _write_again(
+        Store(tmp_path / "other").cell_folder(cell),
+        TRAINING_RECORDING,
+        lambda it: replace(it, facts=replace(it.facts, versions=versions)),
+    )
+    assert len(merge([folder, tmp_path / "other"], tmp_path / "both").plan.cells) == 4
 
 
 @pytest.fixture
