@@ -181,6 +181,31 @@ def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given
     assert told[SUCCESS] == pytest.approx(training.behaviour["success"][ended].mean())
 
 
+def test_trackers_get_the_evaluation(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """What the reward of the cell paid an episode, and every measure of behaviour, after the last step."""
+    words: list[Word] = []
+    options = CellOptions(plugins=given, tracked=True)
+    run_cell(_plan(registry).cells[1], tmp_path / "cell", words.append, options)
+    (told,) = (word for word in words if any(name.startswith("Evaluation/") for name in word.scalars))
+    evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
+    ends = evaluation.terminated | evaluation.truncated
+    assert told.steps == STEPS
+    assert told.scalars == pytest.approx(
+        {
+            "Evaluation/Cumulative Reward": evaluation.rewards["right"].sum() / 3,
+            "Evaluation/Success": evaluation.behaviour["success"][ends].mean(),
+            "Evaluation/Distance": evaluation.behaviour["distance"][ends].mean(),
+        }
+    )
+
+
+def test_without_a_tracker_no_evaluation_is_told(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """Nobody would look at it."""
+    words: list[Word] = []
+    _done(_plan(registry).cells[1], tmp_path / "cell", given, words)
+    assert not [name for word in words for name in word.scalars if name.startswith("Evaluation/")]
+
+
 def test_a_killed_cell_without_a_checkpoint_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
     """What it left is thrown away, the manifest says so, and the result is as if nothing had happened."""
     cell = _plan(registry).cells[0]
