@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 
 from harness.errors import UsageError
+from harness.eta.interval import Bounds
 from harness.record.cell import EVALUATION_HORIZON
 from harness.recorder.asked import OnError
 from harness.recorder.column import Given
@@ -28,6 +29,7 @@ def evaluate_policy(
     rewards: Mapping[str, Given],
     behaviour: Mapping[str, Given] | None = None,
     lower_is_better: Collection[str] = (),
+    bounds: Mapping[str, Bounds] | None = None,
     episodes: int = EPISODES,
     on_error: OnError = "warn",
     learners: Collection[str] = LEARNERS,
@@ -47,6 +49,7 @@ def evaluate_policy(
         rewards: Those that the training recorded; `trained_with` is one of them.
         behaviour: Its measures.
         lower_is_better: Names of measures of which less is better.
+        bounds: The least and the greatest value of measures.
         episodes: How many.
         on_error: As of `RecordRewards`.
         learners: The same.
@@ -66,6 +69,7 @@ def evaluate_policy(
         rewards=rewards,
         behaviour=behaviour,
         lower_is_better=lower_is_better,
+        bounds=bounds,
         seed=seed,
         evaluation=True,
         on_error=on_error,

@@ -9,6 +9,7 @@ from typing import Any, SupportsFloat, TypeVar
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
+from harness.eta.interval import Bounds
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.column import Column, Given, Measure, Untold, as_number
 from harness.recorder.env_facts import LEARNERS
@@ -50,6 +51,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
         lower_is_better: Collection[str] = (),
+        bounds: Mapping[str, Bounds] | None = None,
         seed: int | None = None,
         evaluation: bool = False,
         pay: bool = False,
@@ -69,6 +71,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             rewards: By name, at least one.
             behaviour: Measures of what the robot does, by name; reports judge it by the first.
             lower_is_better: Names of measures of which less is better, such as a distance.
+            bounds: By name of a measure, the least and the greatest value that it can have: ``(0.0, math.inf)`` of a
+                distance. No interval in a report leaves them; a measure that is 0 or 1 in every episode needs none.
             seed: Of the training: reports compare trainings of one seed. By default the first that the env is reset
                 with.
             evaluation: A finished policy acts, and nothing is trained: `trained_with` and `seed` are then those of the
@@ -90,7 +94,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         super().__init__(env)
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
-            on_error, learners=learners, horizon=horizon,
+            on_error, bounds=bounds or {}, learners=learners, horizon=horizon,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1)
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.eta.interval import Bounds, are_within
 from harness.record.recording.facts import BEHAVIOUR, OWN_SOURCE, REWARD
 from harness.record.recording.recorded_training import RecordedTraining
 
@@ -59,8 +60,16 @@ class Episodes:
 
     def is_flag(self, measure: str) -> bool:
         """Whether a measure is 0 or 1 in every episode that has it: its mean is a share of episodes."""
-        values = np.asarray(self.behaviour.get(measure, ()))
-        return bool(np.isin(values[~np.isnan(values)], (0.0, 1.0)).all())
+        return bool(np.isin(self._known(measure), (0.0, 1.0)).all())
+
+    def is_within(self, measure: str, bounds: Bounds) -> bool:
+        """Whether a measure lies within bounds in every episode that has it."""
+        known = self._known(measure)
+        return not len(known) or are_within(known, bounds)
+
+    def _known(self, measure: str) -> Float:
+        values: Float = np.asarray(self.behaviour.get(measure, ()))
+        return values[~np.isnan(values)]
 
 
 def episodes_of(recording: RecordedTraining) -> Episodes:

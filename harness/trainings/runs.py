@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
+from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, read_recording
 from harness.trainings.episodes import Episodes, Part, cut_text, episodes_of
@@ -18,6 +19,8 @@ TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evalu
 MANNERS = (EVALUATION, LAST, TRAINING)
 """What says most about the final policies comes first."""
 NO_NAME = "an env without a name"
+SUCCESS = "success"
+"""The measure that decides if there is one of this name; see `harness.environment.SUCCESS`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,9 +93,20 @@ class Runs(NamedTuple):
 
     def is_flag(self, measure: str) -> bool:
         """Whether it is 0 or 1 in every episode of every training."""
-        recorded = [run for run in self.members.values() if measure in run.facts.behaviour]
-        everything = [*recorded, *(run.evaluation for run in recorded if run.evaluation is not None)]
-        return all(run.episodes.is_flag(measure) for run in everything)
+        return all(run.episodes.is_flag(measure) for run in _with_evaluations(self.members.values()))
+
+    def bounds(self, measure: str) -> Bounds:
+        """What it can be: what the recordings say, if they agree, else 0 to 1 of success; anything if it left that."""
+        said = {run.facts.bounds.get(measure, UNBOUNDED) for run in self.members.values()}
+        bounds = said.pop() if len(said) == 1 else UNBOUNDED
+        if bounds == UNBOUNDED and measure == SUCCESS:
+            bounds = SHARE
+        runs = _with_evaluations(self.members.values())
+        return bounds if all(run.episodes.is_within(measure, bounds) for run in runs) else UNBOUNDED
+
+
+def _with_evaluations(runs: Iterable[Run]) -> list[Run]:
+    return [it for run in runs for it in (run, run.evaluation) if it is not None]
 
 
 def has_recordings(folder: Path) -> bool:
@@ -130,7 +144,7 @@ def read_runs(folder: Path, only: Sequence[Path] | None = None, baseline: str = 
         )
     shortest = min(run.steps for run in members.values())
     notes = [*env_notes, *seed_notes, *evaluation_notes, *empty, *_cut_notes(members.values(), shortest)]
-    notes += [*_end_notes(trained, members), *_code_notes(everything)]
+    notes += [*_end_notes(trained, members), *_code_notes(everything), *_bounds_notes(everything)]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     return Runs(
         env,
@@ -281,6 +295,20 @@ def _code_notes(runs: Iterable[Run]) -> list[str]:
         "not be comparable"
         for column, of in found.items()
         if len(paths := list(of.values())) > 1
+    ]
+
+
+def _bounds_notes(runs: Iterable[Run]) -> list[str]:
+    """Measures that left the bounds that their recordings name."""
+    left = {
+        name: (run.path, bounds)
+        for run in runs
+        for name, bounds in run.facts.bounds.items()
+        if not run.episodes.is_within(name, bounds)
+    }
+    return [
+        f"{name} leaves its bounds, {low:g} to {high:g}, in '{path}': its intervals are not cut to them"
+        for name, (path, (low, high)) in left.items()
     ]
 
 

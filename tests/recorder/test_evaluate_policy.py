@@ -1,4 +1,5 @@
 import json
+import math
 
 import gymnasium
 import numpy as np
@@ -174,3 +175,34 @@ def test_a_recording_that_goes_on_keeps_its_horizon(counting, tmp_path):
     assert read_recording(tmp_path).facts.cut == 2
     with pytest.raises(UsageError, match="its horizon differ: 1, now 3"):
         harness.RecordRewards(counting(), tmp_path, horizon=3, resume=True, **GIVEN)
+
+
+def test_bounds_of_measures_are_recorded(counting, tmp_path):
+    """Infinite ones too, which JSON has not."""
+    bounds = {"left": (0, math.inf), "success": (0.0, 1.0)}
+    behaviour = {"left": "left", "success": lambda *step: 0.5}
+    harness.evaluate_policy(still, counting(), tmp_path, episodes=1, behaviour=behaviour, bounds=bounds, **GIVEN)
+    assert read_recording(tmp_path).facts.bounds == bounds
+    assert json.loads((tmp_path / "recording-0.json").read_text())["bounds"]["left"] == [0.0, None]
+
+
+@pytest.mark.parametrize(
+    ("bounds", "told"),
+    [
+        ({"right": (0.0, 1.0)}, r"bounds names 'right', which is none of the measures \['left'\]"),
+        ({"left": (1.0, 0.0)}, r"bounds of 'left' are \(1.0, 0.0\): give two numbers, the lower one first"),
+    ],
+)
+def test_bounds_that_are_none_are_refused(counting, tmp_path, bounds, told):
+    """Before anything is recorded."""
+    with pytest.raises(UsageError, match=told):
+        harness.RecordRewards(counting(), tmp_path / "new", behaviour={"left": "left"}, bounds=bounds, **GIVEN)
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_batch_records_bounds_too(tmp_path):
+    """As one env does."""
+    envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")
+    measures = {"behaviour": {"place": lambda before, action, after, info: after[0]}, "bounds": {"place": (-5.0, 5.0)}}
+    harness.RecordVectorRewards(envs, tmp_path, trained_with="own", rewards={}, **measures).close()
+    assert read_recording(tmp_path).facts.bounds == {"place": (-5.0, 5.0)}

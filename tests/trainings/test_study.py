@@ -1,3 +1,4 @@
+import shutil
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -364,3 +365,57 @@ def test_cut_evaluations_are_told(tmp_path):
             )
     (note,) = load_study(tmp_path).runs.notes
     assert note == "Policies trained by plain: 2 of 6 evaluation episodes were cut after 5 steps"
+
+
+def apart(folder: Path, measure: str = "height", **facts) -> Path:
+    """Three seeds whose measure, between -1 and 1, goes apart: the difference of both rewards is left open."""
+    ends = {"plain": (-1.0, 0.0, 1.0), "thrice": (1.0, 0.0, -1.0)}
+    for reward, of_seeds in ends.items():
+        for seed, end in enumerate(of_seeds):
+            behaviour = {measure: lambda arms, end=end: np.full_like(arms, end)}
+            record(folder / f"{reward}-{seed}", reward, seed, RISING, behaviour=behaviour, **facts)
+    return folder
+
+
+def test_an_interval_stays_within_the_bounds_that_were_recorded(tmp_path):
+    """The difference of two heights between -1 and 1 is 2 at most; so are the bands of learning."""
+    study = load_study(apart(tmp_path, bounds={"height": (-1.0, 1.0)}))
+    found = study.comparisons[0].decisive
+    assert (found.low, found.high) == (-2.0, 2.0)
+    band = learning_of(study.runs, study.comparisons[0]).baseline.band("height")
+    assert {(low, high) for _, low, high in band} == {(-1.0, 1.0)}
+
+
+def test_without_bounds_an_interval_is_not_cut(tmp_path):
+    """Nothing is known of the measure."""
+    found = load_study(apart(tmp_path)).comparisons[0].decisive
+    assert found.low < -4.9
+
+
+def test_bounds_that_a_measure_left_are_told(tmp_path):
+    """And cut nothing."""
+    study = load_study(apart(tmp_path, bounds={"height": (0.0, 1.0)}))
+    assert study.comparisons[0].decisive.low < -4.9
+    (note,) = study.runs.notes
+    assert note.startswith("height leaves its bounds, 0 to 1, in '")
+
+
+def test_recordings_that_disagree_about_bounds_have_none(tmp_path):
+    """Either may be wrong."""
+    apart(tmp_path, bounds={"height": (-1.0, 1.0)})
+    shutil.rmtree(tmp_path / "plain-0")
+    behaviour = {"height": lambda arms: np.full_like(arms, -1.0)}
+    record(tmp_path / "plain-0", "plain", 0, RISING, behaviour=behaviour, bounds={"height": (-2.0, 2.0)})
+    assert load_study(tmp_path).comparisons[0].decisive.low < -4.9
+
+
+@pytest.mark.parametrize(("measure", "cut"), [("success", True), ("height", False)])
+def test_a_success_lies_between_0_and_1(tmp_path, measure, cut):
+    """Also one that is a part of a success, as half of it; of another measure nobody knows."""
+    for reward, of_seeds in {"plain": (0.0, 0.5, 1.0), "thrice": (1.0, 0.5, 0.25)}.items():
+        for seed, end in enumerate(of_seeds):
+            behaviour = {measure: lambda arms, end=end: np.full_like(arms, end)}
+            record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, behaviour=behaviour)
+    found = load_study(tmp_path).comparisons[0].decisive
+    assert found.measure.episodes is None
+    assert (found.low == -1.0) == cut

@@ -1,11 +1,12 @@
 """Two rewards over several sets of recorded steps: the means of their distances."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from harness.audit.recorded.paid import Apart
 from harness.audit.recorded.step_apart import StepApart
+from harness.eta.interval import SHARE
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 
 
@@ -62,10 +63,7 @@ def pair_of(one: str, other: str, each: Sequence[Apart], largest: Sequence[StepA
 
 def mean_within(values: Sequence[float | None]) -> SeedMean:
     """Of numbers in [0, 1], the interval cut to that; None are left out."""
-    mean = mean_over_seeds([value for value in values if value is not None])
-    if mean.low is None or mean.high is None:
-        return mean
-    return replace(mean, low=max(0.0, mean.low), high=min(1.0, mean.high))
+    return mean_over_seeds([value for value in values if value is not None], bounds=SHARE)
 
 
 def mean_json(mean: SeedMean) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from harness.environment import (
     AnyEnv,
     Environment,
     baseline_of,
+    bounds_of,
     goal_rewards,
     lower_is_better,
     measured_behaviour,
@@ -131,8 +132,9 @@ def look_at(task: Choice, registry: Registry) -> Looked:
     with blamed_on(registry.get("environments", task.name), PLANNED), closing(environment.make()) as env:
         names = tuple(rewards_of(environment, env))
         measures = measured_behaviour(environment, env)
-        for measure in lower_is_better(environment) - measures.keys():
-            raise UsageError(f"{task.label}: lower_is_better names '{measure}', which is none of {sorted(measures)}")
+        for member, named in (("lower_is_better", lower_is_better(environment)), ("bounds", bounds_of(environment))):
+            for measure in set(named) - measures.keys():
+                raise UsageError(f"{task.label}: {member} names '{measure}', which is none of {sorted(measures)}")
         baseline = baseline_of(environment, dict.fromkeys(names, ""))
         if baseline not in names:
             raise UsageError(f"{task.label}: its baseline '{baseline}' is none of its rewards {', '.join(names)}")

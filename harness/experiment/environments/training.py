@@ -13,7 +13,15 @@ from typing import Any
 import numpy as np
 
 from harness.algorithm import Algorithm, needs_goals
-from harness.environment import AnyEnv, Environment, goal_rewards, lower_is_better, measured_behaviour, rewards_of
+from harness.environment import (
+    AnyEnv,
+    Environment,
+    bounds_of,
+    goal_rewards,
+    lower_is_better,
+    measured_behaviour,
+    rewards_of,
+)
 from harness.executor import NO_SCALARS, CellOptions, Word
 from harness.experiment.checkpoints.attempt import Attempt, begin_attempt
 from harness.experiment.checkpoints.left_checkpoints import LeftCheckpoints
@@ -164,6 +172,7 @@ class EnvironmentTraining:
                 "rewards": rewards_of(environment, env),
                 "behaviour": measured_behaviour(environment, env),
                 "lower_is_better": lower_is_better(environment),
+                "bounds": bounds_of(environment),
                 "learners": self._learners,
             }
 

@@ -1,8 +1,10 @@
 """What is known of a recorded training beside its steps, as ``recording-<n>.json`` tells it."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, NotRequired, Self
 
 from pydantic import Field, TypeAdapter, with_config
@@ -13,6 +15,7 @@ from harness.files.sealed import read_sealed, seal
 from harness.record.forms import EXACT, Digest, Line, Name, Whole, require_form
 
 FORMAT = 1
+Number = Annotated[float, Field(allow_inf_nan=False)]
 MOST_NAMES = 1_000
 """Of rewards, and of measures of behaviour."""
 MOST_ENVS = 1_000_000
@@ -22,8 +25,8 @@ OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
-OF_A_HORIZON = ("horizon", "cut")
-"""Left out of the file of a recording in which no episode was to be cut: it is as it was before these were known."""
+LATER: Mapping[str, Any] = MappingProxyType({"bounds": {}, "horizon": 0, "cut": 0})
+"""Facts that the first recordings did not have. At these values they are left out of the file."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,8 @@ class TrainingFacts:
         trained_with: The one of them that the learner was paid.
         behaviour: Names of measures of what the robot did; no reward enters them.
         lower_is_better: Those of them of which less is better, such as a distance; of all others more is.
+        bounds: By name of a measure, the least and the greatest value that it can have, as far as it was told; either
+            may be infinite.
         evaluation: Whether a finished policy acted, and nothing was trained: `trained_with` and `seed` are then those
             of the training that it comes from.
         num_envs: How many envs were stepped.
@@ -87,6 +92,7 @@ class TrainingFacts:
     trained_with: str
     behaviour: tuple[str, ...] = ()
     lower_is_better: tuple[str, ...] = ()
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     evaluation: bool = False
     num_envs: int = 1
     seed: int | tuple[int | None, ...] | None = None
@@ -112,7 +118,11 @@ class TrainingFacts:
         Raises:
             OSError: The file cannot be written.
         """
-        told = {name: value for name, value in asdict(self).items() if name not in OF_A_HORIZON or self.horizon}
+        told = {name: value for name, value in asdict(self).items() if not (name in LATER and value == LATER[name])}
+        if self.bounds:  # JSON has no infinite numbers
+            told["bounds"] = {
+                name: [end if math.isfinite(end) else None for end in of] for name, of in self.bounds.items()
+            }
         path.write_bytes(seal({"format": FORMAT, **told}))
 
     @classmethod
@@ -149,8 +159,14 @@ class TrainingFacts:
             failures=tuple(Failure(**failure) for failure in data["failures"]),
             paid_otherwise=data["paid_otherwise"],
             closed=data["closed"],
-            **{name: data[name] for name in OF_A_HORIZON if name in data},
+            bounds={name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
+            horizon=data.get("horizon", 0),
+            cut=data.get("cut", 0),
         )
+
+
+def _bounds(low: float | None, high: float | None) -> tuple[float, float]:
+    return -math.inf if low is None else low, math.inf if high is None else high
 
 
 @with_config(EXACT)
@@ -190,6 +206,7 @@ class RecordingForm(TypedDict):
     failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
     paid_otherwise: Line
     closed: bool
+    bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
     horizon: NotRequired[Whole]
     cut: NotRequired[Whole]
 

@@ -89,6 +89,16 @@ def test_every_reward_of_the_environment_trains(registry: Registry):
     assert plan.cells[0].title == "toy · random · near · seed 0"
 
 
+@pytest.mark.parametrize("member", ["lower_is_better", "bounds"])
+def test_members_name_measures(tmp_path: Path, member: str):
+    """Any other name is a slip."""
+    file = tmp_path / "slip.py"
+    text = TOY.read_text().replace("class Toy", "class Slip").replace("np.inf)}", 'np.inf), "far": (0.0, 1.0)}')
+    file.write_text(text if member == "bounds" else text.replace('frozenset({"distance"})', 'frozenset({"far"})'))
+    with pytest.raises(UsageError, match=f"slip: {member} names 'far', which is none of"):
+        _plan(load_registry(given=read_given([file])), task="slip")
+
+
 def test_a_resolved_experiment_plans_the_same_cells(registry: Registry):
     """`experiment.toml` is an experiment file again."""
     plan = _plan(registry)
@@ -143,6 +153,7 @@ def test_a_cell_leaves_its_folder(folder: Path, registry: Registry):
     assert (training.facts.trained_with, training.facts.seed, len(training)) == ("right", 0, STEPS)
     assert list(training.facts.behaviour) == ["success", "distance"]
     assert training.facts.lower_is_better == ("distance",)
+    assert training.facts.bounds == evaluation.facts.bounds == {"distance": (0.0, np.inf)}
     assert evaluation.facts.evaluation
     assert (evaluation.terminated | evaluation.truncated).sum() == 3
     assert load_policy(place / POLICY).kind == "uniform"

@@ -54,6 +54,7 @@ class Toy:
     endless: bool = False
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {"distance": (0.0, np.inf)}
 
     def make(self) -> AnyEnv:
         """See `harness.environment.Environment`."""
