@@ -49,6 +49,7 @@ class Recorder:
             trained_with=asked.trained_with,
             behaviour=tuple(asked.behaviour),
             lower_is_better=tuple(name for name in asked.behaviour if name in asked.lower_is_better),
+            pay=asked.pay,
             bounds={name: (float(low), float(high)) for name, (low, high) in asked.bounds.items()},
             evaluation=asked.evaluation,
             seed=asked.seed,

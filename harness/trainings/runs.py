@@ -2,14 +2,18 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
+from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
+from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, read_recording
+from harness.trainings.alike import Likeness, likeness_of
 from harness.trainings.episodes import Episodes, Part, cut_text, episodes_of
 
 LAST_SHARE = 0.2
@@ -33,6 +37,7 @@ class Run:
         seed: Of the training, or the number that it was given.
         steps: How many environment steps are recorded.
         episodes: All that ended.
+        likeness: What its columns have in common.
         evaluation: Those of its final policy, where they were recorded.
     """
 
@@ -41,6 +46,7 @@ class Run:
     seed: int
     steps: int
     episodes: Episodes
+    likeness: Likeness
     evaluation: "Run | None" = None
 
     @property
@@ -82,6 +88,10 @@ class Runs(NamedTuple):
     """What to keep in mind, a line each."""
     damaged: tuple[str, ...]
     """What could not be read, a line each."""
+    equal: tuple[tuple[tuple[str, int], ...], ...]
+    """Trainings that are equal bit for bit, by reward and seed, together."""
+    rescaled: Mapping[tuple[str, str], Rescaling]
+    """Rewards that are another one but for scale and offset, by both names; the other one comes first in `rewards`."""
 
     def of(self, reward: str) -> list[Run]:
         """Trainings with a reward, by seed."""
@@ -145,6 +155,9 @@ def read_runs(folder: Path, only: Sequence[Path] | None = None, baseline: str = 
     shortest = min(run.steps for run in members.values())
     notes = [*env_notes, *seed_notes, *evaluation_notes, *empty, *_cut_notes(members.values(), shortest)]
     notes += [*_end_notes(trained, members), *_code_notes(everything), *_bounds_notes(everything)]
+    equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
+    rescaled = _rescaled(rewards, members.values())
+    notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     return Runs(
         env,
@@ -156,7 +169,24 @@ def read_runs(folder: Path, only: Sequence[Path] | None = None, baseline: str = 
         shortest,
         tuple(notes),
         tuple(damaged),
+        equal,
+        rescaled,
     )
+
+
+def _rescaled(rewards: Sequence[str], runs: Iterable[Run]) -> dict[tuple[str, str], Rescaling]:
+    """Of each reward the first one before it that it is but for scale and offset."""
+    found: dict[tuple[str, str], Rescaling] = {}
+    for other, name in combinations(rewards, 2):
+        lines = [
+            run.likeness.lines[other, name]
+            for run in runs
+            if {name, other} <= {*run.facts.rewards} and run.episodes.knows(name) and run.episodes.knows(other)
+        ]
+        rescaling = rescaling_of(lines)
+        if rescaling is not None and name not in {it for it, _ in found}:
+            found[name, other] = rescaling
+    return found
 
 
 def _found(folder: Path) -> Iterator[Path]:
@@ -176,8 +206,23 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             damaged.append(str(error))
             continue
         seed = _seed_of(recording.facts)
-        runs.append(Run(path, recording.facts, -1 if seed is None else seed, len(recording), episodes_of(recording)))
-    return runs, damaged
+        number, whole = -1 if seed is None else seed, episodes_of(recording)
+        runs.append(Run(path, recording.facts, number, len(recording), whole, likeness_of(recording)))
+    paid = {(run.reward, run.seed) for run in runs if run.facts.pay}
+    return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
+
+
+def _without_mistaken(run: Run) -> Run:
+    """The same without rewards recorded as what the env pays where the env paid the reward that taught instead.
+
+    Under their names other recordings have another reward. Where the recorder paid the learner, the env itself pays the
+    same whatever taught.
+    """
+    paid = f"recorded as what the env pays, and that was {run.reward} here"
+    for name, other in run.likeness.paid_alike:
+        if other == run.reward:
+            run = replace(run, episodes=run.episodes.without(name, paid))
+    return run
 
 
 def _seed_of(facts: TrainingFacts) -> int | None:

@@ -103,7 +103,7 @@ def test_the_learner_can_be_paid_by_a_recorded_reward(counting, tmp_path):
     env.close()
     found = read_recording(tmp_path)
     assert found.rewards["own"].tolist() == [1.0, 2.0, 3.0]
-    assert (found.facts.paid_otherwise, found.facts.failures) == ("", ())
+    assert (found.facts.paid_otherwise, found.facts.failures, found.facts.pay) == ("", (), True)
 
 
 def test_a_batch_of_learners_can_be_paid_so(tmp_path):
@@ -151,10 +151,10 @@ def test_by_default_an_episode_is_cut_after_ten_thousand_steps(counting, tmp_pat
     assert len(read_recording(tmp_path)) == 10_000
 
 
-def test_a_recording_without_a_horizon_says_nothing_of_one(counting, tmp_path):
-    """Its file is as it was before there was any."""
+def test_what_is_not_asked_for_is_not_in_the_file(counting, tmp_path):
+    """It is as it was before these facts were known."""
     harness.RecordRewards(counting(), tmp_path, **GIVEN).close()
-    assert {"horizon", "cut"}.isdisjoint(json.loads((tmp_path / "recording-0.json").read_text()))
+    assert {"horizon", "cut", "bounds", "pay"}.isdisjoint(json.loads((tmp_path / "recording-0.json").read_text()))
 
 
 def test_a_learner_is_told_of_a_cut(counting, tmp_path):

@@ -27,6 +27,15 @@ def two(folder: Path, seeds: int = 2, **facts) -> Path:
     return folder
 
 
+ALIKE = ("The trainings by plain ", "thrice is 3 x plain + 3, in all")
+"""What is told of most studies here: trainings are equal bit for bit, and rewards differ in scale and offset alone."""
+
+
+def notes_of(folder: Path) -> list[str]:
+    """All other notes."""
+    return [note for note in load_study(folder).runs.notes if not note.startswith(ALIKE)]
+
+
 def test_a_reward_helps_by_a_corrected_test(study_folder):
     """All six seeds end with success under one reward and with none under the other."""
     (comparison,) = load_study(study_folder).comparisons
@@ -55,7 +64,7 @@ def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
 def test_an_evaluation_without_its_training_is_left_out(tmp_path):
     """It is told, and nothing else changes."""
     record(two(tmp_path) / "lost", "plain", 7, [0.1], evaluation=True)
-    (note,) = load_study(tmp_path).runs.notes
+    (note,) = notes_of(tmp_path)
     assert "it evaluates plain of seed 7, whose training is not in" in note
 
 
@@ -208,7 +217,7 @@ def test_code_that_changed_between_trainings_is_told(tmp_path):
         sources = {"reward_plain": Source("", text), "reward_thrice": Source("", "the same")}
         for reward in PAYS:
             record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, sources=sources)
-    (note,) = load_study(tmp_path).runs.notes
+    (note,) = notes_of(tmp_path)
     assert "The code of reward plain is not the same in" in note
 
 
@@ -346,7 +355,7 @@ def test_trainings_without_the_end_of_an_episode_are_told(tmp_path):
     """With what to do."""
     two(tmp_path)
     record(tmp_path / "endless", "plain", 2, RISING, ends=False)
-    (note,) = load_study(tmp_path).runs.notes
+    (note,) = notes_of(tmp_path)
     assert note == "No episode ended in 1 of 3 trainings by plain: give the environment a time limit"
 
 
@@ -363,7 +372,7 @@ def test_cut_evaluations_are_told(tmp_path):
                 RISING[:3],
                 **{**facts, "cut": cut * (reward == "plain")},
             )
-    (note,) = load_study(tmp_path).runs.notes
+    (note,) = notes_of(tmp_path)
     assert note == "Policies trained by plain: 2 of 6 evaluation episodes were cut after 5 steps"
 
 
@@ -396,7 +405,7 @@ def test_bounds_that_a_measure_left_are_told(tmp_path):
     """And cut nothing."""
     study = load_study(apart(tmp_path, bounds={"height": (0.0, 1.0)}))
     assert study.comparisons[0].decisive.low < -4.9
-    (note,) = study.runs.notes
+    (note,) = notes_of(tmp_path)
     assert note.startswith("height leaves its bounds, 0 to 1, in '")
 
 
@@ -419,3 +428,18 @@ def test_a_success_lies_between_0_and_1(tmp_path, measure, cut):
     found = load_study(tmp_path).comparisons[0].decisive
     assert found.measure.episodes is None
     assert (found.low == -1.0) == cut
+
+
+@pytest.mark.parametrize("pay", [False, True])
+def test_where_the_recorder_paid_a_copy_of_the_own_reward_is_known(tmp_path, pay):
+    """Also in evaluations; else it is taken for what the env was made to pay."""
+    pays = {"plain": PAYS["plain"], "copy": PAYS["plain"]}
+    sources = {"reward_plain": Source("", OWN_SOURCE)}
+    for seed in range(2):
+        for reward in pays:
+            path = record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, pays=pays, sources=sources, pay=pay)
+            record(path / "e", reward, seed, RISING, pays=pays, sources=sources, evaluation=True)
+    (comparison,) = load_study(tmp_path).comparisons
+    assert {manner: split.is_split for manner, split in comparison.returns.items()} == {
+        EVALUATION: pay, LAST: pay, TRAINING: pay,
+    }  # fmt: skip

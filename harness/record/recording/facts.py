@@ -25,7 +25,7 @@ OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
-LATER: Mapping[str, Any] = MappingProxyType({"bounds": {}, "horizon": 0, "cut": 0})
+LATER: Mapping[str, Any] = MappingProxyType({"pay": False, "bounds": {}, "horizon": 0, "cut": 0})
 """Facts that the first recordings did not have. At these values they are left out of the file."""
 
 
@@ -71,6 +71,8 @@ class TrainingFacts:
         trained_with: The one of them that the learner was paid.
         behaviour: Names of measures of what the robot did; no reward enters them.
         lower_is_better: Those of them of which less is better, such as a distance; of all others more is.
+        pay: Whether the recorder paid the learner `trained_with`: what the env itself pays does not depend on what
+            taught then.
         bounds: By name of a measure, the least and the greatest value that it can have, as far as it was told; either
             may be infinite.
         evaluation: Whether a finished policy acted, and nothing was trained: `trained_with` and `seed` are then those
@@ -92,6 +94,7 @@ class TrainingFacts:
     trained_with: str
     behaviour: tuple[str, ...] = ()
     lower_is_better: tuple[str, ...] = ()
+    pay: bool = False
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     evaluation: bool = False
     num_envs: int = 1
@@ -159,6 +162,7 @@ class TrainingFacts:
             failures=tuple(Failure(**failure) for failure in data["failures"]),
             paid_otherwise=data["paid_otherwise"],
             closed=data["closed"],
+            pay=data.get("pay", False),
             bounds={name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
             horizon=data.get("horizon", 0),
             cut=data.get("cut", 0),
@@ -206,6 +210,7 @@ class RecordingForm(TypedDict):
     failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
     paid_otherwise: Line
     closed: bool
+    pay: NotRequired[bool]
     bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
     horizon: NotRequired[Whole]
     cut: NotRequired[Whole]
