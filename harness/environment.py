@@ -7,6 +7,7 @@ import gymnasium
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.eta.interval import Bounds
 
 AnyEnv: TypeAlias = gymnasium.Env[Any, Any]
 Measure: TypeAlias = Callable[[Any, Any, Any, Any], Any] | str
@@ -24,6 +25,7 @@ class Environment(Protocol):
     It may also have these members:
 
     * ``lower_is_better``: names of the measures of which less is better, see `lower_is_better`.
+    * ``bounds``: by name of a measure, the least and the greatest value that it can have, see `bounds_of`.
     * ``baseline``: the name of the reward that the others are compared with, see `baseline_of`.
     * ``examples()``: parameters to try it with, if some have no default, see `examples_of`.
     * ``goal_rewards(env)``: if observations are dicts with achieved and desired goals, see `goal_rewards`.
@@ -31,7 +33,10 @@ class Environment(Protocol):
     """
 
     def make(self) -> AnyEnv:
-        """A new env. It ends its episodes, and draws everything random from the generator that ``reset`` seeds."""
+        """A new env. It draws everything random from the generator that ``reset`` seeds, and should end its episodes.
+
+        A training in which no episode ends has no returns; episodes of evaluations are cut at the cell's horizon.
+        """
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
         """The rewards of one env, by name, at least one. One of them pays a training; all of them are recorded.
@@ -53,6 +58,14 @@ class Environment(Protocol):
 def lower_is_better(environment: Environment) -> frozenset[str]:
     """Names of the measures of which less is better; none if the environment does not name any."""
     return frozenset(getattr(environment, "lower_is_better", ()))
+
+
+def bounds_of(environment: Environment) -> dict[str, Bounds]:
+    """The least and the greatest value of each measure for which the environment names them; either may be infinite.
+
+    No interval in a report leaves them. A measure that is 0 or 1 in every episode needs none.
+    """
+    return dict(getattr(environment, "bounds", {}))
 
 
 def examples_of(environment: Any) -> dict[str, tuple[str, ...]]:

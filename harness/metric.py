@@ -2,6 +2,7 @@
 
 from typing import Protocol
 
+from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.record.trace import Trace
 
 
@@ -14,6 +15,9 @@ class Metric(Protocol):
 
     If the value is a distance from the trace's column ``distance``, set ``is_error = True``. In a task with a goal of
     its own, see `harness.task.Goal`, reports then show the metric with the name and the unit of the task's error.
+
+    If the value cannot be below or above a number, say so by the class attribute ``bounds``, as
+    ``bounds = (0.0, math.inf)`` for a length. No interval then leaves these bounds. Those of a share are known.
     """
 
     @property
@@ -31,6 +35,11 @@ class Metric(Protocol):
 def is_share(metric: Metric) -> bool:
     """Whether a metric says that it is a share of episodes, or a mean over them of something between 0 and 1."""
     return bool(getattr(metric, "is_share", False))
+
+
+def bounds_of(metric: Metric) -> Bounds:
+    """The least and the greatest value that a metric says it can have."""
+    return SHARE if is_share(metric) else getattr(metric, "bounds", UNBOUNDED)
 
 
 def is_error(metric: Metric) -> bool:

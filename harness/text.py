@@ -10,6 +10,8 @@ LONGEST_MESSAGE = 300
 LONGEST_STEM = 120
 """Characters of a file name that is made of text, its ending left out."""
 ELLIPSIS = " ... "
+LONGEST_WORD = 60
+"""Characters of a word that is left out whole where a message is cut; names in lists are shorter."""
 HIDDEN = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
 """Categories of Unicode that are escaped: control characters of both sets, formats such as turns of the direction and
 marks without width, halves of characters, what has no meaning yet, and separators of lines and paragraphs."""
@@ -30,11 +32,19 @@ def visible(text: str, keep: str = "") -> str:
 
 
 def shortened(message: str, most: int = LONGEST_MESSAGE) -> str:
-    """The message, of a long one the beginning, which says where, and the end, which says what to do."""
+    """The message, of a long one the beginning, which says where, and the end, which says what to do.
+
+    It is cut between words, so that no name in a list is cut; only a word of more than `LONGEST_WORD` characters is.
+    """
     if len(message) <= most:
         return message
     end = most // 3
-    return message[: most - end - len(ELLIPSIS)] + ELLIPSIS + message[-end:]
+    begin = most - end - len(ELLIPSIS)
+    return (
+        message[: _word_before(message, begin)].rstrip()
+        + ELLIPSIS
+        + message[_word_after(message, len(message) - end) :]
+    )
 
 
 def one_line_of(message: str) -> str:
@@ -55,6 +65,18 @@ def file_stems(texts: Iterable[str]) -> list[str]:
             free, number = f"{stem}-{number}", number + 1
         stems[free] = None
     return list(stems)
+
+
+def _word_before(text: str, at: int) -> int:
+    """Where the word begins that `at` lies in; `at` itself between two words, and in a long word."""
+    begin = text.rfind(" ", 0, at + 1) + 1
+    return begin if at - begin <= LONGEST_WORD else at
+
+
+def _word_after(text: str, at: int) -> int:
+    """Where the next word begins; `at` itself where a word begins there, and in a long word."""
+    begin = text.find(" ", at - 1) + 1
+    return begin if 0 < begin <= at + LONGEST_WORD else at
 
 
 def _stem(text: str) -> str:

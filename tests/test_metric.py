@@ -1,10 +1,13 @@
 """What a metric says of itself."""
 
+import math
+
 import pytest
 
-from harness.metric import is_error, is_share
+from harness.metric import bounds_of, is_error, is_share
 from harness.registry.choice import build_defaults
 from harness.registry.registry import load_registry
+from harness.testing.metrics.traces import recorded_trace
 
 
 @pytest.mark.parametrize(
@@ -27,3 +30,19 @@ def test_a_metric_that_says_nothing_is_none():
     """Those of version 0.1 have no such attribute."""
     assert not is_error(object())  # type: ignore[arg-type]
     assert not is_share(object())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_metric_leaves_its_bounds(seed: int):
+    """On episodes of random numbers."""
+    trace = recorded_trace(seed, ("ground", "reached", "truncated", "touched", "reached", ""))
+    for name, metric in build_defaults(load_registry(), "metrics").items():
+        value, (low, high) = metric(trace), bounds_of(metric)
+        assert value is not None, name
+        assert low <= value <= high, name
+
+
+def test_shares_have_the_bounds_of_a_share():
+    """Whatever else they say; a metric that says nothing has none."""
+    assert bounds_of(build_defaults(load_registry(), "metrics")["spl"]) == (0.0, 1.0)
+    assert bounds_of(object()) == (-math.inf, math.inf)  # type: ignore[arg-type]

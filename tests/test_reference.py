@@ -5,6 +5,7 @@ import json
 import math
 import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ STUDIES = [folder for folder in RECORDS if "studies" in json.loads((folder / "re
 """Those in environments; `tests/test_study_records.py` is about them."""
 FOLDERS = [folder for folder in RECORDS if folder not in STUDIES]
 INDICES = {"eta_N": "I_N", "eta_P": "I_P"}
+SHARES = ("success_rate", "ground_hits", "obstacle_hits", "timeouts", "spl")
 CLAIM = re.compile(r"\b(better|worse|helps|hurts)\b", re.IGNORECASE)
 NO_CLAIM = re.compile(r"(called|made|counts as) (better|worse)|better or worse|helps or hurts|say(s)? better|\?$")
 QUOTED_P = re.compile(r"corrected p (< )?(\d\.\d+)")
@@ -35,6 +37,13 @@ def page_of(folder: Path) -> str:
 def records_of(folder: Path) -> list[Path]:
     """All records that the same page tells of."""
     return [other for other in FOLDERS if page_of(other) == page_of(folder)]
+
+
+def comparisons_of(record: dict[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    """Every comparison of a record in environments, with its study."""
+    for place in record["studies"]:
+        for comparison in place["study"]["comparisons"]:
+            yield place["study"], comparison
 
 
 def combinations(folder: Path) -> list[dict[str, Any]]:
@@ -138,6 +147,33 @@ def test_page_claims_what_a_test_found(folder: Path):
 def test_a_claim_without_its_p_is_found(passage: str, is_founded: bool):
     """The check fails on a claim that no record carries."""
     assert (unfounded(passage, {0.03125}) == []) == is_founded
+
+
+def beyond(data: Any, least: float, greatest: float) -> list[Any]:
+    """Whatever has an interval that leaves this range."""
+    if isinstance(data, list):
+        return [it for part in data for it in beyond(part, least, greatest)]
+    if not isinstance(data, dict):
+        return []
+    inside = [it for part in data.values() for it in beyond(part, least, greatest)]
+    leaves = data.get("low") is not None and not least <= data["low"] <= data["high"] <= greatest
+    return [*inside, data] if leaves else inside
+
+
+@pytest.mark.parametrize("folder", RECORDS, ids=lambda folder: folder.name)
+def test_no_interval_of_a_share_leaves_what_it_can_be(folder: Path):
+    """A share lies between 0 and 1, and two of them are 1 apart at most."""
+    record = json.loads((folder / "results.json").read_text())
+    told = record["combinations"] if folder in FOLDERS else [it for _, it in comparisons_of(record)]
+    changes = [
+        change
+        for it in told
+        for changes in (it["behaviour"], *(moment["behaviour"] for moment in it.get("along_the_budget", ())))
+        for change in changes
+    ]
+    curves = [it["learning"]["metrics"] for it in told if it.get("learning")] if folder in FOLDERS else []
+    assert beyond([change for change in changes if change["episodes"] is not None], -1.0, 1.0) == []
+    assert beyond([metrics[name] for metrics in curves for name in SHARES if name in metrics], 0.0, 1.0) == []
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)

@@ -14,7 +14,7 @@ import pytest
 
 from harness.eta.return_split import split_returns
 from harness.eta.swaps import swaps_of
-from tests.test_reference import REFERENCE, ROOT, STUDIES, three, unfounded, with_interval
+from tests.test_reference import REFERENCE, ROOT, STUDIES, comparisons_of, three, unfounded, with_interval
 
 PAGES = ROOT / "docs" / "studies"
 SIDES = ("baseline", "proposed")
@@ -45,13 +45,6 @@ def record_of(folder: Path) -> dict[str, Any]:
     """Everything that the report says."""
     record: dict[str, Any] = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     return record
-
-
-def comparisons_of(record: dict[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """Every comparison, with its study."""
-    for place in record["studies"]:
-        for comparison in place["study"]["comparisons"]:
-            yield place["study"], comparison
 
 
 def needles(record: dict[str, Any], summary: str, label: str) -> list[str]:

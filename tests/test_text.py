@@ -54,6 +54,26 @@ def test_a_long_message_keeps_its_beginning_and_its_end():
     assert message.endswith("x. Export it again.")
 
 
+def test_a_list_is_cut_between_its_names():
+    """Each name that is shown is whole, whatever the place of the cut."""
+    for length in range(1, 60):
+        names = [f"{'n' * length}-{number}" for number in range(400)]
+        shown = one_line_of(f"No reward 'x'. There is: {', '.join(names)}. Did you mean 'y'?")
+        first, _, last = shown.removeprefix("No reward 'x'. There is: ").partition(" ... ")
+        assert len(shown) <= LONGEST_MESSAGE
+        assert set(first.rstrip(",").split(", ")) <= set(names)
+        assert set(last.removesuffix(". Did you mean 'y'?").split(", ")) <= set(names)
+
+
+@pytest.mark.parametrize("most", range(20, 40))
+def test_words_before_and_behind_a_cut_are_whole(most: int):
+    """Also where the cut lies between two words."""
+    words = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
+    before, _, behind = shortened(" ".join(words), most).partition(" ... ")
+    assert before.split() == words[: len(before.split())]
+    assert behind.split() == words[len(words) - len(behind.split()) :]
+
+
 @given(st.text())
 def test_a_message_is_one_short_line(text: str):
     """Whatever it says."""

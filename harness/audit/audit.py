@@ -9,8 +9,9 @@ from harness.audit.distance import Distance, reward_distance
 from harness.audit.payoff import Payoff, Temptation, holding_pays, payoff_of, temptations
 from harness.audit.properties import Property, properties_of
 from harness.audit.rollout import Rollout
-from harness.audit.score import score_rollout
+from harness.audit.score import Score, score_rollout
 from harness.audit.workspace import workspace_ratios
+from harness.eta.rescaling import Line, Rescaling, line_of, rescaling_of
 from harness.reward import Reward
 
 TRIED = 64
@@ -31,6 +32,7 @@ class Audit:
         workspace: Of each policy, by what its shaped return grows when all distances double.
         distance: To the reward it was compared with: EPIC.
         reachable_distance: The same, in steps that the arm can do: DARD.
+        rescaling: What the reward is, if it is the one that it was compared with but for scale and offset; else None.
     """
 
     gamma: float
@@ -42,6 +44,7 @@ class Audit:
     workspace: dict[str, float | None]
     distance: Distance
     reachable_distance: Distance
+    rescaling: Rescaling | None
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""
@@ -65,6 +68,7 @@ class Audit:
             "workspace_twice_as_large": self.workspace,
             "distance": asdict(self.distance),
             "reachable_distance": asdict(self.reachable_distance),
+            "rescaled": self.rescaling and self.rescaling.to_json(),
         }
 
 
@@ -81,9 +85,9 @@ def audit_reward(reward: Reward, against: Reward, rollouts: Sequence[Rollout], g
         SimulationDiverged: One of the two pays a number that is not finite.
     """
     scores = [score_rollout(reward, rollout) for rollout in rollouts]
-    for rollout in rollouts:
-        score_rollout(against, rollout)
+    others = [score_rollout(against, rollout) for rollout in rollouts]
     payoffs = [payoff_of(score, gamma) for score in scores]
+    epic, dard = (reward_distance(reward, against, rollouts, gamma, coverage) for coverage in (anywhere, nearby))
     return Audit(
         gamma,
         tuple(sorted(payoffs, key=lambda payoff: -payoff.total)),
@@ -92,5 +96,13 @@ def audit_reward(reward: Reward, against: Reward, rollouts: Sequence[Rollout], g
         holding_pays(payoffs),
         properties_of(reward, [rollout.distances[:, :TRIED] for rollout in rollouts], gamma),
         workspace_ratios(reward, rollouts),
-        *(reward_distance(reward, against, rollouts, gamma, coverage) for coverage in (anywhere, nearby)),
+        epic,
+        dard,
+        rescaling_of([_line(*of) for of in zip(others, scores, strict=True)]),
     )
+
+
+def _line(other: Score, score: Score) -> Line | None:
+    """What a reward paid in the steps of a rollout, over what the other one paid; the event terms are the task's."""
+    running = score.rollout.running
+    return line_of(other.values[running], score.values[running])

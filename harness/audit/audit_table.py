@@ -36,7 +36,17 @@ def audit_table(audit: Audit, title: str, setting: str, against: str) -> Rendera
         *map(Text, others),
         Text(),
         _answer_grid(audit, against),
+        *_rescaling(audit, title, against),
     )
+
+
+def _rescaling(audit: Audit, title: str, against: str) -> list[Text]:
+    """That the reward is the other one but for its scale; empty if it is not."""
+    if audit.rescaling is None:
+        return []
+    return [
+        Text(f"\n{audit.rescaling.sentence(title, against)}. Event terms are the task's, and stay as they are.", "bold")
+    ]
 
 
 def _payoff_grid(audit: Audit) -> Table:

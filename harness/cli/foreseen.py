@@ -26,6 +26,7 @@ def foreseen_lines(found: "Foreseen") -> Iterator[str]:
     yield from (f"done: {line}" for line in _by_combination(found.done))
     yield from (f"to do: {line}" for line in _by_combination(found.to_do))
     if found.to_do:
+        yield from _evaluations(found.to_do[0])
         yield f"Time: {_time(found)}"
         yield f"Disk: {_size(found.cost.bytes) if found.cost else f'not known: {found.unknown}'}"
     yield "Nothing is written."
@@ -40,6 +41,13 @@ def _by_combination(cells: Sequence["Cell"]) -> Iterator[str]:
     for title, these in seeds.items():
         shown = ", ".join(map(str, these[:SHOWN_SEEDS])) + (" ..." if len(these) > SHOWN_SEEDS else "")
         yield f"{title}: {'seed' if len(these) == 1 else f'{len(these)} seeds:'} {shown}"
+
+
+def _evaluations(cell: "Cell") -> Iterator[str]:
+    """How long episodes may be where nothing but an environment ends them: every cell of a run has the same horizon."""
+    if cell.is_in_environment:
+        episodes = f"{cell.evaluation_episodes:,} episodes of each policy"
+        yield f"Evaluations: {episodes}, each cut after {cell.evaluation_horizon:,} steps if it goes on so long"
 
 
 def _time(found: "Foreseen") -> str:

@@ -1,5 +1,10 @@
 """What a training has learned so far, in words: for the line of a running cell, and for ``harness status``."""
 
+from harness.record.cell import Cell
+
+UNENDED_AFTER = 10_000
+"""Environment steps without the end of an episode after which that is said; or all steps of a shorter training."""
+
 
 def learned_texts(success: float | None, mean: float | None) -> list[str]:
     """The share of episodes that reached the target and what they were paid, as far as they are known."""
@@ -16,3 +21,15 @@ def return_text(mean: float | None) -> str:
     if mean is None:
         return ""
     return f"return {mean:,.0f}" if 1e3 <= abs(mean) < 1e6 else f"return {mean:.3g}"
+
+
+def unended_text(cell: Cell, steps: int, mean: float | None) -> str:
+    """That no episode of a training has ended, where nothing but the environment ends them; empty before it is odd.
+
+    Args:
+        cell: Which training.
+        steps: How many it has done.
+        mean: What its last episodes were paid; None before one has ended.
+    """
+    is_odd = cell.is_in_environment and mean is None and steps >= min(UNENDED_AFTER, cell.steps)
+    return f"no episode has ended in {steps:,} steps of training" if is_odd else ""

@@ -12,10 +12,10 @@ from rich.progress import Progress, ProgressColumn, Task, TaskID
 from rich.table import Column
 from rich.text import Text
 
-from harness.cli.learned import learned_texts, return_text, success_text
+from harness.cli.learned import learned_texts, return_text, success_text, unended_text
 from harness.cli.terminal import Terminal
 from harness.executor import Event
-from harness.progress import RETURN, SUCCESS
+from harness.progress import RETURN, SPEED, SUCCESS
 from harness.record.cell import Cell
 
 WIDE = 76
@@ -60,6 +60,7 @@ class LiveProgress:
         self._started: dict[str, float] = {}
         self._total, self._ended = len(cells), len(done)
         self._failed: set[str] = set()
+        self._warned: set[str] = set()
         if done:
             self._console.print(f"{len(done)} of {len(cells)} cells were done before and are not run again")
 
@@ -101,6 +102,15 @@ class LiveProgress:
         self._progress.update(self._tasks[cell.id], completed=event.steps)
         self._progress.advance(self._overall, event.steps - self._steps[cell.id])
         self._steps[cell.id] = event.steps
+        if SPEED in event.scalars:  # with it comes the return, if an episode has ended
+            self._warn_of_no_end(cell, event.steps)
+
+    def _warn_of_no_end(self, cell: Cell, steps: int) -> None:
+        """Say once that no episode of a training has ended, when that is odd."""
+        told = unended_text(cell, steps, self._scalars[cell.id].get(RETURN))
+        if told and cell.id not in self._warned:
+            self._warned.add(cell.id)
+            self.warn(f"{cell.title}: {told}")
 
     def _end(self, event: Event) -> None:
         cell = event.cell

@@ -44,6 +44,7 @@ def run(
     evaluation_episodes: EvaluationEpisodes = None,
     evaluate_every: flags.EvaluateEvery = None,
     deterministic: flags.Deterministic = None,
+    evaluation_horizon: flags.EvaluationHorizon = None,
     out: flags.OutFolder = None,
     jobs: Jobs = None,
     executor: ExecutorName = "processes",
@@ -89,6 +90,7 @@ def run(
             "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
             "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
             "evaluate_every": evaluate_every, "deterministic": deterministic, "measure": measures or None,
+            "evaluation_horizon": evaluation_horizon,
         },
     )  # fmt: skip
     plugins = read_given(plugin, files)

@@ -4,13 +4,15 @@ from typing import TYPE_CHECKING
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
 from harness.cli.foreseen import about
-from harness.cli.learned import learned_texts
+from harness.cli.learned import learned_texts, unended_text
 from harness.cli.lines import say, say_json
 
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
 
 KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending")
+NUMBERS_AFTER = 2.0
+"""Seconds: a cell tells its numbers once a second, so that younger ones may not have told any."""
 SHOWN = ("running", "interrupted", "failed", "damaged")
 
 
@@ -42,7 +44,9 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
     seconds = max(one.running.told - one.running.started, 1e-3)
     learned = learned_texts(one.running.success, one.running.mean_return)
     speed = f"{one.running.steps / seconds:.0f} steps/s"
-    return ", ".join([steps, *learned, speed, f"last message {found.now - one.running.told:.0f} s ago"])
+    unended = unended_text(one.cell, one.running.steps, one.running.mean_return) if seconds >= NUMBERS_AFTER else ""
+    parts = [steps, unended, *learned, speed, f"last message {found.now - one.running.told:.0f} s ago"]
+    return ", ".join(part for part in parts if part)
 
 
 def _time_left(seconds: float | None) -> str:

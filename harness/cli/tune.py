@@ -1,5 +1,6 @@
 """``harness tune``: hyperparameters, with an equal budget for every reward."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +11,8 @@ from harness.cli.flags.shared import AsJson, ExecutorName, Jobs, PluginFiles, Re
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import say, say_json
 from harness.errors import UsageError
+
+_SEVERAL = re.compile(r",\s*\w+=")
 
 if TYPE_CHECKING:
     from harness.executor import OnEvent
@@ -77,11 +80,16 @@ def _read(path: Path | None, given: dict[str, Any]) -> "Tuning":
 def _parse_search(texts: list[str] | None) -> dict[str, str] | None:
     if texts is None:
         return None
+    from harness.tune.space import syntax_of
+
     search: dict[str, str] = {}
     for text in texts:
-        name, equals, space = (part.strip() for part in text.partition("="))
-        if not (name and equals and space):
-            raise UsageError(f"--search '{text}' is malformed: write KEY=LOW..HIGH, KEY=LOW..HIGH:log or KEY=A|B|C")
+        name, _, space = (part.strip() for part in text.partition("="))
+        if not (name and space):
+            what = f"no values of '{name}'" if name else "no parameter"
+            raise UsageError(f"--search '{text}' names {what}: {syntax_of(name or 'KEY')}")
+        if _SEVERAL.search(space):
+            raise UsageError(f"--search '{text}' names several parameters: give --search once for each")
         if name in search:
             raise UsageError(f"--search names '{name}' twice")
         search[name] = space

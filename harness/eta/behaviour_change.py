@@ -8,7 +8,16 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.eta.aggregate import interquartile_mean, probability_of_improvement
-from harness.eta.interval import mean_interval, share_variance, variance_of, why_no_interval
+from harness.eta.interval import (
+    SHARE,
+    UNBOUNDED,
+    Bounds,
+    mean_interval,
+    of_difference,
+    share_variance,
+    variance_of,
+    why_no_interval,
+)
 from harness.eta.swaps import ALPHA, Swaps, p_of
 
 
@@ -27,6 +36,17 @@ class Measure(NamedTuple):
     """How many episodes it is a share of; None if it is not a share."""
     title: str = ""
     """The name for readers; if empty, they see the name with blanks."""
+    bounds: Bounds = UNBOUNDED
+    """What a value can be, if the measure is no share."""
+
+    @property
+    def of_difference(self) -> Bounds:
+        """What the difference of two values can be."""
+        return of_difference(self.bounds if self.episodes is None else SHARE)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; JSON has no infinite bounds, so it has none."""
+        return {name: value for name, value in self._asdict().items() if name != "bounds"}
 
 
 @dataclass(frozen=True)
@@ -40,7 +60,8 @@ class Change:
         random: The same for random actions.
         seeds: How many seeds have a value under both rewards, and are compared.
         left_out: How many seeds have no value under one of the rewards.
-        low: Lower end of the 95 % interval of proposed - baseline, over seeds in pairs; None where there is none.
+        low: Lower end of the 95 % interval of proposed - baseline, over seeds in pairs, cut to what that can be; None
+            where there is none.
         high: Upper end.
         p: The p-value for no difference, by an exact test over swapped seeds; None if it cannot be computed.
         corrected: The p-value corrected for all claims that are made together.
@@ -111,7 +132,7 @@ class Change:
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         return {
-            **self.measure._asdict(),
+            **self.measure.to_json(),
             "baseline": self.baseline,
             "proposed": self.proposed,
             "random": self.random,
@@ -158,7 +179,9 @@ def change_of(
     differences = both[:, 1] - both[:, 0]
     means = both.mean(axis=0)
     variance = _variance(differences, means.tolist(), measure.episodes)
-    low, high = (None, None) if why_no_interval(seeds) else mean_interval(differences, variance or 0.0)
+    low, high = None, None
+    if not why_no_interval(seeds):
+        low, high = mean_interval(differences, variance or 0.0, bounds=measure.of_difference)
     outcomes = swaps.of(list(pairs)) @ differences / seeds if seeds > 1 else None
     return Change(
         measure,

@@ -17,6 +17,25 @@ LEAST_SEEDS = 3
 """The fewest seeds with an interval. That of two seeds would be 18 times as wide as that of many, and say nothing."""
 
 Interval: TypeAlias = tuple[float, float]
+Bounds: TypeAlias = tuple[float, float]
+"""The least and the greatest value that something can have; infinite where nothing is known."""
+UNBOUNDED: Bounds = (-math.inf, math.inf)
+SHARE: Bounds = (0.0, 1.0)
+"""Of a share of episodes, and of a mean over them of something between 0 and 1."""
+ROUNDING = 1e-9
+"""By so much a mean may pass its bounds: the way along a straight line may be computed as shorter than the line."""
+
+
+def are_bounds(given: object) -> bool:
+    """Whether something that strangers give are bounds: two numbers, the lower one first."""
+    is_pair = isinstance(given, tuple | list) and len(given) == 2 and all(isinstance(end, int | float) for end in given)
+    return is_pair and given[0] < given[1]  # type: ignore[index] # a pair
+
+
+def of_difference(bounds: Bounds) -> Bounds:
+    """The bounds of the difference of two values that have these bounds each."""
+    low, high = bounds
+    return low - high, high - low
 
 
 def why_no_interval(seeds: int) -> tuple[str, ...]:
@@ -34,17 +53,30 @@ def quantile(confidence: float, freedom: float) -> float:
     return float(stdtrit(freedom, 0.5 + confidence / 2.0))
 
 
-def mean_interval(values: Sequence[float] | Float, variance: float, confidence: float = CONFIDENCE) -> Interval:
+def mean_interval(
+    values: Sequence[float] | Float, variance: float, confidence: float = CONFIDENCE, bounds: Bounds = UNBOUNDED
+) -> Interval:
     """Student's interval for the mean that values, one per seed, are drawn around.
+
+    It is cut to what the mean can be. That costs no coverage: what is cut away could not hold the mean.
 
     Args:
         values: At least `LEAST_SEEDS`, independent of one another.
         variance: Of a single value, see `variance_of` and `share_variance`.
         confidence: How often the interval holds the mean.
+        bounds: What a value can be. Where a value lies outside, they are wrong, and nothing is cut.
     """
     reach = quantile(confidence, len(values) - 1) * math.sqrt(variance / len(values))
     middle = float(np.mean(values))
-    return middle - reach, middle + reach
+    if not are_within(values, bounds):
+        return middle - reach, middle + reach
+    least, greatest = min(bounds[0], middle), max(bounds[1], middle)  # which rounding may have passed
+    return max(middle - reach, least), min(middle + reach, greatest)
+
+
+def are_within(values: Sequence[float] | Float, bounds: Bounds) -> bool:
+    """Whether no value lies outside of the bounds, by more than rounding."""
+    return bounds[0] - ROUNDING <= float(np.min(values)) and float(np.max(values)) <= bounds[1] + ROUNDING
 
 
 def variance_of(values: Sequence[float] | Float) -> float:

@@ -18,7 +18,16 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.eta.headline import SUCCESS_MARGIN
-from harness.eta.interval import CONFIDENCE, mean_interval, share_variance, variance_of, why_no_interval
+from harness.eta.interval import (
+    CONFIDENCE,
+    SHARE,
+    UNBOUNDED,
+    mean_interval,
+    of_difference,
+    share_variance,
+    variance_of,
+    why_no_interval,
+)
 
 REWARDS, PLACES = 2, 2
 """The fewest rewards and places whose orders can be compared."""
@@ -150,12 +159,13 @@ def _order(runs: Runs, episodes: int | None, confidence: float) -> Order:
     count, seeds = values.shape
     means = values.mean(axis=1)
     low, high = np.full((count, count), -np.inf), np.full((count, count), np.inf)
+    bounds = UNBOUNDED if episodes is None else of_difference(SHARE)
     if not why_no_interval(seeds):
         for one, other in zip(*np.triu_indices(count, 1), strict=True):
             differences = values[one] - values[other]
             both = [float(means[one]), float(means[other])]
             variance = variance_of(differences) if episodes is None else share_variance(differences, both, episodes)
-            low[one, other], high[one, other] = mean_interval(differences, variance, confidence)
+            low[one, other], high[one, other] = mean_interval(differences, variance, confidence, bounds)
             low[other, one], high[other, one] = -high[one, other], -low[one, other]
     return Order(tuple(runs), means, low, high, seeds)
 
@@ -248,7 +258,7 @@ def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Tra
         return Transplant(*names, None, None, Answer.NOT_DECIDED, too_few[0])
     others = np.arange(len(here.rewards)) != chosen
     low = max(0.0, float(there.low[others, chosen].max()))
-    high = min(1.0, max(0.0, float(there.high[others, chosen].max())))
+    high = max(0.0, float(there.high[others, chosen].max()))
     if not set(here.candidates) & set(there.candidates):
         return Transplant(*names, low, high, Answer.YES)
     if high <= margin:

@@ -1,12 +1,21 @@
 """The mean of one value over seeds, and how far it can be trusted."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from harness.eta.interval import mean_interval, share_variance, variance_of, why_no_interval
+from harness.eta.interval import (
+    SHARE,
+    UNBOUNDED,
+    Bounds,
+    mean_interval,
+    of_difference,
+    share_variance,
+    variance_of,
+    why_no_interval,
+)
 
 
 @dataclass(frozen=True)
@@ -38,14 +47,38 @@ class SeedMean:
         return {**data, "note": self.note}
 
 
-def mean_over_seeds(values: Sequence[float], missing: str | None = None, episodes: int | None = None) -> SeedMean:
+def mean_over_seeds(
+    values: Sequence[float], missing: str | None = None, episodes: int | None = None, bounds: Bounds = UNBOUNDED
+) -> SeedMean:
     """The mean of one value per seed.
 
     Args:
         values: Finite.
         missing: Why there is not a value of every seed; becomes the last note. None if there is.
         episodes: Of so many episodes each value is a share, and its interval stays in [0, 1]; None if it is not one.
+        bounds: What a value can be, if it is no share.
     """
+    if episodes is None:
+        return _mean(values, missing, variance_of, bounds)
+    return _mean(values, missing, lambda known: share_variance(known, [float(np.mean(known))], episodes), SHARE)
+
+
+def mean_lost_share(pairs: Sequence[tuple[float, float]], missing: str | None, episodes: int) -> SeedMean:
+    """The mean over seeds of one share minus another one; its interval stays in [-1, 1].
+
+    Args:
+        pairs: Both shares of each seed.
+        missing: As of `mean_over_seeds`.
+        episodes: Of so many episodes each share is.
+    """
+    shares = np.mean(pairs, axis=0).tolist() if pairs else []
+    lost = [one - other for one, other in pairs]
+    return _mean(lost, missing, lambda known: share_variance(known, shares, episodes), of_difference(SHARE))
+
+
+def _mean(
+    values: Sequence[float], missing: str | None, variance: Callable[[Sequence[float]], float], bounds: Bounds
+) -> SeedMean:
     reasons = () if missing is None else (missing,)
     if not values:
         return SeedMean(None, notes=reasons)
@@ -53,8 +86,5 @@ def mean_over_seeds(values: Sequence[float], missing: str | None = None, episode
     notes = (*why_no_interval(seeds), *reasons)
     if why_no_interval(seeds):
         return SeedMean(mean, seeds=seeds, notes=notes)
-    variance = variance_of(values) if episodes is None else share_variance(values, [mean], episodes)
-    low, high = mean_interval(values, variance)
-    if episodes is not None:  # no share is below 0 or above 1, and an interval that says so holds the truth no less
-        low, high = max(low, 0.0), min(high, 1.0)
+    low, high = mean_interval(values, variance(values), bounds=bounds)
     return SeedMean(mean, low, high, seeds, notes)

@@ -15,6 +15,7 @@ from harness.algorithm import Algorithm, needs_goals, why_not
 from harness.errors import UsageError, sentence
 from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
 from harness.experiment.task_form import task_for
+from harness.record.cell import EVALUATION_HORIZON as HORIZON
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
 from harness.record.plan_file import control_seeds
 from harness.registry.choice import Choice, choose, split_list
@@ -60,6 +61,10 @@ UNMEASURED = (
     "No measure says what the agent does, so the report cannot say whether it behaves better. Give a file of "
     "functions, --measure behaviour.py, or name keys of info, --task gymnasium:id=...,tells=KEY"
 )
+OWN_HORIZON = (
+    "--evaluation-horizon goes with an environment. A task of an arm has a horizon of its own, "
+    "such as --task fd100-reach:horizon=50"
+)
 DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
 """Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
 
@@ -99,6 +104,12 @@ class Experiment:
         list[str],
         Field(max_length=MOST_NAMES, description="measures of an environment that come first; the first one decides"),
     ] = Field(default_factory=list)
+    evaluation_horizon: Annotated[
+        Steps | None,
+        Field(
+            description=f"in an environment: steps after which an episode of an evaluation is cut; None: {HORIZON:,}"
+        ),
+    ] = None
     plugins: Annotated[
         list[Given], Field(max_length=MOST_NAMES, description="required plugins, which you have to give with --plugin")
     ] = Field(default_factory=list)
@@ -177,6 +188,8 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         return _expand_in_environment(experiment, registry)
     if experiment.measure:
         raise UsageError("--measure goes with an environment: an arm is judged by success and time to the target")
+    if experiment.evaluation_horizon is not None:
+        raise UsageError(OWN_HORIZON)
     if not experiment.sim:
         require_known(experiment.task, registry)
         raise UsageError(_unnamed("sim", "experiment"))
@@ -233,7 +246,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
             told = f"{looked.label}: {unknown_name('measure', name, looked.measures)}"
             raise UsageError(f"{told} A key of info becomes a measure by --task gymnasium:id=...,tells={name}")
     baseline, rewards = looked.rewards_asked(experiment.baseline, experiment.reward)
-    seeds = experiment.seed_list
+    seeds, horizon = experiment.seed_list, experiment.evaluation_horizon or HORIZON
     _require_few(len(seeds), 1, len(algorithms), len(rewards))
     reasons = {
         (algorithm, reward): why_not_in(looked, algorithm, reward, registry, experiment.steps)
@@ -242,7 +255,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
     cells = [
         Cell(
             NO_SIMULATOR, NO_ROBOT, task, algorithm, Choice(reward, (), reward), seed, experiment.steps,
-            experiment.evaluation_episodes, deterministic=experiment.deterministic,
+            experiment.evaluation_episodes, deterministic=experiment.deterministic, evaluation_horizon=horizon,
         )
         for seed, algorithm, reward in itertools.product(seeds, algorithms, rewards)
     ]  # fmt: skip
@@ -258,6 +271,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
             "reward": [reward for reward in rewards if reward != baseline],
             "baseline": baseline,
             "task": table_of(task),
+            "evaluation_horizon": horizon,
         },
         warnings=(*registry.broken_files(), *([] if looked.measures else [UNMEASURED])),
     )
@@ -328,7 +342,7 @@ def _resolve(
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
     return {
-        **_given(experiment, needs),
+        **{key: value for key, value in _given(experiment, needs).items() if key != "evaluation_horizon"},
         "sim": [table_of(choice) for choice in simulators],
         "algo": [table_of(choice) for choice in algorithms],
         "reward": [table_of(choice) for choice in rewards],

@@ -36,6 +36,7 @@ class RunArguments(TypedDict, total=False):
     evaluate_every: int
     deterministic: bool
     measure: str | Sequence[str | Path]
+    evaluation_horizon: int | None
     plugins: Sequence[str | Path | type]
     out: str | Path | None
     jobs: int | None

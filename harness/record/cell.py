@@ -13,7 +13,9 @@ NO_SIMULATOR = Choice("(environment)", (), "environment")
 """In place of a simulator, of a cell in an environment that brings its own: no plugin can have this name."""
 NO_ROBOT = "(environment)"
 """In place of a robot, in such a cell."""
-LATER = {"evaluate_every": 0, "deterministic": True}
+EVALUATION_HORIZON = 10_000
+"""Environment steps after which an episode of an evaluation in an environment is cut: ten times what most allow."""
+LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON}
 """Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
 
 
@@ -33,6 +35,8 @@ class Cell:
         evaluation_episodes: Episodes of an evaluation; the same starts and targets in every cell.
         evaluate_every: Environment steps from one evaluation during training to the next; 0 for one at the end alone.
         deterministic: Whether evaluated policies take the one action of each observation, NOTE eq. 36, or draw.
+        evaluation_horizon: In an environment: environment steps after which an episode of an evaluation is cut. A task
+            of an arm has a horizon of its own.
     """
 
     simulator: Choice
@@ -45,6 +49,7 @@ class Cell:
     evaluation_episodes: int
     evaluate_every: int = 0
     deterministic: bool = True
+    evaluation_horizon: int = EVALUATION_HORIZON
 
     @cached_property
     def id(self) -> str:

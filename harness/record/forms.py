@@ -57,6 +57,7 @@ class CellForm(TypedDict):
     evaluation_episodes: Count
     evaluate_every: NotRequired[Whole]
     deterministic: NotRequired[bool]
+    evaluation_horizon: NotRequired[Count]
 
 
 @with_config(OPEN)

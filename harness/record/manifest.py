@@ -71,8 +71,9 @@ class Manifest(Ending):
         cell: What was run.
         training_seconds: Of the training alone, up to the checkpoint it was resumed from included, [s].
         resumed_from: Environment steps that an earlier process, which was killed, left in a checkpoint; 0 if none did.
-        note: After such a process: where the training went on, or why it started over. In an environment also the
-            rewards and measures that failed while they looked on.
+        note: What there is to know of it: where the training went on after such a process, or why it started over. In
+            an environment also that no episode ended, how many episodes of the evaluation were cut, and which rewards
+            and measures failed while they looked on.
         peak_memory: The most that the cell's process had in memory at once, in bytes; 0 if it is not known.
         error: What the task calls the distance that it measures, as ``pose error``; empty if that is the distance from
             end effector to target, in metres.

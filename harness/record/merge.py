@@ -12,10 +12,20 @@ from harness.files.bounded import digest_of
 from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
 from harness.record.cell_folder import require_files
-from harness.record.folder import DERIVED, TRACE, TRANSFER, partial_folder, publish
+from harness.record.folder import (
+    DERIVED,
+    EVALUATION_RECORDING,
+    TRACE,
+    TRAINING_RECORDING,
+    TRANSFER,
+    partial_folder,
+    publish,
+)
 from harness.record.forms import Status
+from harness.record.manifest import Manifest
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan
+from harness.record.recording.recorded_training import STEPS
 from harness.record.store import Store
 from harness.record.united_plan import unite
 from harness.record.verify import read_transfer_ending
@@ -95,25 +105,38 @@ def _choose(folders: Sequence[Path]) -> Merged:
 
 def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[LeftOut]) -> Store | None:
     """Whose cell is taken; None where it has not ended anywhere."""
-    found: dict[Status, list[Store]] = {}
+    found: dict[Status, list[tuple[Store, Manifest]]] = {}
     for store in stores:
         manifest = store.examine(cell)
-        found.setdefault(manifest.status, []).append(store)
+        found.setdefault(manifest.status, []).append((store, manifest))
         if manifest.status == "damaged":
             left_out.append(LeftOut(store.cell_folder(cell), manifest.reason))
     _require_alike(cell, found.get("done", []))
-    return next((found[status][0] for status in RANKS if status in found), None)
+    return next((found[status][0][0] for status in RANKS if status in found), None)
 
 
-def _require_alike(cell: Cell, stores: Sequence[Store]) -> None:
-    """See that a cell that is done in several folders has one and the same trace in all."""
-    traces = [digest_of(store.cell_folder(cell) / TRACE) for store in stores] if len(stores) > 1 else []
-    for store, trace in zip(stores, traces, strict=False):
-        if trace != traces[0]:
+def _require_alike(cell: Cell, done: Sequence[tuple[Store, Manifest]]) -> None:
+    """See that a cell that is done in several folders recorded the same steps in all."""
+    recorded = [_digests_of_steps(store, manifest) for store, manifest in done] if len(done) > 1 else []
+    for (store, _), digests in zip(done, recorded, strict=False):
+        if digests != recorded[0]:
+            what = "recordings" if cell.is_in_environment else "traces"
             raise UsageError(
-                f"Cell {cell.id} ({cell.title}) was trained in '{stores[0].folder}' and in '{store.folder}', and the "
-                "traces differ: remove it from one of them, in the folder cells/, and merge again"
+                f"Cell {cell.id} ({cell.title}) was trained in '{done[0][0].folder}' and in '{store.folder}', and the "
+                f"{what} differ: remove it from one of them, in the folder cells/, and merge again"
             )
+
+
+def _digests_of_steps(store: Store, manifest: Manifest) -> dict[str, str]:
+    """SHA-256 of the files that hold a cell's steps: the trace, or in an environment all parts of both recordings.
+
+    The facts beside the steps of a recording do not count: they name versions, which may differ between machines.
+    """
+    if manifest.cell.is_in_environment:
+        steps = tuple(f"{recording}/{STEPS}" for recording in (TRAINING_RECORDING, EVALUATION_RECORDING))
+        return {name: digest for name, digest in manifest.files.items() if name.startswith(steps)}
+    named = manifest.files.get(TRACE)  # version 0.1 named none
+    return {TRACE: named or digest_of(store.cell_folder(manifest.cell) / TRACE)}
 
 
 def _choose_transfers(cell: Cell, stores: Iterable[Store], merged: Merged) -> None:

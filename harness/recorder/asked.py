@@ -2,10 +2,11 @@
 
 import os
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from harness.errors import UsageError
+from harness.eta.interval import Bounds, are_bounds
 from harness.recorder.column import OWN, Given
 from harness.recorder.env_facts import LEARNERS
 
@@ -32,17 +33,25 @@ class Asked:
     resume: bool
     on_error: OnError
     batched: Collection[str] = ()
+    bounds: Mapping[str, Bounds] = field(default_factory=dict)
     learners: Collection[str] = LEARNERS
+    horizon: int | None = None
 
     def __post_init__(self) -> None:
         if self.on_error not in {"warn", "raise"}:
             raise UsageError(f"on_error={self.on_error!r}: it is 'warn' or 'raise'")
         if not isinstance(self.number, int) or self.number < 0:
             raise UsageError(f"number={self.number!r}: recorders of one training are numbered 0, 1, 2 ...")
-        for name in self.lower_is_better:
-            if name not in self.behaviour:
-                measures = sorted(self.behaviour)
-                raise UsageError(f"lower_is_better names {name!r}, which is none of the measures {measures}")
+        if self.horizon is not None and self.horizon < 1:
+            raise UsageError(f"horizon={self.horizon!r}: an episode has one step at least; None: it is never cut")
+        for argument, names in (("lower_is_better", self.lower_is_better), ("bounds", self.bounds)):
+            for name in names:
+                if name not in self.behaviour:
+                    measures = sorted(self.behaviour)
+                    raise UsageError(f"{argument} names {name!r}, which is none of the measures {measures}")
+        for name, given in self.bounds.items():
+            if not are_bounds(given):
+                raise UsageError(f"bounds of {name!r} are {given!r}: give two numbers, the lower one first")
         if self.trained_with not in {*self.rewards, OWN}:
             raise UsageError(
                 f"trained_with={self.trained_with!r} is none of the rewards {sorted(self.rewards)}: name one of them, "

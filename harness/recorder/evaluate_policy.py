@@ -7,6 +7,8 @@ from typing import Any
 import gymnasium
 
 from harness.errors import UsageError
+from harness.eta.interval import Bounds
+from harness.record.cell import EVALUATION_HORIZON
 from harness.recorder.asked import OnError
 from harness.recorder.column import Given
 from harness.recorder.env_facts import LEARNERS
@@ -27,9 +29,11 @@ def evaluate_policy(
     rewards: Mapping[str, Given],
     behaviour: Mapping[str, Given] | None = None,
     lower_is_better: Collection[str] = (),
+    bounds: Mapping[str, Bounds] | None = None,
     episodes: int = EPISODES,
     on_error: OnError = "warn",
     learners: Collection[str] = LEARNERS,
+    horizon: int = EVALUATION_HORIZON,
 ) -> None:
     """Record whole episodes of a finished policy; ``harness report`` then judges by them, not by the training.
 
@@ -38,16 +42,18 @@ def evaluate_policy(
     Args:
         policy: From an observation to an action; of stable-baselines3
             ``lambda observation: model.predict(observation, deterministic=True)[0]``.
-        env: One that was made, which is left open, or the id of one. It has to end its episodes.
+        env: One that was made, which is left open, or the id of one.
         path: A folder for this evaluation, such as one inside that of the training.
         trained_with: The reward that taught the policy.
         seed: Of its training.
         rewards: Those that the training recorded; `trained_with` is one of them.
         behaviour: Its measures.
         lower_is_better: Names of measures of which less is better.
+        bounds: The least and the greatest value of measures.
         episodes: How many.
         on_error: As of `RecordRewards`.
         learners: The same.
+        horizon: Steps after which an episode that goes on is cut; reports say how many were.
 
     Raises:
         UsageError: Something of that cannot be used, there is no such env, or `path` holds another recording.
@@ -63,10 +69,12 @@ def evaluate_policy(
         rewards=rewards,
         behaviour=behaviour,
         lower_is_better=lower_is_better,
+        bounds=bounds,
         seed=seed,
         evaluation=True,
         on_error=on_error,
         learners=learners,
+        horizon=horizon,
     )
     try:
         for episode in range(episodes):

@@ -10,6 +10,7 @@ import gymnasium
 from gymnasium.envs.registration import EnvSpec
 from numpy import float64, ndarray
 
+from harness.eta.interval import Bounds
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import Column, Given, Measure, Untold, as_number
@@ -54,6 +55,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
         lower_is_better: Collection[str] = (),
+        bounds: Mapping[str, Bounds] | None = None,
         seed: int | None = None,
         evaluation: bool = False,
         pay: bool = False,
@@ -61,6 +63,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         resume: bool = False,
         on_error: OnError = "warn",
         learners: Collection[str] = LEARNERS,
+        horizon: int | None = None,
     ) -> None:
         """Check what was given, and start the recording.
 
@@ -72,6 +75,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             rewards: By name, at least one.
             behaviour: Measures of what the robot does, by name; reports judge it by the first.
             lower_is_better: Names of measures of which less is better, such as a distance.
+            bounds: By name of a measure, the least and the greatest value that it can have: ``(0.0, math.inf)`` of a
+                distance. No interval in a report leaves them; a measure that is 0 or 1 in every episode needs none.
             seed: Of the training: reports compare trainings of one seed. By default the first that the env is reset
                 with.
             evaluation: A finished policy acts, and nothing is trained: `trained_with` and `seed` are then those of the
@@ -82,6 +87,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
                 holds one is refused. Rewards, measures and env have to be the same as before.
             on_error: ``"warn"``, or ``"raise"`` to stop the training where a reward or a measure fails.
             learners: Modules of learning libraries; the version of each is noted where something has imported it.
+            horizon: Steps after which an episode is cut, if the env has not ended it: the step is truncated then. The
+                recording counts such episodes. None: only the env ends episodes.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -91,11 +98,11 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         super().__init__(env)
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
-            on_error, learners=learners,
+            on_error, bounds=bounds or {}, learners=learners, horizon=horizon,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1, actions=action_facts(env.action_space))
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]
-        self._looks, self._calls = self._recorder.looks, self._recorder.calls
+        self._looks, self._calls, self._horizon = self._recorder.looks, self._recorder.calls, horizon
         self._pays = None if self._recorder.pays is None else KEYS + self._recorder.pays
         self._before: Any = None
         self._row: list[Any] = []
@@ -134,6 +141,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
     def step(self, action: Action) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take a step, and record it."""
         observation, paid, terminated, truncated, info = self.env.step(action)
+        if self._step + 1 == self._horizon and not (terminated or truncated):
+            truncated = True
+            self._recorder.note_cut()
         self._row = row = self._record(action, observation, paid, terminated, truncated, info)
         if self._pays is not None:
             paid = row[self._pays]

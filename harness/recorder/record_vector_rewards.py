@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.eta.interval import Bounds
 from harness.record.recording.facts import ActionFacts
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.batch import BatchStep, Mask
@@ -48,6 +49,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
         lower_is_better: Collection[str] = (),
+        bounds: Mapping[str, Bounds] | None = None,
         seed: int | None = None,
         evaluation: bool = False,
         pay: bool = False,
@@ -65,6 +67,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             rewards: By name, at least one.
             behaviour: Measures of what the robot does, by name; reports judge it by the first.
             lower_is_better: Names of measures of which less is better, such as a distance.
+            bounds: By name of a measure, the least and the greatest value that it can have.
             seed: Of the training; by default the first that the envs are reset with.
             evaluation: A finished policy acts, and nothing is trained.
             pay: Pay the learner the reward `trained_with`, and not what the envs pay.
@@ -82,7 +85,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._mode = _autoreset_mode(env)
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
-            on_error, batched,
+            on_error, batched, bounds or {},
         )  # fmt: skip
         self._recorder = Recorder(env, asked, env.num_envs, _action_facts(env))
         self._looks = self._recorder.looks

@@ -63,6 +63,8 @@ class Recorder:
             trained_with=asked.trained_with,
             behaviour=tuple(asked.behaviour),
             lower_is_better=tuple(name for name in asked.behaviour if name in asked.lower_is_better),
+            pay=asked.pay,
+            bounds={name: (float(low), float(high)) for name, (low, high) in asked.bounds.items()},
             evaluation=asked.evaluation,
             seed=asked.seed,
             num_envs=num_envs,
@@ -70,6 +72,7 @@ class Recorder:
             versions=versions_of(env, asked.learners),
             sources={column.name: source_of(column.given) for column in self.columns},
             actions=actions,
+            horizon=asked.horizon or 0,
         )
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
@@ -89,6 +92,10 @@ class Recorder:
 
     def _note_actions(self, facts: ActionFacts) -> None:
         self._writer.facts = replace(self._writer.facts, actions=facts)
+
+    def note_cut(self) -> None:
+        """Count an episode that is cut."""
+        self._writer.facts = replace(self._writer.facts, cut=self._writer.facts.cut + 1)
 
     def give_up(self, column: Column, env: int, episode: int, step: int, error: BaseException) -> None:
         """Note that a column has failed, and tell it.

@@ -111,13 +111,13 @@ class Retake:
         for env in range(facts.num_envs):
             rows = np.flatnonzero(columns["env"] == env)
             calls = _Calls(actions, numbers[rows], {name: column[rows] for name, column in columns.items()})
-            scores.append(self._of_env(folder, calls, env, done))
+            scores.append(self._of_env(folder, facts, calls, env, done))
             for name, column in scores[-1].columns.items():
                 values.setdefault(name, np.full(len(numbers), np.nan))[rows] = column
             done += len(rows)
         return replace(scores[0], columns=values, failures=tuple(it for one in scores for it in one.failures))
 
-    def _of_env(self, folder: Path, calls: "_Calls", number: int, done: int) -> Scores:
+    def _of_env(self, folder: Path, facts: TrainingFacts, calls: "_Calls", number: int, done: int) -> Scores:
         with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, closing(self.make()) as env:
             later, path = self.later(env), Path(place) / "again"
             with warnings.catch_warnings():
@@ -129,6 +129,7 @@ class Retake:
                     rewards=later.rewards,
                     behaviour=later.behaviour,
                     lower_is_better=later.lower_is_better,
+                    horizon=facts.horizon or None,  # episodes were cut, and are cut again
                 )
                 try:
                     calls.repeat(again, f"'{folder}'", lambda steps: self.tell(done + steps))

@@ -13,7 +13,7 @@ from harness.eta.index import Index, Ratio
 from harness.eta.scored_sums import Pair
 from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
 from harness.eta.swaps import smallest_p
-from harness.record.cell import Cell
+from harness.record.cell import EVALUATION_HORIZON, Cell
 from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.results.mixture import Mixture
@@ -32,6 +32,7 @@ class Group(NamedTuple):
     evaluation_episodes: int
     evaluate_every: int = 0
     deterministic: bool = True
+    evaluation_horizon: int = EVALUATION_HORIZON
     simulator: Choice | None = None
     """The simulator; None if simulators are compared."""
     reward: Choice | None = None

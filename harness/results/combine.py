@@ -9,6 +9,7 @@ from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
 from harness.eta.headline import DECIDING
+from harness.eta.interval import SHARE
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.swaps import Swaps, corrected_where_known, swaps_of
 from harness.record.cell import Cell
@@ -196,7 +197,10 @@ class _Measures:
             [learning_values(self._records.moments(cell), cell.steps) for cell in cells]
             for cells in (self._match.of_baseline, self._match.of_proposed)
         )
-        measures = (Measure(AREA, "", "higher", LEARNING), Measure(STEPS_TO_GOAL, "steps", "lower", LEARNING))
+        measures = (
+            Measure(AREA, "", "higher", LEARNING, bounds=SHARE),
+            Measure(STEPS_TO_GOAL, "steps", "lower", LEARNING, bounds=(0.0, float(self._match.group.steps))),
+        )
         return [
             self._change(it, [values[it.name] for values in one], [values[it.name] for values in other])
             for it in measures

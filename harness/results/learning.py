@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.metric import is_share
+from harness.metric import bounds_of, is_share
 from harness.results.combination import Combination, Group
 from harness.results.measured import Moment, Values, moments_by_due
 from harness.results.results import Results
@@ -111,9 +112,9 @@ def learning_of(results: Results, combination: Combination) -> Learning | None:
 
 
 def learning_points(
-    runs: Sequence[LearningRun], metric: str, group: Group, is_share: bool = False
+    runs: Sequence[LearningRun], metric: str, group: Group, is_share: bool = False, bounds: Bounds = UNBOUNDED
 ) -> tuple[Point, ...]:
-    """The mean of one metric, which may be a share of episodes, over seeds at each evaluation.
+    """The mean of one metric, which may be a share of episodes or have bounds, over seeds at each evaluation.
 
     Evaluations that were due at the same step form one point.
     """
@@ -122,14 +123,14 @@ def learning_points(
         for due, moment in moments_by_due(run.moments, group.evaluate_every, group.steps):
             found.setdefault(due, []).append(moment)
     episodes = group.evaluation_episodes if is_share else None
-    return tuple(_point(moments, metric, len(runs), episodes) for _, moments in sorted(found.items()))
+    return tuple(_point(moments, metric, len(runs), episodes, bounds) for _, moments in sorted(found.items()))
 
 
-def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None) -> Point:
+def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None, bounds: Bounds) -> Point:
     values = [value for moment in moments if (value := moment.values[metric]) is not None]
     missing = None if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
     steps = round(sum(moment.steps for moment in moments) / len(moments))
-    return Point(steps, mean_over_seeds(values, missing, episodes))
+    return Point(steps, mean_over_seeds(values, missing, episodes, bounds))
 
 
 def _curve(results: Results, combination: Combination, label: str) -> LearningCurve:
@@ -140,7 +141,7 @@ def _curve(results: Results, combination: Combination, label: str) -> LearningCu
     }
     runs = tuple(LearningRun(seed, results.moments(cells[seed])) for seed in combination.seeds)
     points = {
-        name: learning_points(runs, name, combination.group, is_share(metric))
+        name: learning_points(runs, name, combination.group, is_share(metric), bounds_of(metric))
         for name, metric in results.metrics.items()
     }
     return LearningCurve(label, runs, points)

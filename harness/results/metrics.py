@@ -7,7 +7,8 @@ from functools import partial
 from harness.errors import Unmeasured, one_line
 from harness.eta.behaviour_change import Measure
 from harness.eta.headline import DECIDING
-from harness.metric import Metric, is_error, is_share
+from harness.eta.interval import are_bounds
+from harness.metric import Metric, bounds_of, is_error, is_share
 from harness.record.manifest import Manifest
 from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose, split_list
@@ -60,11 +61,11 @@ def measure_of(name: str, metric: Metric, manner: str, episodes: int, manifest: 
         episodes: How many episodes it is a share of, if it is a share.
         manifest: The manifest of one of the cells, which all do one task.
     """
-    share = episodes if is_share(metric) else None
+    share, bounds = episodes if is_share(metric) else None, bounds_of(metric)
     if manifest.error and is_error(metric):
         title = name.replace("_", " ").replace("distance", manifest.error)
-        return Measure(name, manifest.unit, metric.better, manner, share, title)
-    return Measure(name, metric.unit, metric.better, manner, share)
+        return Measure(name, manifest.unit, metric.better, manner, share, title, bounds)
+    return Measure(name, metric.unit, metric.better, manner, share, bounds=bounds)
 
 
 def with_fingerprints(metrics: Mapping[str, Metric]) -> dict[str, tuple[Metric, str]]:
@@ -91,4 +92,6 @@ def _build(registry: Registry, name: str) -> Metric:
     metric: Metric = Choice(name).build(registry, "metrics")
     if metric.better not in BETTER:
         raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are {' and '.join(BETTER)}")
+    if not are_bounds(bounds_of(metric)):
+        raise Unmeasured(f"its 'bounds' are {bounds_of(metric)!r}: allowed are two numbers, the lower one first")
     return metric

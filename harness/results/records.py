@@ -7,9 +7,11 @@ from pathlib import Path
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind, stream_curve
+from harness.eta.equal import Key, equal_trainings
 from harness.files.bounded import read_text, reading
 from harness.metric import Metric
 from harness.record.cell import Cell
+from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
@@ -143,6 +145,16 @@ class Records:
         for manifest in self.done:
             groups.setdefault(Group.of(manifest.cell), []).append(manifest.cell)
         return groups
+
+    @cached_property
+    def equal(self) -> dict[Group, tuple[tuple[Key, ...], ...]]:
+        """Trainings of an arm that left the same trace, bit for bit, by their group."""
+        digests: dict[Group, dict[Key, str]] = {}
+        for manifest in self.done:
+            key = (manifest.cell.reward.label, manifest.cell.seed)
+            digests.setdefault(Group.of(manifest.cell), {})[key] = manifest.files.get(TRACE, "")
+        found = {group: equal_trainings(of) for group, of in digests.items()}
+        return {group: equal for group, equal in found.items() if equal}
 
     @property
     def done_cells(self) -> list[Cell]:

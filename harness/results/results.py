@@ -11,6 +11,7 @@ from typing import Any
 
 from harness.errors import UsageError
 from harness.eta.curve import Kind
+from harness.eta.equal import key_to_json
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
 from harness.results.combination import Combination
@@ -38,6 +39,11 @@ class Results(Records):
             "combinations": [combination.to_json() for combination in self.combinations],
             "cells": [cell_to_json(manifest) for manifest in self.manifests],
             "not_measured": self.not_measured,
+            "equal_trainings": [
+                {**group.to_json(), "trainings": [key_to_json(key) for key in keys]}
+                for group, equal in self.equal.items()
+                for keys in equal
+            ],
         }
 
     def write_table(self) -> Path:

@@ -265,9 +265,8 @@ class _Comparer:
             {seed: part.behaviour.get(name) for seed, part in zip(self._seeds, self._parts[manner][who], strict=True)}
             for who in ("baseline", "proposed")
         )
-        measure = Measure(
-            name, "", self._runs.better(name), manner, self._fewest(manner) if self._runs.is_flag(name) else None
-        )
+        episodes = self._fewest(manner) if self._runs.is_flag(name) else None
+        measure = Measure(name, "", self._runs.better(name), manner, episodes, bounds=self._runs.bounds(name))
         change = change_of(measure, baseline, proposed, self._swaps)
         reasons = (
             _why(name, run, part)

@@ -1,14 +1,15 @@
 """A recorded training by its finished episodes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.record.recording.facts import BEHAVIOUR, OWN_SOURCE, REWARD
+from harness.eta.interval import Bounds, are_within
+from harness.record.recording.facts import BEHAVIOUR, REWARD
 from harness.record.recording.recorded_training import RecordedTraining
 
 UNKNOWN = "not a number in some episodes"
@@ -57,10 +58,27 @@ class Episodes:
         }
         return Part(count, returns, behaviour, reasons)
 
+    def knows(self, reward: str) -> bool:
+        """Whether it is known what a reward paid all episodes."""
+        return f"{REWARD}{reward}" not in self.reasons
+
+    def without(self, reward: str, reason: str) -> "Episodes":
+        """The same episodes, of which it is not known what a reward paid them."""
+        returns = {**self.returns, reward: np.full(len(self.last), np.nan)}
+        return replace(self, returns=returns, reasons={**self.reasons, f"{REWARD}{reward}": reason})
+
     def is_flag(self, measure: str) -> bool:
         """Whether a measure is 0 or 1 in every episode that has it: its mean is a share of episodes."""
-        values = np.asarray(self.behaviour.get(measure, ()))
-        return bool(np.isin(values[~np.isnan(values)], (0.0, 1.0)).all())
+        return bool(np.isin(self._known(measure), (0.0, 1.0)).all())
+
+    def is_within(self, measure: str, bounds: Bounds) -> bool:
+        """Whether a measure lies within bounds in every episode that has it."""
+        known = self._known(measure)
+        return not len(known) or are_within(known, bounds)
+
+    def _known(self, measure: str) -> Float:
+        values: Float = np.asarray(self.behaviour.get(measure, ()))
+        return values[~np.isnan(values)]
 
 
 def episodes_of(recording: RecordedTraining) -> Episodes:
@@ -68,39 +86,17 @@ def episodes_of(recording: RecordedTraining) -> Episodes:
     ended = np.flatnonzero(recording.terminated | recording.truncated)
     most = int(recording.episode.max(initial=0)) + 1
     _, numbers = np.unique(recording.env.astype(np.int64) * most + recording.episode, return_inverse=True)
-    mistaken = _mistaken(recording)
-    returns = {
-        name: np.full(len(ended), np.nan) if name in mistaken else np.bincount(numbers, values)[numbers[ended]]
-        for name, values in recording.rewards.items()
-    }
+    returns = {name: np.bincount(numbers, values)[numbers[ended]] for name, values in recording.rewards.items()}
     given_up = {
         failure.column: f"given up in step {failure.step:,} of episode {failure.episode:,}: {failure.reason}"
         for failure in recording.facts.failures
     }
-    paid = f"recorded as what the env pays, and that was {recording.facts.trained_with} here"
-    return Episodes(
-        ended,
-        returns,
-        {name: values[ended] for name, values in recording.behaviour.items()},
-        {**given_up, **{f"{REWARD}{name}": paid for name in mistaken}},
-    )
+    return Episodes(ended, returns, {name: values[ended] for name, values in recording.behaviour.items()}, given_up)
 
 
-def _mistaken(recording: RecordedTraining) -> list[str]:
-    """Rewards recorded as what the env pays where the env paid the reward that the learner was trained with.
-
-    Under their names other trainings have another reward.
-    """
-    facts = recording.facts
-    trained = recording.rewards[facts.trained_with]
-    return [
-        name
-        for name, values in recording.rewards.items()
-        if name != facts.trained_with
-        and f"{REWARD}{name}" in facts.sources
-        and facts.sources[f"{REWARD}{name}"].text == OWN_SOURCE
-        and np.allclose(values, trained, rtol=1e-5, atol=1e-6)
-    ]
+def cut_text(cut: int, episodes: int, horizon: int) -> str:
+    """How many of the episodes of evaluations were cut at the horizon, in words."""
+    return f"{cut:,} of {episodes:,} evaluation episodes were cut after {horizon:,} steps"
 
 
 def _mean(values: Float) -> float | None:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.seed_mean import mean_over_seeds
 from harness.results.learning import Learning, LearningCurve, Point
 from harness.trainings.comparison import Comparison
@@ -43,16 +44,16 @@ def _curve(runs: Runs, reward: str, members: Sequence[Run]) -> LearningCurve:
 def _point(end: int, parts: Sequence[Part], measure: str, runs: Runs) -> Point:
     values = [part.behaviour.get(measure) for part in parts]
     episodes = min(part.episodes for part in parts) if runs.is_flag(measure) else None
-    return _mean(end, values, episodes)
+    return _mean(end, values, episodes, runs.bounds(measure))
 
 
 def _return_point(end: int, parts: Sequence[Part], reward: str) -> Point:
-    return _mean(end, [part.returns.get(reward) for part in parts], None)
+    return _mean(end, [part.returns.get(reward) for part in parts])
 
 
-def _mean(end: int, values: Sequence[float | None], episodes: int | None) -> Point:
+def _mean(end: int, values: Sequence[float | None], episodes: int | None = None, bounds: Bounds = UNBOUNDED) -> Point:
     known = [value for value in values if value is not None]
     missing = (
         None if len(known) == len(values) else f"{len(values) - len(known)} of {len(values)} seeds have no value here"
     )
-    return Point(end, mean_over_seeds(known, missing, episodes))
+    return Point(end, mean_over_seeds(known, missing, episodes, bounds))

@@ -2,14 +2,19 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
+from harness.eta.equal import equal_sentences, equal_trainings
+from harness.eta.interval import SHARE, UNBOUNDED, Bounds
+from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import read_recording, recordings_in
-from harness.trainings.episodes import Episodes, Part, episodes_of
+from harness.trainings.alike import Likeness, likeness_of
+from harness.trainings.episodes import Episodes, Part, cut_text, episodes_of
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
@@ -18,6 +23,8 @@ TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evalu
 MANNERS = (EVALUATION, LAST, TRAINING)
 """What says most about the final policies comes first."""
 NO_NAME = "an env without a name"
+SUCCESS = "success"
+"""The measure that decides if there is one of this name; see `harness.environment.SUCCESS`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +37,7 @@ class Run:
         seed: Of the training, or the number that it was given.
         steps: How many environment steps are recorded.
         episodes: All that ended.
+        likeness: What its columns have in common.
         evaluation: Those of its final policy, where they were recorded.
     """
 
@@ -38,6 +46,7 @@ class Run:
     seed: int
     steps: int
     episodes: Episodes
+    likeness: Likeness
     evaluation: "Run | None" = None
 
     @property
@@ -79,6 +88,10 @@ class Runs(NamedTuple):
     """What to keep in mind, a line each."""
     damaged: tuple[str, ...]
     """What could not be read, a line each."""
+    equal: tuple[tuple[tuple[str, int], ...], ...]
+    """Trainings that are equal bit for bit, by reward and seed, together."""
+    rescaled: Mapping[tuple[str, str], Rescaling]
+    """Rewards that are another one but for scale and offset, by both names; the other one comes first in `rewards`."""
 
     def of(self, reward: str) -> list[Run]:
         """Trainings with a reward, by seed."""
@@ -90,9 +103,20 @@ class Runs(NamedTuple):
 
     def is_flag(self, measure: str) -> bool:
         """Whether it is 0 or 1 in every episode of every training."""
-        recorded = [run for run in self.members.values() if measure in run.facts.behaviour]
-        everything = [*recorded, *(run.evaluation for run in recorded if run.evaluation is not None)]
-        return all(run.episodes.is_flag(measure) for run in everything)
+        return all(run.episodes.is_flag(measure) for run in _with_evaluations(self.members.values()))
+
+    def bounds(self, measure: str) -> Bounds:
+        """What it can be: what the recordings say, if they agree, else 0 to 1 of success; anything if it left that."""
+        said = {run.facts.bounds.get(measure, UNBOUNDED) for run in self.members.values()}
+        bounds = said.pop() if len(said) == 1 else UNBOUNDED
+        if bounds == UNBOUNDED and measure == SUCCESS:
+            bounds = SHARE
+        runs = _with_evaluations(self.members.values())
+        return bounds if all(run.episodes.is_within(measure, bounds) for run in runs) else UNBOUNDED
+
+
+def _with_evaluations(runs: Iterable[Run]) -> list[Run]:
+    return [it for run in runs for it in (run, run.evaluation) if it is not None]
 
 
 def has_recordings(folder: Path) -> bool:
@@ -133,7 +157,10 @@ def read_runs(
         )
     shortest = min(run.steps for run in members.values())
     notes = [*env_notes, *seed_notes, *evaluation_notes, *empty, *_cut_notes(members.values(), shortest)]
-    notes += _code_notes(everything)
+    notes += [*_end_notes(trained, members), *_code_notes(everything), *_bounds_notes(everything)]
+    equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
+    rescaled = _rescaled(rewards, members.values())
+    notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     return Runs(
         env,
@@ -145,7 +172,24 @@ def read_runs(
         shortest,
         tuple(notes),
         tuple(damaged),
+        equal,
+        rescaled,
     )
+
+
+def _rescaled(rewards: Sequence[str], runs: Iterable[Run]) -> dict[tuple[str, str], Rescaling]:
+    """Of each reward the first one before it that it is but for scale and offset."""
+    found: dict[tuple[str, str], Rescaling] = {}
+    for other, name in combinations(rewards, 2):
+        lines = [
+            run.likeness.lines[other, name]
+            for run in runs
+            if {name, other} <= {*run.facts.rewards} and run.episodes.knows(name) and run.episodes.knows(other)
+        ]
+        rescaling = rescaling_of(lines)
+        if rescaling is not None and name not in {it for it, _ in found}:
+            found[name, other] = rescaling
+    return found
 
 
 def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run], list[str]]:
@@ -161,8 +205,23 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             damaged.append(str(error))
             continue
         seed = _seed_of(recording.facts)
-        runs.append(Run(path, recording.facts, -1 if seed is None else seed, len(recording), episodes_of(recording)))
-    return runs, damaged
+        number, whole = -1 if seed is None else seed, episodes_of(recording)
+        runs.append(Run(path, recording.facts, number, len(recording), whole, likeness_of(recording)))
+    paid = {(run.reward, run.seed) for run in runs if run.facts.pay}
+    return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
+
+
+def _without_mistaken(run: Run) -> Run:
+    """The same without rewards recorded as what the env pays where the env paid the reward that taught instead.
+
+    Under their names other recordings have another reward. Where the recorder paid the learner, the env itself pays the
+    same whatever taught.
+    """
+    paid = f"recorded as what the env pays, and that was {run.reward} here"
+    for name, other in run.likeness.paid_alike:
+        if other == run.reward:
+            run = replace(run, episodes=run.episodes.without(name, paid))
+    return run
 
 
 def _seed_of(facts: TrainingFacts) -> int | None:
@@ -248,6 +307,26 @@ def _cut_notes(runs: Iterable[Run], shortest: int) -> list[str]:
     return notes
 
 
+def _end_notes(trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
+    """Trainings in which no episode ended, and evaluations whose episodes were cut, for each reward that trained."""
+    notes = []
+    for reward in trained:
+        runs = [run for (name, _), run in members.items() if name == reward]
+        unended = sum(not len(run.episodes.last) for run in runs)
+        if unended:
+            told = f"No episode ended in {unended} of {_count(len(runs), 'training')} by {reward}"
+            notes.append(f"{told}: give the environment a time limit")
+        evaluations: dict[int, list[Run]] = {}
+        for evaluation in (run.evaluation for run in runs if run.evaluation is not None):
+            evaluations.setdefault(evaluation.facts.horizon, []).append(evaluation)
+        for horizon, some in evaluations.items():
+            cut = sum(it.facts.cut for it in some)
+            if cut:
+                told = cut_text(cut, sum(len(it.episodes.last) for it in some), horizon)
+                notes.append(f"Policies trained by {reward}: {told}")
+    return notes
+
+
 def _code_notes(runs: Iterable[Run]) -> list[str]:
     """Rewards and measures that have one name and are not the same."""
     found: dict[str, dict[str, Path]] = {}
@@ -260,6 +339,20 @@ def _code_notes(runs: Iterable[Run]) -> list[str]:
         "not be comparable"
         for column, of in found.items()
         if len(paths := list(of.values())) > 1
+    ]
+
+
+def _bounds_notes(runs: Iterable[Run]) -> list[str]:
+    """Measures that left the bounds that their recordings name."""
+    left = {
+        name: (run.path, bounds)
+        for run in runs
+        for name, bounds in run.facts.bounds.items()
+        if not run.episodes.is_within(name, bounds)
+    }
+    return [
+        f"{name} leaves its bounds, {low:g} to {high:g}, in '{path}': its intervals are not cut to them"
+        for name, (path, (low, high)) in left.items()
     ]
 
 

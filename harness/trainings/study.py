@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.eta.curve import Kind
+from harness.eta.equal import key_to_json
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.swaps import corrected_where_known, swaps_of
 from harness.trainings.comparison import Comparison, compare
@@ -45,6 +46,8 @@ class Study:
             "curve": self.kind,
             "notes": list(runs.notes),
             "damaged": list(runs.damaged),
+            "equal_trainings": [[key_to_json(key) for key in keys] for keys in runs.equal],
+            "rescaled": [{"reward": name, "of": other, **it.to_json()} for (name, other), it in runs.rescaled.items()],
             "comparisons": [comparison.to_json() for comparison in self.comparisons],
             "returns": {
                 manner: [

@@ -1,11 +1,11 @@
 """Success and return of policies trained in one simulator and evaluated in another. Reads results only."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 from harness.eta.headline import SUCCESS
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.seed_mean import SeedMean, mean_lost_share, mean_over_seeds
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, TRANSFER
 from harness.record.returns import mean_return
@@ -166,34 +166,36 @@ class _Table:
                     self._failed[pair] = self._failed.get(pair, 0) + 1
 
     def success(self, home: Choice, place: Choice) -> SeedMean:
-        return self._mean(home, place, lambda seed: self._known[home, place][seed].success, is_share=True)
+        values = [it.success for it in self._evaluations(home, place).values() if it.success is not None]
+        return mean_over_seeds(values, self._missing(home, place, len(values)), self._episodes)
 
     def paid(self, home: Choice, place: Choice) -> SeedMean:
-        return self._mean(home, place, lambda seed: self._known[home, place][seed].paid)
+        values = [it.paid for it in self._evaluations(home, place).values() if it.paid is not None]
+        return mean_over_seeds(values, self._missing(home, place, len(values)))
 
     def drop(self, home: Choice, place: Choice) -> SeedMean:
         if home == place:
             return SeedMean(None, notes=("evaluated where it was trained",))
+        trained = self._known[home, home]
+        pairs = [
+            (there, here.success)
+            for seed, here in self._evaluations(home, place).items()
+            if (there := trained[seed].success) is not None and here.success is not None
+        ]
+        return mean_lost_share(pairs, self._missing(home, place, len(pairs)), self._episodes)
 
-        def lost(seed: int) -> float | None:
-            there, here = self._known[home, home][seed].success, self._known[home, place][seed].success
-            return None if there is None or here is None else there - here
+    def _evaluations(self, home: Choice, place: Choice) -> Mapping[int, Evaluation]:
+        """By seed, those that were evaluated."""
+        return self._known.get((home, place), {})
 
-        return self._mean(home, place, lost, is_share=True)
+    def _missing(self, home: Choice, place: Choice, defined: int) -> str | None:
+        """How many seeds have no evaluation, and why; or that it says nothing for some; None if all have a value."""
+        told = self._unevaluated(home, place)
+        return told or (None if defined == len(self._evaluations(home, place)) else "not defined for every seed")
 
-    def _mean(
-        self, home: Choice, place: Choice, value: Callable[[int], float | None], is_share: bool = False
-    ) -> SeedMean:
-        """Over the seeds that were evaluated; says why there are not all."""
-        known = self._known.get((home, place), {})
-        values = [number for number in map(value, known) if number is not None]
-        missing = None if len(values) == len(known) else "not defined for every seed"
-        return mean_over_seeds(values, self._missing(home, place) or missing, self._episodes if is_share else None)
-
-    def _missing(self, home: Choice, place: Choice) -> str | None:
-        """How many seeds have no evaluation, and why; None if all have one."""
+    def _unevaluated(self, home: Choice, place: Choice) -> str | None:
         count, failed = len(self._seeds[home]), self._failed.get((home, place), 0)
-        waiting = count - failed - len(self._known.get((home, place), {}))
+        waiting = count - failed - len(self._evaluations(home, place))
         told = {"failed": failed, "not evaluated": waiting}
         return ", ".join(f"{number} of {count} {what}" for what, number in told.items() if number) or None
 

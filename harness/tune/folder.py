@@ -12,7 +12,6 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import tomli_w
 
@@ -20,8 +19,11 @@ from harness.errors import UsageError
 from harness.files.whole_file import is_partial, write_whole
 from harness.record.out_folder import folder_lock, make_folder, refuse_links, storage_errors
 from harness.registry.toml_file import read_toml
+from harness.text import shortened
 from harness.tune.tuning import Setup
 
+SHOWN = 80
+"""The most characters of a value in a message."""
 TUNING, TUNED, LOCK = "tuning.toml", "tuned.toml", ".lock"
 
 
@@ -51,11 +53,5 @@ def _require_same(folder: Path, setup: Setup) -> None:
     there = read_toml(folder / TUNING, "tuning file")
     for key, value in setup.keys.items():
         if there.get(key) != value:
-            now, then = _short(value), _short(there.get(key))
+            now, then = (shortened(str(one), SHOWN) for one in (value, there.get(key)))
             raise UsageError(f"--out '{folder}' holds another search: {key} was {then}, now {now}: name another folder")
-
-
-def _short(value: Any) -> str:
-    """The value, or its beginning if it is long."""
-    text = str(value)
-    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -13,11 +13,10 @@ from harness.errors import HarnessError, UsageError, sentence
 from harness.registry.names import did_you_mean
 from harness.registry.parameters import parameters_of
 
-SYNTAX = "write LOW..HIGH, LOW..HIGH:log or A|B|C"
 DEFAULTS = {"learning_rate": "1e-4..1e-2:log", "gamma": "0.9..0.999"}
 """The parameters that are searched by default, if an algorithm has them."""
 
-_RANGE = re.compile(r"(?P<low>[^|]+?)\.\.(?P<high>[^|]+?)(?P<log>:log)?")
+_RANGE = re.compile(r"(?P<low>[^|]+?)\.\.(?P<high>[^|:][^|]*?)(?P<log>:log)?")
 
 
 @dataclass(frozen=True)
@@ -115,15 +114,18 @@ class _Field:
         self._types = set(_parts(typing.get_type_hints(target)[name]))
 
     def dimension(self, given: Any) -> Dimension:
-        texts = [_text(item) for item in given] if isinstance(given, list) else str(given).split("|")
-        if len(texts) > 1 or isinstance(given, list):
+        texts = [_text(item) for item in given] if isinstance(given, list) else given.split("|")
+        if len(texts) != 1 or isinstance(given, list):
             return self._options([text.strip() for text in texts])
         match = _RANGE.fullmatch(texts[0].strip())
         if not match:
-            raise UsageError(f"search '{self._name}={given}' is malformed: {SYNTAX}")
+            raise UsageError(why_no_range(self._name, given))
         return self._range(str(given), match["low"], match["high"], bool(match["log"]))
 
     def _options(self, texts: list[str]) -> Options:
+        if not all(texts) or not texts:
+            what = "one of its options is empty" if texts else "it has no option"
+            raise UsageError(f"search '{self._name}={'|'.join(texts)}': {what}: {syntax_of(self._name)}")
         values = [self._convert(text) for text in texts]
         for index, value in enumerate(values):
             if value in values[:index]:
@@ -150,7 +152,7 @@ class _Field:
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            raise UsageError(f"search '{self._name}={text}': '{end}' is not {kind}: {SYNTAX}")
+            raise UsageError(f"search '{self._name}={text}': '{end}' is not {kind}: {syntax_of(self._name)}")
         return number
 
     def _convert(self, given: Any) -> Any:
@@ -171,6 +173,24 @@ class _Field:
             return given
         except HarnessError:
             return given
+
+
+def why_no_range(name: str, given: Any) -> str:
+    """What is missing in a text, or another value, that is neither a range nor several options."""
+    low, dots, high = str(given).partition("..")
+    if dots:
+        missing = [end for end, text in (("lower", low), ("upper", high.removesuffix(":log"))) if not text.strip()]
+        what = f"the range has no {' and no '.join(missing)} end"
+    elif str(given).strip():
+        what = f"one value is no search (--algo NAME:{name}={given} sets it)"
+    else:
+        what = "it has no values"
+    return f"search '{name}={given}': {what}: {syntax_of(name)}"
+
+
+def syntax_of(name: str) -> str:
+    """What may be written for a parameter."""
+    return f"write {name}=LOW..HIGH, {name}=LOW..HIGH:log or {name}=A|B|C"
 
 
 def _parts(hint: Any) -> Iterator[Any]:

@@ -30,7 +30,7 @@ from harness.registry.choice import Choice
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
 from harness.registry.toml_file import read_toml
-from harness.tune.space import Dimension, parse_space
+from harness.tune.space import Dimension, parse_space, why_no_range
 
 FIRST_SEED = 1_000_000
 """The first seed of a search's trainings. It is far from 0, 1, ..., with which ``harness run`` trains."""
@@ -142,12 +142,24 @@ def check_tuning(data: Mapping[str, Any], noun: str = NOUN) -> Tuning:
     Raises:
         UsageError: A key is unknown or missing, or a value is of the wrong type or out of range.
     """
-    for key in ("sim", "algo"):
-        if not data.get(key):
-            raise UsageError(f"{sentence(noun)} names no {key}: give --{key} NAME, or the key '{key}'")
+    missing = [key for key in ("sim", "algo") if not data.get(key)]
+    if missing:
+        flags, keys = (" and ".join(form.format(key) for key in missing) for form in ("--{} NAME", "'{}'"))
+        in_file = f"the key{'s' * (len(missing) > 1)} {keys} in a file"
+        raise UsageError(f"{sentence(noun)} names no {' and no '.join(missing)}: give {flags}, or {in_file}")
+    _require_table(data.get("search", {}), noun)
     listed = {key: [value] if _is_single(key, value) else value for key, value in data.items()}
     tuning: Tuning = build(Tuning, listed, noun)
     return tuning
+
+
+def _require_table(search: Any, noun: str) -> None:
+    """Raise UsageError if the key ``search`` of a file is no table of texts and lists."""
+    if not isinstance(search, Mapping):
+        raise UsageError(f"{sentence(noun)}: search={search!r}: write a table [search] with a line for each parameter")
+    for name, given in search.items():
+        if not isinstance(given, str | list):
+            raise UsageError(f"{sentence(noun)}: {why_no_range(name, given)}")
 
 
 def resolve(tuning: Tuning, registry: Registry) -> Setup:

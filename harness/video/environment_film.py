@@ -111,7 +111,8 @@ class _Side:
             step, ended = step + 1, bool(terminated or truncated)
             if step in wanted:
                 pictures[step] = self._draw()
-        if step < length or not ended:
+        was_cut = length == self._recorded.facts.horizon
+        if step < length or not (ended or was_cut):
             raise UsageError(
                 f"Cell {self._cell.id}: episode {number} took {length} steps when it was evaluated, and takes "
                 f"{'more' if step == length else step} here. Is another version of the environment installed?"

@@ -1,5 +1,6 @@
 """The Fetch arm of Gymnasium-Robotics, which moves its gripper to a point."""
 
+import math
 from collections.abc import Mapping
 from functools import partial
 from typing import Any, ClassVar
@@ -24,6 +25,7 @@ class FetchReach:
     """
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {"distance": (0.0, math.inf)}
     baseline: ClassVar[str] = "sparse"
 
     def make(self) -> AnyEnv:

@@ -1,5 +1,6 @@
 """Gymnasium's inverted double pendulum, with the rewards of its fourth and its fifth version."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -23,6 +24,10 @@ class InvertedDoublePendulum:
     """
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"tip_distance"})
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "steps_balanced": (1.0, 1000.0),
+        "tip_distance": (0.0, math.inf),
+    }
     baseline: ClassVar[str] = "v4"
 
     def make(self) -> AnyEnv:

@@ -1,5 +1,6 @@
 """The fifty tasks of Meta-World, each with the two versions of its reward."""
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
@@ -33,6 +34,7 @@ class MetaWorld:
     ] = 500
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {"distance": (0.0, math.inf)}
     baseline: ClassVar[str] = "v1"
 
     def make(self) -> AnyEnv:

@@ -1,5 +1,6 @@
 """How near to the target an episode comes."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -17,6 +18,7 @@ class ClosestDistance:
 
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
     is_error: ClassVar[bool] = True
 
     def __call__(self, trace: Trace) -> float | None:

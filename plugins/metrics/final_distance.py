@@ -1,5 +1,6 @@
 """How far from the target an episode ends."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -15,6 +16,7 @@ class FinalDistance:
 
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
     is_error: ClassVar[bool] = True
 
     def __call__(self, trace: Trace) -> float | None:

@@ -1,5 +1,6 @@
 """How fast a policy reaches the target, compared with the arm's inverse kinematics."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -21,6 +22,7 @@ class Optimality:
 
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "higher"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
 
     def __call__(self, trace: Trace) -> float | None:
         """None if the trace does not record the steps of inverse kinematics, or if no episode counts."""

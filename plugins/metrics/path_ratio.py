@@ -1,5 +1,6 @@
 """How direct the way to the target is."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -21,6 +22,7 @@ class PathRatio:
 
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (1.0, math.inf)
 
     def __call__(self, trace: Trace) -> float | None:
         """None if no episode counts."""

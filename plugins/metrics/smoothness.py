@@ -1,5 +1,6 @@
 """How jerky the joints move."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -17,6 +18,7 @@ class Smoothness:
 
     unit: ClassVar[str] = "rad/step^2"
     better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
 
     def __call__(self, trace: Trace) -> float | None:
         """None if no finished episode has two steps."""

@@ -1,5 +1,6 @@
 """How smoothly the end effector moves, however long it takes."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -32,6 +33,7 @@ class Sparc:
 
     unit: ClassVar[str] = ""
     better: ClassVar[str] = "higher"
+    bounds: ClassVar[tuple[float, float]] = (-math.inf, 0.0)
 
     def __call__(self, trace: Trace) -> float | None:
         """None if the trace does not record the control period, or if no episode counts."""

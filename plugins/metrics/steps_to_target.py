@@ -1,5 +1,6 @@
 """How fast the target is reached."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -17,6 +18,7 @@ class StepsToTarget:
 
     unit: ClassVar[str] = "steps"
     better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (1.0, math.inf)
 
     def __call__(self, trace: Trace) -> float | None:
         """None if no episode reaches a target."""

@@ -1,5 +1,6 @@
 """How long it takes until the target is reached, failures included."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -20,6 +21,7 @@ class TimeToTarget:
 
     unit: ClassVar[str] = "s"
     better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
 
     def __call__(self, trace: Trace) -> float | None:
         """None without a finished episode, or if the trace does not record the control period.

@@ -1,5 +1,6 @@
 """How much mechanical work the motion takes."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -17,6 +18,7 @@ class Work:
 
     unit: ClassVar[str] = "J"
     better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
 
     def __call__(self, trace: Trace) -> float | None:
         """None if the trace does not record the work, or without a finished episode."""

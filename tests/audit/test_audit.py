@@ -10,6 +10,7 @@ from harness.audit.number import number
 from harness.audit.rollout import Rollout
 from harness.audit.verdict import verdict_of
 from harness.errors import SimulationDiverged
+from harness.eta.rescaling import Rescaling
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness_plugins.rewards.arp import Arp
@@ -131,3 +132,21 @@ def test_the_other_reward_must_be_finite_too(rollouts, toolbox):
 def test_numbers_read_well(value, text):
     """Three digits, no needless exponent."""
     assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "offset"),
+    [("scaled:factor=3", 3.0, 0.0), ("shifted:offset=-0.5", 1.0, -0.5), ("baseline", 1.0, 0.0)],
+)
+def test_a_reward_that_is_another_but_for_its_scale_is_recognised(judge, rollouts, name, factor, offset):
+    """In every step of the scripted policies."""
+    found = judge(choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards"))
+    steps = sum(int(rollout.running.sum()) for rollout in rollouts)
+    assert found.rescaling == Rescaling(pytest.approx(factor), pytest.approx(offset), steps, None)
+    assert found.to_json()["rescaled"]["steps"] == steps
+
+
+def test_another_reward_is_no_rescaling(judge):
+    """ARP pays gains otherwise than losses."""
+    assert judge(Arp()).rescaling is None
+    assert judge(Arp()).to_json()["rescaled"] is None

@@ -58,3 +58,11 @@ def test_labels_are_no_markup(found):
     text = printed(found, title="[bold]arp[/bold]", against="[b]")
     assert "[bold]arp[/bold]" in text
     assert "distance to [b]" in text
+
+
+def test_a_reward_that_is_another_but_for_its_scale_is_told(found, rollouts):
+    """Last; the table of another reward does not speak of it."""
+    text = " ".join(printed(audit_reward(Baseline(), Baseline(), rollouts, 0.95), title="twin").split())
+    assert "twin pays the same as baseline, in all " in text
+    assert text.endswith("Event terms are the task's, and stay as they are.")
+    assert "Event terms" not in printed(found)

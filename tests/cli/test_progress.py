@@ -6,8 +6,8 @@ from rich.console import Console
 
 from harness.cli.progress import LiveProgress
 from harness.executor import Event
-from harness.progress import RETURN, SUCCESS
-from harness.record.cell import Cell
+from harness.progress import RETURN, SPEED, SUCCESS
+from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
 from harness.registry.choice import Choice
 
 
@@ -156,3 +156,42 @@ def test_the_line_of_an_ended_cell_tells_what_it_learned(make_cell, pipe):
         progress(Event("progress", cell, steps=12, scalars=LEARNED))
         progress(Event("ended", cell))
     assert "steps/s, success 64 %, return 31.2" in pipe.file.getvalue()
+
+
+def train_on(cell, pipe, *words):
+    """What is shown of a cell that tells these words, of steps and numbers."""
+    with LiveProgress([cell], [], pipe) as progress:
+        progress(Event("started", cell))
+        for steps, scalars in words:
+            progress(Event("progress", cell, steps=steps, scalars=scalars))
+    return pipe.file.getvalue()
+
+
+def test_a_training_in_which_no_episode_ends_is_told(make_cell, pipe):
+    """Once, after 10,000 steps."""
+    cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, steps=10**6)
+    shown = train_on(cell, pipe, *((steps, {SPEED: 1.0}) for steps in (9_999, 10_000, 20_000)))
+    assert shown.count("no episode has ended") == 1
+    assert f"harness: {cell.title}: no episode has ended in 10,000 steps of training\n" in shown
+
+
+def test_a_shorter_training_is_told_at_its_end(make_cell, pipe):
+    """If nothing has ended until then."""
+    cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, steps=50)
+    assert "no episode has ended in 50 steps" in train_on(cell, pipe, (50, {SPEED: 1.0}))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [[(10_000, {})], [(100, {SPEED: 1.0, RETURN: 0.0}), (10_000, {SPEED: 1.0})], [(9_999, {SPEED: 1.0})]],
+    ids=["nothing was told", "one ended", "not odd yet"],
+)
+def test_nothing_is_told_before_it_is_known(make_cell, pipe, words):
+    """A return comes with the speed, and stays known."""
+    cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, steps=10**6)
+    assert "no episode" not in train_on(cell, pipe, *words)
+
+
+def test_a_task_of_an_arm_ends_its_episodes(make_cell, pipe):
+    """Where a training goes on from a checkpoint, those before it are not known."""
+    assert "no episode" not in train_on(make_cell(steps=10_000), pipe, (10_000, {SPEED: 1.0}))

@@ -13,7 +13,15 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
     """`--json` prints one JSON document with the combinations and the cells."""
     answer = harness("report", experiment, "--json")
     data = json.loads(answer.out)
-    assert set(data) == {"curve", "combinations", "cells", "not_measured", "evaluation_returns", "ranking"}
+    assert set(data) == {
+        "curve",
+        "combinations",
+        "cells",
+        "not_measured",
+        "equal_trainings",
+        "evaluation_returns",
+        "ranking",
+    }
     assert len(data["cells"]) == 4
     assert answer.err == ""
 

@@ -1,9 +1,13 @@
 """``harness status``."""
 
 import json
+from pathlib import Path
 
+from harness.experiment.plan import Plan, check_experiment, expand
 from harness.record.running import Running, write_running
 from harness.record.store import Store
+from harness.registry.given import read_given
+from harness.registry.registry import load_registry
 
 
 def test_a_finished_run_is_all_done(harness, quick):
@@ -60,3 +64,18 @@ def test_a_folder_that_is_no_experiment_is_refused(harness):
     """In one line."""
     answer = harness("status", "nowhere")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
+
+
+def test_a_running_training_without_the_end_of_an_episode_is_told(harness, tmp_path):
+    """Two seconds after its begin its numbers are known."""
+    toy = Path(__file__).parents[1] / "experiment" / "environments" / "toy.py"
+    cell = expand(
+        check_experiment({"task": "toy", "algo": "random", "steps": 10**6}), load_registry(given=read_given([toy]))
+    ).cells[0]
+    store = Store.create(tmp_path / "here", Plan("near", (cell,), (), {}))
+    shown = []
+    for told in (1001.0, 1002.0):
+        write_running(store.folder, {cell.id: Running(1000.0, 20_000, told)})
+        with store.locked():
+            shown.append("no episode has ended in 20,000 steps of training" in harness("status", "here").out)
+    assert shown == [False, True]

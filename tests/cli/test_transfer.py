@@ -93,7 +93,16 @@ def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
     harness("transfer", experiment, "--to", "stuck")
     assert "Transfer between simulators" in harness("report", experiment).out
     data = json.loads(harness("report", experiment, "--json").out)
-    assert set(data) == {"curve", "combinations", "cells", "not_measured", "evaluation_returns", "ranking", "transfer"}
+    assert set(data) == {
+        "curve",
+        "combinations",
+        "cells",
+        "not_measured",
+        "equal_trainings",
+        "evaluation_returns",
+        "ranking",
+        "transfer",
+    }
     assert data["transfer"] == json.loads(harness("transfer", experiment, "--to", "stuck", "--json").out)
     harness("report", experiment, "--html", "page.html")
     assert "Transfer between simulators" in (tmp_path / "page.html").read_text()

@@ -16,12 +16,15 @@ QUICK = (
 HERE = (*QUICK, "--executor", "here")
 
 BAD = [
-    ([], "names no sim"),
+    (["--search", "effort=0..1"], "no sim and no algo: give --sim NAME and --algo NAME, or the keys 'sim' and 'algo'"),
     (["--sim", "ideal"], "names no algo"),
     ([*QUICK, "--sim", "stuck"], "--sim names 2"),
     ([*QUICK, "--search", "efort=0..1"], "Did you mean 'effort'?"),
     ([*QUICK, "--search", "effort=0..1"], "--search names 'effort' twice"),
-    ([*QUICK, "--search", "turns"], "--search 'turns' is malformed"),
+    ([*QUICK, "--search", "turns"], "--search 'turns' names no values of 'turns': write turns=LOW..HIGH"),
+    ([*QUICK, "--search", "turns="], "--search 'turns=' names no values of 'turns'"),
+    ([*QUICK, "--search", "=1..3"], "--search '=1..3' names no parameter: write KEY=LOW..HIGH"),
+    ([*QUICK, "--search", "turns=1..3,layers=4|8"], "names several parameters: give --search once for each"),
     ([*QUICK, "--search", "turns=0..3"], "greater than or equal to 1"),
     ([*QUICK, "--trials", "0"], "greater than 0"),
     ([*QUICK, "--pruner", "some"], "'median' or 'none'"),

@@ -211,3 +211,35 @@ def test_json_is_strict(baseline: Values, proposed: Values, is_share: bool):
         *("difference", "low", "high", "p", "p_corrected", "result", "values"),
         *("interquartile_means", "probability_of_improvement", "reason"),
     }
+
+
+# What a measure can be
+
+
+def test_a_difference_of_shares_stays_within_one():
+    """Three seeds that go apart leave it open, and no success differs by more than 100 points."""
+    found = change([0.0, 0.4, 1.0], [1.0, 0.5, 0.4], SUCCESS)
+    assert (found.low, found.high) == (-1.0, 1.0)
+
+
+def test_a_difference_stays_within_what_a_measure_can_be():
+    """As it says; without that it is that of Student."""
+    values: tuple[Values, Values] = ([-1.0, 0.0, 1.0], [1.0, 0.0, -1.0])
+    free, bound = change(*values), change(*values, DISTANCE._replace(bounds=(-1.0, 1.0)))
+    assert free.high is not None
+    assert free.high > 4.9
+    assert (bound.low, bound.high) == (-2.0, 2.0)
+
+
+def test_a_cut_interval_changes_no_verdict():
+    """Test and equivalence are those of the whole interval."""
+    values: tuple[Values, Values] = ([0.0, 0.4, 1.0], [1.0, 0.5, 0.4])
+    free, bound = change(*values), change(*values, DISTANCE._replace(bounds=(0.0, 1.0)))
+    assert (bound.low, bound.high) != (free.low, free.high)
+    assert bound.p == free.p
+    assert [bound.is_within(margin) for margin in (0.05, 9.0)] == [free.is_within(margin) for margin in (0.05, 9.0)]
+
+
+def test_json_has_no_infinite_bounds():
+    """It has no word for them."""
+    assert "bounds" not in change([0.0] * 3, [1.0] * 3).to_json()

@@ -10,10 +10,14 @@ from hypothesis import strategies as st
 
 from harness.eta.interval import (
     LEAST_SEEDS,
+    SHARE,
+    UNBOUNDED,
     UNSEEN,
     Jackknife,
+    are_bounds,
     jackknife,
     mean_interval,
+    of_difference,
     quantile,
     share_variance,
     spread_range,
@@ -204,3 +208,62 @@ def test_the_seed_that_was_not_seen_makes_no_interval_narrower():
     """Values that lie farther apart than it keep their own variance."""
     values = [0.0, 1.0, 0.0, 1.0]
     assert share_variance(values, [0.5], 1_000_000) == pytest.approx(np.var(values, ddof=1))
+
+
+# What a value can be
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=LEAST_SEEDS, max_size=8), st.floats(0.0, 1.0), st.floats(0.0, 4.0))
+def test_a_cut_interval_holds_every_mean_that_it_held(values: list[float], truth: float, variance: float):
+    """So that it covers as often: what is cut away could not be the truth."""
+    whole, cut = (mean_interval(values, variance, bounds=bounds) for bounds in (UNBOUNDED, SHARE))
+    assert (whole[0] <= truth <= whole[1]) == (cut[0] <= truth <= cut[1])
+    assert 0.0 <= cut[0] <= cut[1] <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("bounds", "cut"),
+    [
+        (UNBOUNDED, (-9.0, 11.0)),
+        ((0.0, math.inf), (0.0, 11.0)),
+        ((-math.inf, 2.0), (-9.0, 2.0)),
+        ((0.0, 2.0), (0.0, 2.0)),
+    ],
+)
+def test_an_interval_is_cut_at_the_ends_that_are_known(bounds: tuple[float, float], cut: tuple[float, float]):
+    """Either may be infinite."""
+    values = [0.0, 1.0, 2.0]
+    variance = 3.0 * (10.0 / quantile(0.95, 2)) ** 2
+    assert mean_interval(values, variance, bounds=bounds) == pytest.approx(cut)
+
+
+def test_bounds_that_a_value_leaves_cut_nothing():
+    """They are wrong."""
+    values = [0.5, 1.5, 1.0]
+    assert mean_interval(values, 9.0, bounds=SHARE) == mean_interval(values, 9.0)
+
+
+def test_rounding_does_not_leave_the_bounds():
+    """A mean that is a hair beyond lies in its interval all the same."""
+    low, high = mean_interval([1.0 - 1e-12] * 3, 1.0, bounds=(1.0, math.inf))
+    assert low <= 1.0 - 1e-12 < high
+
+
+@pytest.mark.parametrize(
+    ("bounds", "difference"),
+    [(SHARE, (-1.0, 1.0)), ((-2.0, 3.0), (-5.0, 5.0)), ((0.0, math.inf), UNBOUNDED), (UNBOUNDED, UNBOUNDED)],
+)
+def test_a_difference_has_bounds_where_both_ends_are_known(
+    bounds: tuple[float, float], difference: tuple[float, float]
+):
+    """The width of what either value can be."""
+    assert of_difference(bounds) == difference
+
+
+@pytest.mark.parametrize(
+    ("given", "fit"),
+    [((0.0, 1.0), True), ([0, math.inf], True), ((1.0, 0.0), False), ((0.0,), False), ("01", False), ((0, "1"), False)],
+)
+def test_bounds_are_two_numbers_in_order(given: object, fit: bool):
+    """Strangers may give anything."""
+    assert are_bounds(given) == fit

@@ -46,6 +46,14 @@ def weak_orders(count):
 # Orders
 
 
+def test_no_share_is_further_than_one_from_another():
+    """Three seeds leave the interval of a difference open on both sides, and it ends there."""
+    runs = {"a": [0.0, 0.5, 1.0], "b": [1.0, 0.5, 0.2]}
+    (of_shares,), (of_numbers,) = orders_of(runs, episodes=100), orders_of(runs)
+    assert (of_shares.low[0, 1], of_shares.high[0, 1]) == (-1.0, 1.0)
+    assert of_numbers.low[0, 1] < -1.0
+
+
 def test_what_is_told_is_told_both_ways():
     """Where an interval of a difference lies on one side of 0; the better one may be the best."""
     (order,) = orders_of(CLEAR)

@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from harness.eta.interval import UNSEEN
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.seed_mean import SeedMean, mean_lost_share, mean_over_seeds
 
 NUMBERS = st.lists(st.floats(-1e3, 1e3).map(lambda value: round(value, 6)), min_size=3, max_size=12)
 
@@ -79,3 +79,23 @@ def test_json_is_plain():
     assert json.loads(json.dumps(mean_over_seeds([0.5]).to_json())) == {
         "mean": 0.5, "low": None, "high": None, "seeds": 1, "note": "one seed: no interval below 3 seeds",
     }  # fmt: skip
+
+
+def test_bounds_cut_an_interval():
+    """Three distances leave room below 0, where no distance is."""
+    free, bound = mean_over_seeds([0.1, 0.0, 0.2]), mean_over_seeds([0.1, 0.0, 0.2], bounds=(0.0, np.inf))
+    assert free.low is not None
+    assert free.low < 0.0
+    assert (bound.low, bound.high) == (0.0, free.high)
+
+
+def test_lost_shares_may_be_won():
+    """The interval holds the mean also below 0, and knows of the episodes of both shares."""
+    found = mean_lost_share([(0.0, 1.0)] * 3, None, 100)
+    assert found.mean == -1.0
+    assert (found.low, found.high) == (-1.0, pytest.approx(-1.0 + 4.303 * UNSEEN / 3, rel=1e-2))
+
+
+def test_no_lost_share_has_the_reason():
+    """As any other mean."""
+    assert mean_lost_share([], "1 of 1 failed", 100) == SeedMean(None, notes=("1 of 1 failed",))

@@ -1,4 +1,4 @@
-"""Every line of the pages that begins with `pip install`, typed in a new environment; the wheel of this checkout is there."""
+"""Every `pip install` line of the pages, typed in a new environment where the wheel of this checkout is there."""
 
 import re
 import shlex

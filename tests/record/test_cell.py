@@ -23,6 +23,7 @@ CHANGED: dict[str, Any] = {
     "evaluation_episodes": 3,
     "evaluate_every": 4,
     "deterministic": False,
+    "evaluation_horizon": 500,
 }
 
 
@@ -55,7 +56,7 @@ def test_id_is_the_same_tomorrow(make_cell: Callable[..., Cell]):
     assert make_cell().id == "1b16a12bbbf2b963"
 
 
-@pytest.mark.parametrize("name", ["evaluate_every", "deterministic"])
+@pytest.mark.parametrize("name", ["evaluate_every", "deterministic", "evaluation_horizon"])
 def test_later_fields_are_left_out_at_their_defaults(make_cell: Callable[..., Cell], name: str):
     """A cell of a version that did not have them is the same cell, with the same id."""
     assert name not in make_cell().to_json()

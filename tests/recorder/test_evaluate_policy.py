@@ -1,3 +1,6 @@
+import json
+import math
+
 import gymnasium
 import numpy as np
 import pytest
@@ -63,6 +66,7 @@ def test_what_the_env_pays_needs_not_be_what_taught(counting, tmp_path, recwarn)
     ("given", "told"),
     [
         ({"episodes": 0}, "episodes=0: it takes one at least"),
+        ({"horizon": 0}, "horizon=0: an episode has one step at least"),
         ({"env": "Nowhere-v0"}, "env='Nowhere-v0' cannot be made: "),
         ({"lower_is_better": ["left"]}, "lower_is_better names 'left', which is none of the measures"),
     ],
@@ -99,7 +103,7 @@ def test_the_learner_can_be_paid_by_a_recorded_reward(counting, tmp_path):
     env.close()
     found = read_recording(tmp_path)
     assert found.rewards["own"].tolist() == [1.0, 2.0, 3.0]
-    assert (found.facts.paid_otherwise, found.facts.failures) == ("", ())
+    assert (found.facts.paid_otherwise, found.facts.failures, found.facts.pay) == ("", (), True)
 
 
 def test_a_batch_of_learners_can_be_paid_so(tmp_path):
@@ -123,3 +127,82 @@ def test_a_reward_that_pays_the_learner_may_not_fail(counting, tmp_path):
     env.close()
     with pytest.raises(UsageError, match="failed before, and pays the learner: name another path"):
         harness.RecordRewards(counting(), tmp_path, pay=True, resume=True, **given)
+
+
+def test_an_episode_that_nothing_ends_is_cut(counting, tmp_path):
+    """It is recorded as truncated, and counted."""
+    harness.evaluate_policy(still, counting(length=10**6), tmp_path, episodes=2, horizon=5, **GIVEN)
+    found = read_recording(tmp_path)
+    assert (found.facts.horizon, found.facts.cut) == (5, 2)
+    assert found.truncated.tolist() == [False, False, False, False, True] * 2
+    assert not found.terminated.any()
+
+
+def test_an_episode_that_ends_at_the_horizon_is_not_cut(counting, tmp_path):
+    """The env has ended it."""
+    harness.evaluate_policy(still, counting(length=5), tmp_path, episodes=2, horizon=5, **GIVEN)
+    found = read_recording(tmp_path)
+    assert (found.facts.cut, found.terminated.sum(), found.truncated.sum()) == (0, 2, 0)
+
+
+def test_by_default_an_episode_is_cut_after_ten_thousand_steps(counting, tmp_path):
+    """So that every evaluation ends."""
+    harness.evaluate_policy(still, counting(length=10**6), tmp_path, episodes=1, **GIVEN)
+    assert len(read_recording(tmp_path)) == 10_000
+
+
+def test_what_is_not_asked_for_is_not_in_the_file(counting, tmp_path):
+    """It is as it was before these facts were known."""
+    harness.RecordRewards(counting(), tmp_path, **GIVEN).close()
+    assert {"horizon", "cut", "bounds", "pay"}.isdisjoint(json.loads((tmp_path / "recording-0.json").read_text()))
+
+
+def test_a_learner_is_told_of_a_cut(counting, tmp_path):
+    """As of any other truncation."""
+    env = harness.RecordRewards(counting(length=10**6), tmp_path, horizon=2, **GIVEN)
+    env.reset()
+    assert [env.step(still(None))[2:4] for _ in range(2)] == [(False, False), (False, True)]
+    env.close()
+
+
+def test_a_recording_that_goes_on_keeps_its_horizon(counting, tmp_path):
+    """Cut episodes are counted on; another horizon would be another recording."""
+    for _ in range(2):
+        env = harness.RecordRewards(counting(length=10**6), tmp_path, horizon=1, resume=True, **GIVEN)
+        env.reset()
+        env.step(still(None))
+        env.close()
+    assert read_recording(tmp_path).facts.cut == 2
+    with pytest.raises(UsageError, match="its horizon differ: 1, now 3"):
+        harness.RecordRewards(counting(), tmp_path, horizon=3, resume=True, **GIVEN)
+
+
+def test_bounds_of_measures_are_recorded(counting, tmp_path):
+    """Infinite ones too, which JSON has not."""
+    bounds = {"left": (0, math.inf), "success": (0.0, 1.0)}
+    behaviour = {"left": "left", "success": lambda *step: 0.5}
+    harness.evaluate_policy(still, counting(), tmp_path, episodes=1, behaviour=behaviour, bounds=bounds, **GIVEN)
+    assert read_recording(tmp_path).facts.bounds == bounds
+    assert json.loads((tmp_path / "recording-0.json").read_text())["bounds"]["left"] == [0.0, None]
+
+
+@pytest.mark.parametrize(
+    ("bounds", "told"),
+    [
+        ({"right": (0.0, 1.0)}, r"bounds names 'right', which is none of the measures \['left'\]"),
+        ({"left": (1.0, 0.0)}, r"bounds of 'left' are \(1.0, 0.0\): give two numbers, the lower one first"),
+    ],
+)
+def test_bounds_that_are_none_are_refused(counting, tmp_path, bounds, told):
+    """Before anything is recorded."""
+    with pytest.raises(UsageError, match=told):
+        harness.RecordRewards(counting(), tmp_path / "new", behaviour={"left": "left"}, bounds=bounds, **GIVEN)
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_batch_records_bounds_too(tmp_path):
+    """As one env does."""
+    envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")
+    measures = {"behaviour": {"place": lambda before, action, after, info: after[0]}, "bounds": {"place": (-5.0, 5.0)}}
+    harness.RecordVectorRewards(envs, tmp_path, trained_with="own", rewards={}, **measures).close()
+    assert read_recording(tmp_path).facts.bounds == {"place": (-5.0, 5.0)}

@@ -80,6 +80,14 @@ def test_reward_pays_what_it_would_have_paid(tmp_path: Path):
     )
 
 
+def test_episodes_that_the_recorder_cut_are_cut_again(tmp_path: Path):
+    """An evaluation with a horizon can be paid later too."""
+    told: dict[str, Any] = {"trained_with": "own", "rewards": {"own": "own"}, "episodes": 2, "horizon": 20}
+    harness.evaluate_policy(lambda seen: np.zeros(1), "Pendulum-v1", tmp_path, seed=0, **told)
+    _retake().score(tmp_path)
+    assert len(read_recording(tmp_path).rewards["low"]) == 40
+
+
 @pytest.mark.parametrize("mode", [gymnasium.vector.AutoresetMode.NEXT_STEP, gymnasium.vector.AutoresetMode.SAME_STEP])
 def test_envs_of_a_batch_are_paid_one_by_one(tmp_path: Path, mode: Any):
     """Each env went on by itself, however the batch starts episodes."""

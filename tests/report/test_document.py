@@ -25,7 +25,15 @@ def test_document_has_the_returns_of_each_group(build):
     """One matrix per simulator here."""
     data = report_to_json(build(simulators=("mujoco", "pybullet")))
     assert [matrix["simulator"] for matrix in data["evaluation_returns"]] == ["mujoco", "pybullet"]
-    assert set(data) == {"curve", "combinations", "cells", "not_measured", "evaluation_returns", "ranking"}
+    assert set(data) == {
+        "curve",
+        "combinations",
+        "cells",
+        "not_measured",
+        "equal_trainings",
+        "evaluation_returns",
+        "ranking",
+    }
 
 
 def test_document_tells_which_plugins_were_mixed(mixed, build):

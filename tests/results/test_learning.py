@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.eta.interval import UNBOUNDED
 from harness.experiment.plan import check_experiment, expand
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
@@ -106,3 +107,12 @@ def test_no_evaluation_before_the_end_is_no_curve(
 ):
     """One point is no curve."""
     assert _learning(toys, run_once, tmp_path / "out", **given) is None
+
+
+def test_bands_stay_within_what_a_metric_can_be():
+    """No distance is below 0."""
+    runs = [_run(seed, {100: 0.1 * seed}) for seed in range(3)]
+    (free,), (bound,) = (learning_points(runs, "success_rate", GROUP, bounds=it) for it in (UNBOUNDED, (0.0, 9.0)))
+    assert free.value.low is not None
+    assert free.value.low < 0.0
+    assert (bound.value.low, bound.value.high) == (0.0, free.value.high)

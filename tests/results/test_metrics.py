@@ -31,6 +31,7 @@ def register_metrics(register):
     register("nan", f"{__name__}_code:Nan", summary="is no number")
     register("text", f"{__name__}_code:Text", summary="is text")
     register("vague", f"{__name__}_code:Vague", summary="does not say what is better")
+    register("loose", f"{__name__}_code:Loose", summary="has no bounds")
     register("half", f"{__name__}_code:Half", summary="is not called as a metric")
     register("gone", f"{__name__}_code:Gone", summary="is not there")
     register("far", f"{__name__}_code:Nan", summary="needs a library", requires=["no_such_library"])
@@ -60,6 +61,9 @@ class Text(Raises):
 class Vague(Raises):
     better = "more"
 
+class Loose(Raises):
+    bounds = 1.0, 0.0
+
 class Half(Raises):
     def __call__(self):
         return 1.0
@@ -70,6 +74,7 @@ REASONS = {
     "nan": "it returned nan",
     "text": "TypeError: ",
     "vague": "its 'better' is 'more': allowed are higher and lower",
+    "loose": "its 'bounds' are (1.0, 0.0): allowed are two numbers, the lower one first",
     "half": "Metric 'half' of package odd 1.0 cannot be called as it has to be: __call__ takes 1 argument beside self",
     "gone": "Plugin 'odd' (odd 1.0): ",
     "far": "Metric 'far' needs no_such_library: pip install no_such_library",

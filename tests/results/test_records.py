@@ -13,6 +13,7 @@ from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
+from harness.report.rows.comparison import remarks_on_cells
 from harness.results import Results
 from harness.results.records import Records
 from tests.results.folders import ARP, fail, finish
@@ -106,3 +107,31 @@ def test_the_experiment_of_version_0_1_is_its_file(make_cell: MakeCell, registry
     Store.create(tmp_path, Plan("baseline", (make_cell(),), (), {}, {}))
     (tmp_path / EXPERIMENT).write_text('sim = "mujoco"\n')
     assert Results(tmp_path, registry).experiment_text == 'sim = "mujoco"\n'
+
+
+def test_trainings_that_left_the_same_trace_are_told(
+    make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path
+):
+    """Of one combination: another task may give the same trace by itself."""
+    copy = Choice("copy", (), "copy")
+    cells = [make_cell(seed=seed, reward=reward) for seed in (0, 1) for reward in (make_cell().reward, copy)]
+    cells.append(make_cell(steps=99))
+    store = Store.create(tmp_path, make_plan(*cells))
+    for cell in cells:
+        finish(store, cell, [1.0, 0.5 + 0.1 * cell.seed])
+    results = Results(store.folder, registry)
+    ((group, equal),) = results.equal.items()
+    assert group.steps == cells[0].steps
+    assert equal == tuple((("baseline", seed), ("copy", seed)) for seed in (0, 1))
+    told = results.to_json()["equal_trainings"]
+    assert [it["trainings"][1] for it in told] == [{"trained_by": "copy", "seed": seed} for seed in (0, 1)]
+    assert remarks_on_cells(results)[-1] == (
+        f"{group.title}: The trainings by baseline and copy are equal bit for bit, with seeds 0 and 1: between them "
+        "there is nothing to compare."
+    )
+
+
+def test_trainings_that_differ_are_not_told(experiment: Store, registry: Registry):
+    """As nearly all do."""
+    results = Results(experiment.folder, registry)
+    assert (results.equal, results.to_json()["equal_trainings"], remarks_on_cells(results)) == ({}, [], [])

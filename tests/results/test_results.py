@@ -28,7 +28,7 @@ MakePlan = Callable[..., Plan]
 def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
     """What `harness report --json` promises is there, under these names, and what is added is named here."""
     data = Results(experiment.folder, registry).to_json()
-    assert set(data) == {"curve", "combinations", "cells", "not_measured"}
+    assert set(data) == {"curve", "combinations", "cells", "not_measured", "equal_trainings"}
     combination, cell = data["combinations"][0], data["cells"][0]
     assert set(combination) == {
         *("simulator", "algorithm", "robot", "task", "steps", "deterministic", "baseline", "proposed", "is_control"),

@@ -31,6 +31,7 @@ def record(
     pays: Mapping[str, Callable[[np.ndarray], np.ndarray]] = PAYS,
     failures: Mapping[str, int] = {},
     behaviour: Mapping[str, Callable[[np.ndarray], np.ndarray]] | None = None,
+    ends: bool = True,
     **facts: Any,
 ) -> Path:
     """A training that pulls one arm throughout each episode.
@@ -43,11 +44,12 @@ def record(
         pays: Rewards by name, of the arms of all steps.
         failures: By column, from which step on it is given up.
         behaviour: By name, of the arms of all steps; by default `arm`, and `success`, whether it is above 0.5.
+        ends: Whether episodes end.
         facts: Others than the usual ones.
     """
     pulled = np.repeat(np.asarray(arms, float), PULLS)
     measured = {"success": lambda a: (a > 0.5) * 1.0, "arm": lambda a: a} if behaviour is None else behaviour
-    steps, ended = np.arange(len(pulled)), np.arange(len(pulled)) % PULLS == PULLS - 1
+    steps, ended = np.arange(len(pulled)), (np.arange(len(pulled)) % PULLS == PULLS - 1) & ends
     given_up = tuple(
         Failure(column, 0, step // PULLS, step % PULLS, "ZeroDivisionError: division by zero")
         for column, step in failures.items()

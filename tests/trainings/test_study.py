@@ -1,3 +1,4 @@
+import shutil
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -24,6 +25,15 @@ def two(folder: Path, seeds: int = 2, **facts) -> Path:
         for reward in ("plain", "thrice"):
             record(folder / f"{reward}-{seed}", reward, seed, RISING + 0.01 * seed, **facts)
     return folder
+
+
+ALIKE = ("The trainings by plain ", "thrice is 3 x plain + 3, in all")
+"""What is told of most studies here: trainings are equal bit for bit, and rewards differ in scale and offset alone."""
+
+
+def notes_of(folder: Path) -> list[str]:
+    """All other notes."""
+    return [note for note in load_study(folder).runs.notes if not note.startswith(ALIKE)]
 
 
 def test_a_reward_helps_by_a_corrected_test(study_folder):
@@ -54,7 +64,7 @@ def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
 def test_an_evaluation_without_its_training_is_left_out(tmp_path):
     """It is told, and nothing else changes."""
     record(two(tmp_path) / "lost", "plain", 7, [0.1], evaluation=True)
-    (note,) = load_study(tmp_path).runs.notes
+    (note,) = notes_of(tmp_path)
     assert "it evaluates plain of seed 7, whose training is not in" in note
 
 
@@ -207,7 +217,7 @@ def test_code_that_changed_between_trainings_is_told(tmp_path):
         sources = {"reward_plain": Source("", text), "reward_thrice": Source("", "the same")}
         for reward in PAYS:
             record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, sources=sources)
-    (note,) = load_study(tmp_path).runs.notes
+    (note,) = notes_of(tmp_path)
     assert "The code of reward plain is not the same in" in note
 
 
@@ -339,3 +349,97 @@ def test_batches_of_envs_have_episodes_of_their_own(tmp_path):
     )
     assert found.returns["plain"].tolist() == [6.0, 60.0]
     assert found.last.tolist() == [4, 5]
+
+
+def test_trainings_without_the_end_of_an_episode_are_told(tmp_path):
+    """With what to do."""
+    two(tmp_path)
+    record(tmp_path / "endless", "plain", 2, RISING, ends=False)
+    (note,) = notes_of(tmp_path)
+    assert note == "No episode ended in 1 of 3 trainings by plain: give the environment a time limit"
+
+
+def test_cut_evaluations_are_told(tmp_path):
+    """How many of all evaluation episodes of a reward were, and after how many steps."""
+    two(tmp_path)
+    for seed, cut in enumerate((0, 2)):
+        facts = {"evaluation": True, "horizon": PULLS, "cut": cut}
+        for reward in PAYS:
+            record(
+                tmp_path / f"{reward}-{seed}" / "e",
+                reward,
+                seed,
+                RISING[:3],
+                **{**facts, "cut": cut * (reward == "plain")},
+            )
+    (note,) = notes_of(tmp_path)
+    assert note == "Policies trained by plain: 2 of 6 evaluation episodes were cut after 5 steps"
+
+
+def apart(folder: Path, measure: str = "height", **facts) -> Path:
+    """Three seeds whose measure, between -1 and 1, goes apart: the difference of both rewards is left open."""
+    ends = {"plain": (-1.0, 0.0, 1.0), "thrice": (1.0, 0.0, -1.0)}
+    for reward, of_seeds in ends.items():
+        for seed, end in enumerate(of_seeds):
+            behaviour = {measure: lambda arms, end=end: np.full_like(arms, end)}
+            record(folder / f"{reward}-{seed}", reward, seed, RISING, behaviour=behaviour, **facts)
+    return folder
+
+
+def test_an_interval_stays_within_the_bounds_that_were_recorded(tmp_path):
+    """The difference of two heights between -1 and 1 is 2 at most; so are the bands of learning."""
+    study = load_study(apart(tmp_path, bounds={"height": (-1.0, 1.0)}))
+    found = study.comparisons[0].decisive
+    assert (found.low, found.high) == (-2.0, 2.0)
+    band = learning_of(study.runs, study.comparisons[0]).baseline.band("height")
+    assert {(low, high) for _, low, high in band} == {(-1.0, 1.0)}
+
+
+def test_without_bounds_an_interval_is_not_cut(tmp_path):
+    """Nothing is known of the measure."""
+    found = load_study(apart(tmp_path)).comparisons[0].decisive
+    assert found.low < -4.9
+
+
+def test_bounds_that_a_measure_left_are_told(tmp_path):
+    """And cut nothing."""
+    study = load_study(apart(tmp_path, bounds={"height": (0.0, 1.0)}))
+    assert study.comparisons[0].decisive.low < -4.9
+    (note,) = notes_of(tmp_path)
+    assert note.startswith("height leaves its bounds, 0 to 1, in '")
+
+
+def test_recordings_that_disagree_about_bounds_have_none(tmp_path):
+    """Either may be wrong."""
+    apart(tmp_path, bounds={"height": (-1.0, 1.0)})
+    shutil.rmtree(tmp_path / "plain-0")
+    behaviour = {"height": lambda arms: np.full_like(arms, -1.0)}
+    record(tmp_path / "plain-0", "plain", 0, RISING, behaviour=behaviour, bounds={"height": (-2.0, 2.0)})
+    assert load_study(tmp_path).comparisons[0].decisive.low < -4.9
+
+
+@pytest.mark.parametrize(("measure", "cut"), [("success", True), ("height", False)])
+def test_a_success_lies_between_0_and_1(tmp_path, measure, cut):
+    """Also one that is a part of a success, as half of it; of another measure nobody knows."""
+    for reward, of_seeds in {"plain": (0.0, 0.5, 1.0), "thrice": (1.0, 0.5, 0.25)}.items():
+        for seed, end in enumerate(of_seeds):
+            behaviour = {measure: lambda arms, end=end: np.full_like(arms, end)}
+            record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, behaviour=behaviour)
+    found = load_study(tmp_path).comparisons[0].decisive
+    assert found.measure.episodes is None
+    assert (found.low == -1.0) == cut
+
+
+@pytest.mark.parametrize("pay", [False, True])
+def test_where_the_recorder_paid_a_copy_of_the_own_reward_is_known(tmp_path, pay):
+    """Also in evaluations; else it is taken for what the env was made to pay."""
+    pays = {"plain": PAYS["plain"], "copy": PAYS["plain"]}
+    sources = {"reward_plain": Source("", OWN_SOURCE)}
+    for seed in range(2):
+        for reward in pays:
+            path = record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, pays=pays, sources=sources, pay=pay)
+            record(path / "e", reward, seed, RISING, pays=pays, sources=sources, evaluation=True)
+    (comparison,) = load_study(tmp_path).comparisons
+    assert {manner: split.is_split for manner, split in comparison.returns.items()} == {
+        EVALUATION: pay, LAST: pay, TRAINING: pay,
+    }  # fmt: skip

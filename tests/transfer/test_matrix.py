@@ -186,3 +186,11 @@ def test_json_is_plain_and_by_label(train: Train):
     assert set(combination["success"][0][1]) == {"mean", "low", "high", "seeds", "note"}
     (failure,) = data["failed"]
     assert (failure["seed"], failure["trained_in"], failure["evaluated_in"]) == (1, "ideal", "stuck")
+
+
+def test_a_drop_may_be_a_gain(train: Train):
+    """Its interval holds it, and ends at 100 points."""
+    drop = visit_all(train([0, 0, 0]), [4, 4, 4]).drop[0][1]
+    assert drop.mean == -1.0
+    assert drop.low == -1.0
+    assert -1.0 < drop.high < 1.0

@@ -46,7 +46,7 @@ def test_what_a_folder_says_reads_as_the_same_search(toys, make_setup):
 @pytest.mark.parametrize(
     ("keys", "told"),
     [
-        ({"sim": ""}, "Search names no sim"),
+        ({"sim": ""}, "Search names no sim: give --sim NAME, or the key 'sim' in a file"),
         ({"sim": "ideal,stuck"}, "--sim names 2: a search is of one simulator"),
         ({"algo": "sweep,wander"}, "--algo names 2: a search is of one algorithm"),
         ({"algo": "sweep:num_envs=3"}, "Nothing to search: steps=2 is not a multiple of the 3 envs"),
@@ -57,6 +57,8 @@ def test_what_a_folder_says_reads_as_the_same_search(toys, make_setup):
         ({"pruner": "hyperband"}, "Input should be 'median' or 'none'"),
         ({"learning_rate": 1}, "no parameter 'learning_rate'"),
         ({"search": {"efort": "0..1"}}, "Did you mean 'effort'?"),
+        ({"search": {"effort": 0.5}}, "search 'effort=0.5': one value is no search"),
+        ({"search": "effort=0..1"}, "search='effort=0..1': write a table [search] with a line for each parameter"),
     ],
     ids=str,
 )

@@ -21,10 +21,10 @@ from harness.video.film import HELD
 TOY = str(Path(__file__).parents[1] / "experiment" / "environments" / "toy.py")
 
 
-def run_some(folder: Path, cells: int) -> Results:
+def run_some(folder: Path, cells: int, **keys: Any) -> Results:
     """An experiment of two rewards and one seed, in an env that draws a point on a line: so many cells are done."""
     given = read_given([TOY])
-    asked = {"task": "toy", "algo": "random", "seeds": 1, "steps": 16, "evaluation_episodes": 2}
+    asked = {"task": "toy", "algo": "random", "seeds": 1, "steps": 16, "evaluation_episodes": 2, **keys}
     plan = expand(check_experiment(asked), load_registry(given=given))
     store = Store.create(folder, plan)
     for cell in plan.cells[:cells]:
@@ -117,3 +117,10 @@ def test_an_env_that_draws_nothing_is_told(results: Results, line: Any):
     patch.setattr(env, "render", lambda self: None)
     with pytest.raises(UsageError, match="draws no picture"):
         list(environment_film(results, [], 1))
+
+
+def test_an_episode_that_was_cut_is_shown(tmp_path: Path):
+    """As far as it was recorded."""
+    results = run_some(tmp_path / "experiment", 1, task="toy:endless=true", evaluation_horizon=6)
+    frames = list(environment_film(results, [], 1))
+    assert frames[-1].seconds == HELD

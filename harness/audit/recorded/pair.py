@@ -1,11 +1,13 @@
 """Two rewards over several sets of recorded steps: the means of their distances."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from harness.audit.recorded.paid import Apart
 from harness.audit.recorded.step_apart import StepApart
+from harness.eta.interval import SHARE
+from harness.eta.rescaling import Line, Rescaling, rescaling_of
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 
 
@@ -21,6 +23,7 @@ class Pair:
         discordant: Share of pairs of episodes that they put in opposite orders, of those that both tell apart.
         told_apart: Share of all pairs of episodes that both tell apart.
         each: What the means are made of, by recording or measurement.
+        rescaling: What the other one is, if it is the first one but for scale and offset; else None.
         largest: The steps that they pay most differently; empty where they were not looked for.
     """
 
@@ -31,6 +34,7 @@ class Pair:
     discordant: SeedMean
     told_apart: SeedMean
     each: tuple[Apart, ...]
+    rescaling: Rescaling | None = None
     largest: tuple[StepApart, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
@@ -41,13 +45,24 @@ class Pair:
             "returns": mean_json(self.returns),
             "discordant": mean_json(self.discordant),
             "told_apart": mean_json(self.told_apart),
+            "rescaled": self.rescaling and self.rescaling.to_json(),
             "each": [{"steps": it.steps, "returns": it.returns, "discordant": it.order.discordant} for it in self.each],
             "largest": [step.to_json() for step in self.largest],
         }
 
 
-def pair_of(one: str, other: str, each: Sequence[Apart], largest: Sequence[StepApart] = ()) -> Pair:
-    """The means, with intervals over recordings or measurements."""
+def pair_of(
+    one: str, other: str, each: Sequence[Apart], lines: Sequence[Line | None], largest: Sequence[StepApart] = ()
+) -> Pair:
+    """The means, with intervals over recordings or measurements.
+
+    Args:
+        one: A reward.
+        other: Another one.
+        each: How far apart they are, by recording or measurement.
+        lines: The line of what they paid, in the same order.
+        largest: See `Pair`.
+    """
     return Pair(
         one,
         other,
@@ -56,16 +71,14 @@ def pair_of(one: str, other: str, each: Sequence[Apart], largest: Sequence[StepA
         mean_within([it.order.discordant for it in each]),
         mean_within([it.order.told_apart for it in each]),
         tuple(each),
+        rescaling_of(lines),
         tuple(largest),
     )
 
 
 def mean_within(values: Sequence[float | None]) -> SeedMean:
     """Of numbers in [0, 1], the interval cut to that; None are left out."""
-    mean = mean_over_seeds([value for value in values if value is not None])
-    if mean.low is None or mean.high is None:
-        return mean
-    return replace(mean, low=max(0.0, mean.low), high=min(1.0, mean.high))
+    return mean_over_seeds([value for value in values if value is not None], bounds=SHARE)
 
 
 def mean_json(mean: SeedMean) -> dict[str, Any]:

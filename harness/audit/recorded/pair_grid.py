@@ -38,9 +38,10 @@ def told_in(mean: SeedMean, pair: Pair, meaning: str) -> str:
     return meaning if mean.seeds == len(pair.each) else f"{meaning}; defined in {mean.seeds} of {len(pair.each)}"
 
 
-def steps_text(pair: Pair) -> list[str]:
-    """A line for each of the steps that are paid most differently."""
-    return [f"Paid most differently: {_step_text(pair, step)}." for step in pair.largest]
+def pair_lines(pair: Pair) -> list[str]:
+    """That one is the other but for its scale, if so; and a line for each step that is paid most differently."""
+    same = [] if pair.rescaling is None else [f"{pair.rescaling.sentence(pair.other, pair.one)}."]
+    return [*same, *(f"Paid most differently: {_step_text(pair, step)}." for step in pair.largest)]
 
 
 def answer_grid() -> Table:

@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.audit.recorded.pair_grid import earned_grid, pair_grid, steps_text
+from harness.audit.recorded.pair_grid import earned_grid, pair_grid, pair_lines
 from harness.audit.recorded.recordings import RecordedAudit
 
 SCALE = "Distances: 0 the same but for scale and offset, 0.71 unrelated, 1 opposite."
@@ -27,7 +27,7 @@ def recorded_table(audit: RecordedAudit) -> RenderableType:
     ]
     for pair in audit.pairs:
         parts += [Text(), Text(f"{pair.one} and {pair.other}", style="bold"), pair_grid(pair)]
-        parts += map(Text, steps_text(pair))
+        parts += map(Text, pair_lines(pair))
     few = "" if count >= 3 else " No intervals below three of them."
     parts += [Text(), Text(f"{SCALE} Means over {noun}s, 95% intervals over them in brackets.{few}"), Text(NOT_ASKED)]
     parts += [Text(), earned_grid(audit.earned, audit.rewards), Text()]

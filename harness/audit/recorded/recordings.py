@@ -13,6 +13,7 @@ from harness.audit.recorded.paid import Apart, Paid, compare_paid, paid_in, pair
 from harness.audit.recorded.pair import Pair, pair_of
 from harness.audit.recorded.step_apart import MOST, StepApart, steps_apart
 from harness.errors import UsageError
+from harness.eta.rescaling import Line
 from harness.eta.seed_mean import mean_over_seeds
 from harness.record.recording.recorded_training import RecordedTraining, read_recording
 from harness.trainings.episodes import Part
@@ -114,6 +115,7 @@ def _name(folder: Path, run: Run) -> str:
 def _pairs(folder: Path, runs: Sequence[Run], rewards: tuple[str, ...]) -> tuple[tuple[Pair, ...], list[str]]:
     """Every pair; and a line for each reward that is not known in a recording."""
     each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in pairs_of(rewards)}
+    lines: dict[tuple[str, str], list[Line | None]] = {pair: [] for pair in each}
     largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
     notes: list[str] = []
     for run in runs:
@@ -123,9 +125,10 @@ def _pairs(folder: Path, runs: Sequence[Run], rewards: tuple[str, ...]) -> tuple
         for pair, found in each.items():
             if set(pair) <= paid.steps.keys():
                 found.append(compare_paid(paid, *pair))
+                lines[pair].append(run.likeness.lines[pair])
                 largest[pair] = _most(largest[pair], _name(folder, run), recording, *pair)
     notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
-    return tuple(pair_of(*pair, each[pair], largest[pair]) for pair in each), notes
+    return tuple(pair_of(*pair, each[pair], lines[pair], largest[pair]) for pair in each), notes
 
 
 def _unknown(name: str, paid: Paid, rewards: Iterable[str]) -> list[str]:

@@ -18,6 +18,7 @@ from harness.audit.transitions.asked import pays_of
 from harness.audit.transitions.form_distances import FORMS, FormVector, draw_coverages, form_distance, form_vector
 from harness.audit.transitions.walk import KeepWalks, Walk
 from harness.errors import UsageError
+from harness.eta.rescaling import line_of
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.record.recording.recorded_training import read_recording
 from harness.recorder.column import OWN, Given
@@ -298,7 +299,8 @@ def _pair(pair: tuple[str, str], taken: Sequence[_Taken], found: Sequence[_Measu
             reasons[form] = told[0]
         elif not known:
             reasons[form] = "one of the two is nothing but an offset and shaping by a potential"
-    return FormsOfPair(pair_of(*pair, [compare_paid(it.paid, *pair) for it in taken]), distances, reasons)
+    lines = [line_of(*(it.paid.steps[name] for name in pair)) for it in taken]
+    return FormsOfPair(pair_of(*pair, [compare_paid(it.paid, *pair) for it in taken], lines), distances, reasons)
 
 
 def _earned(policy: str, taken: Sequence[_Taken], names: Iterable[str]) -> Earned:

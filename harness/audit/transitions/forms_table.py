@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
-from harness.audit.recorded.pair_grid import MISSING, add_answer, distance_text, earned_grid, pair_grid, told_in
+from harness.audit.recorded.pair_grid import (
+    MISSING,
+    add_answer,
+    distance_text,
+    earned_grid,
+    pair_grid,
+    pair_lines,
+    told_in,
+)
 from harness.audit.transitions.form_distances import DARD, EPIC, STARC
 
 if TYPE_CHECKING:
@@ -32,7 +40,7 @@ def _table(audit: "RewardAudit") -> RenderableType:
     names = ", ".join(audit.rewards)
     parts: list[RenderableType] = [Text(f"{audit.env}: rewards {names}; discount {audit.gamma:g}")]
     for it in audit.pairs:
-        parts += [Text(), Text(f"{it.pair.one} and {it.pair.other}"), _grid(it)]
+        parts += [Text(), Text(f"{it.pair.one} and {it.pair.other}"), _grid(it), *map(Text, pair_lines(it.pair))]
     new = "1 new episode" if audit.episodes == 1 else f"{audit.episodes} new episodes"
     measured = (
         f"{SCALE} Measured {audit.measurements} times in the transitions of {', '.join(audit.policies)}, each time "

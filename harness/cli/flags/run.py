@@ -54,6 +54,14 @@ Measures = Annotated[
         metavar="FILE|NAME,...",
     ),
 ]
+EvaluationHorizon = Annotated[
+    int | None,
+    typer.Option(
+        help="In an environment: steps after which an episode of an evaluation is cut.",
+        show_default="10000",
+        metavar="N",
+    ),
+]
 OutFolder = Annotated[
     Path | None,
     typer.Option(help="The experiment's folder.", show_default="one under results/runs/", metavar="DIR"),

@@ -1,17 +1,19 @@
 """What is recorded of an env: the environment's own rewards and measures, and those that the user gave as files."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from harness.environment import (
     SUCCESS,
     AnyEnv,
     Environment,
     Measure,
+    bounds_of,
     lower_is_better,
     rewards_of,
 )
 from harness.errors import UsageError
+from harness.eta.interval import Bounds
 from harness.registry.registry import Registry
 from harness.registry.step_functions import StepFunction
 
@@ -24,11 +26,13 @@ class Columns:
         rewards: By name; the environment's own first.
         behaviour: By name; the measure that decides first.
         lower_is_better: Names of the measures of which less is better.
+        bounds: By name of a measure, the least and the greatest value that it can have.
     """
 
     rewards: Mapping[str, Measure]
     behaviour: Mapping[str, Measure]
     lower_is_better: Collection[str]
+    bounds: Mapping[str, Bounds] = field(default_factory=dict)
 
 
 def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Columns:
@@ -48,6 +52,7 @@ def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Col
         {**own, **_made(rewards)},
         {**{name: behaviour[name] for name in behaviour if name == SUCCESS}, **behaviour},
         {*lower_is_better(environment), *(it.name for it in measures.values() if it.lower_is_better)},
+        bounds_of(environment),
     )
 
 

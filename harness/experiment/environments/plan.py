@@ -126,8 +126,9 @@ def look_at(task: Choice, registry: Registry) -> Looked:
     with blamed_on(registry.get("environments", task.name), PLANNED), closing(environment.make()) as env:
         columns = columns_of(environment, env, registry)
         names, measures = tuple(columns.rewards), tuple(columns.behaviour)
-        for measure in set(columns.lower_is_better).difference(measures):
-            raise UsageError(f"{task.label}: lower_is_better names '{measure}', which is none of {sorted(measures)}")
+        for member, named in (("lower_is_better", columns.lower_is_better), ("bounds", columns.bounds)):
+            for measure in set(named).difference(measures):
+                raise UsageError(f"{task.label}: {member} names '{measure}', which is none of {sorted(measures)}")
         baseline = baseline_of(environment, dict.fromkeys(names, ""))
         if baseline not in names:
             raise UsageError(f"{task.label}: its baseline '{baseline}' is none of its rewards {', '.join(names)}")

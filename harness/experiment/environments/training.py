@@ -21,6 +21,7 @@ from harness.experiment.draft import Draft
 from harness.experiment.environments.acting import Acting
 from harness.experiment.environments.batch import EnvironmentBatch
 from harness.experiment.environments.columns import columns_of
+from harness.experiment.evaluation.scalars import named_scalars
 from harness.experiment.progress.beat import Beat
 from harness.experiment.progress.learning_so_far import TELL_EVERY
 from harness.experiment.provenance import describe_environment
@@ -32,11 +33,19 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, POLICY, TRAINING_RECORDING
 from harness.record.manifest import Manifest
 from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import facts_name, recorder_numbers
+from harness.record.recording.recorded_training import (
+    RecordedTraining,
+    facts_name,
+    read_recording,
+    recorder_numbers,
+)
 from harness.recorder.evaluate_policy import evaluate_policy
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
+from harness.trainings.episodes import cut_text, episodes_of
+
+NO_END = "no episode of the training ended: give the environment a time limit"
 
 
 @dataclass(frozen=True)
@@ -66,12 +75,14 @@ class EnvironmentTraining:
         draft.note(resumed_from=attempt.begun_from, note=attempt.note)
         with closing(batch):
             policy = self._train(algorithm, batch, attempt)
-        draft.note(training_seconds=round(attempt.seconds, 3))
+        note = _together(attempt.note, "" if batch.returns else NO_END)
+        draft.note(training_seconds=round(attempt.seconds, 3), note=note)
         policy.save(draft.partial / POLICY, cell.to_json())
         self.watch.enter("evaluation")
-        self._evaluate(environment, policy, draft.partial / EVALUATION_RECORDING)
+        path = draft.partial / EVALUATION_RECORDING
+        self._evaluate(environment, policy, path)
+        draft.note(note=_together(note, self._look_at(path), *_given_up(draft.partial)))
         self.watch.enter("saving")
-        draft.note(note="; ".join(filter(None, [attempt.note, *_given_up(draft.partial)])))
 
     def _begin(
         self, environment: Environment, algorithm: Algorithm, draft: Draft[Manifest]
@@ -135,8 +146,16 @@ class EnvironmentTraining:
                 path,
                 seed=self.cell.seed,
                 episodes=self.cell.evaluation_episodes,
+                horizon=self.cell.evaluation_horizon,
                 **self._told(environment, env),
             )
+
+    def _look_at(self, path: Path) -> str:
+        """Tell trackers what an evaluation came to; returns what there is to say of episodes that were cut."""
+        if self.options.tracked:
+            self.report(Word(self.cell.steps, evaluation_scalars(read_recording(path), self.cell.reward.name)))
+        facts = TrainingFacts.read(path / facts_name(0))
+        return cut_text(facts.cut, self.cell.evaluation_episodes, facts.horizon) if facts.cut else ""
 
     def _made(self, environment: Environment) -> AnyEnv:
         with blamed_on(self.registry.get("environments", self.cell.task.name), "an env was made"):
@@ -168,6 +187,16 @@ def _given_up(folder: Path) -> list[str]:
                     it.column, f"{name} given up in {where}, episode {it.episode}, step {it.step}: {it.reason}"
                 )
     return list(failures.values())
+
+
+def evaluation_scalars(evaluation: RecordedTraining, reward: str) -> dict[str, float]:
+    """What a recorded evaluation came to: what the reward paid, and all measures; see `named_scalars`."""
+    part = episodes_of(evaluation).part(0, len(evaluation))
+    return named_scalars(part.returns[reward], part.behaviour)
+
+
+def _together(*notes: str) -> str:
+    return "; ".join(note for note in notes if note)
 
 
 class TrainingProgress(Progress):
@@ -218,7 +247,11 @@ class TrainingProgress(Progress):
 
 
 class _Act:
-    """Acts, and reports now and then that the evaluation goes on."""
+    """Acts, and reports now and then that the evaluation goes on.
+
+    Every step is progress, also of an episode that nothing ends: it is cut at the cell's horizon, so that no evaluation
+    goes on for ever.
+    """
 
     def __init__(self, act: Acting, cell: Cell, report: Report) -> None:
         self._act, self._cell, self._beat = act, cell, Beat(report)

@@ -9,6 +9,7 @@ from harness.env.make import World
 from harness.executor import Word
 from harness.experiment.checkpoints.attempt import Attempt
 from harness.experiment.evaluation.evaluator import Evaluator
+from harness.experiment.evaluation.scalars import named_scalars
 from harness.experiment.progress.beat import Beat
 from harness.experiment.workers.order import Report
 from harness.policy import Policy
@@ -17,8 +18,6 @@ from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluati
 from harness.record.returns import mean_return
 from harness.record.trace import Trace, read_trace
 from harness.registry.registry import Registry
-
-SECTION = "Evaluation"
 
 
 class CellEvaluations:
@@ -100,7 +99,4 @@ def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
     from harness.results.measured import measure
     from harness.results.metrics import load_metrics
 
-    values = {"Cumulative Reward": mean_return(trace)}
-    measured = measure(load_metrics(registry), trace)
-    values |= {name.replace("_", " ").title(): value for name, value in measured.items()}
-    return {f"{SECTION}/{name}": float(value) for name, value in values.items() if value is not None}
+    return named_scalars(mean_return(trace), measure(load_metrics(registry), trace))

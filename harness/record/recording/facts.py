@@ -1,9 +1,10 @@
 """What is known of a recorded training beside its steps, as ``recording-<n>.json`` tells it."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from math import prod
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, NotRequired, Self
 
 from pydantic import Field, TypeAdapter, with_config
@@ -15,6 +16,7 @@ from harness.record.forms import EXACT, Digest, Line, Name, Whole, require_form
 
 FORMAT = 2
 """Since format 2 a recording may hold the actions."""
+Number = Annotated[float, Field(allow_inf_nan=False)]
 MOST_NAMES = 1_000
 """Of rewards, and of measures of behaviour."""
 MOST_ENVS = 1_000_000
@@ -26,6 +28,8 @@ OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
+LATER: Mapping[str, Any] = MappingProxyType({"pay": False, "bounds": {}, "horizon": 0, "cut": 0})
+"""Facts that the first recordings did not have. At these values they are left out of the file."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,7 @@ class ActionFacts:
     @property
     def size(self) -> int:
         """How many numbers an action has."""
-        return prod(self.shape)
+        return math.prod(self.shape)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +95,10 @@ class TrainingFacts:
         trained_with: The one of them that the learner was paid.
         behaviour: Names of measures of what the robot did; no reward enters them.
         lower_is_better: Those of them of which less is better, such as a distance; of all others more is.
+        pay: Whether the recorder paid the learner `trained_with`: what the env itself pays does not depend on what
+            taught then.
+        bounds: By name of a measure, the least and the greatest value that it can have, as far as it was told; either
+            may be infinite.
         evaluation: Whether a finished policy acted, and nothing was trained: `trained_with` and `seed` are then those
             of the training that it comes from.
         num_envs: How many envs were stepped.
@@ -103,12 +111,16 @@ class TrainingFacts:
             there is none, or the env's own payment is that reward. One line.
         closed: Whether the training ended by itself; otherwise it is still going on, or was killed.
         actions: How its actions are recorded; None if they are not.
+        horizon: After how many steps an episode was cut; 0 if only the env itself ended episodes.
+        cut: How many episodes were cut so.
     """
 
     rewards: tuple[str, ...]
     trained_with: str
     behaviour: tuple[str, ...] = ()
     lower_is_better: tuple[str, ...] = ()
+    pay: bool = False
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     evaluation: bool = False
     num_envs: int = 1
     seed: int | tuple[int | None, ...] | None = None
@@ -119,6 +131,8 @@ class TrainingFacts:
     paid_otherwise: str = ""
     closed: bool = False
     actions: ActionFacts | None = None
+    horizon: int = 0
+    cut: int = 0
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -133,7 +147,12 @@ class TrainingFacts:
         Raises:
             OSError: The file cannot be written.
         """
-        path.write_bytes(seal({"format": FORMAT, **asdict(self)}))
+        told = {name: value for name, value in asdict(self).items() if not (name in LATER and value == LATER[name])}
+        if self.bounds:  # JSON has no infinite numbers
+            told["bounds"] = {
+                name: [end if math.isfinite(end) else None for end in of] for name, of in self.bounds.items()
+            }
+        path.write_bytes(seal({"format": FORMAT, **told}))
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -170,6 +189,10 @@ class TrainingFacts:
             paid_otherwise=data["paid_otherwise"],
             closed=data["closed"],
             actions=_actions_of(data.get("actions")),
+            pay=data.get("pay", False),
+            bounds={name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
+            horizon=data.get("horizon", 0),
+            cut=data.get("cut", 0),
         )
 
 
@@ -180,6 +203,10 @@ def _actions_of(data: Mapping[str, Any] | None) -> ActionFacts | None:
     if actions.size > MOST_ACTION_NUMBERS:
         raise ValueError(f"an action has {actions.size:,} numbers, {MOST_ACTION_NUMBERS} are allowed")
     return actions
+
+
+def _bounds(low: float | None, high: float | None) -> tuple[float, float]:
+    return -math.inf if low is None else low, math.inf if high is None else high
 
 
 @with_config(EXACT)
@@ -229,6 +256,10 @@ class RecordingForm(TypedDict):
     paid_otherwise: Line
     closed: bool
     actions: NotRequired[ActionForm | None]
+    pay: NotRequired[bool]
+    bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
+    horizon: NotRequired[Whole]
+    cut: NotRequired[Whole]
 
 
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

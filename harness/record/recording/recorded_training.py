@@ -27,6 +27,8 @@ FLAGS = ("terminated", "truncated")
 ANSWER = "answer"
 CALLS = ("seed", "resets", ANSWER)
 """Of a step whose action is recorded; `harness.recorder.calls.Calls` says what they are."""
+STEPS = "steps-"
+"""What the names of the parts begin with."""
 
 _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
 
@@ -122,7 +124,7 @@ def facts_name(number: int) -> str:
 
 def part_name(number: int, part: int) -> str:
     """The file of a part of a recorder's steps."""
-    return f"steps-{number}-{part:05}.parquet"
+    return f"{STEPS}{number}-{part:05}.parquet"
 
 
 def part_schema(facts: TrainingFacts) -> pa.Schema:
@@ -166,7 +168,7 @@ def read_steps(folder: Path, number: int, facts: TrainingFacts, with_calls: bool
 
 def part_count(folder: Path, number: int) -> int:
     """How many parts a recorder has written."""
-    count = sum(1 for _ in folder.glob(f"steps-{number}-*.parquet"))
+    count = sum(1 for _ in folder.glob(f"{STEPS}{number}-*.parquet"))
     if count > MOST_PARTS:
         raise SchemaError(f"{folder} has {count:,} parts, {MOST_PARTS:,} are allowed")
     return count
@@ -236,6 +238,7 @@ def _united(facts: Sequence[TrainingFacts], tables: Sequence[Mapping[str, NDArra
             ),
             paid_otherwise=next((one.paid_otherwise for one in facts if one.paid_otherwise), ""),
             closed=all(one.closed for one in facts),
+            cut=sum(one.cut for one in facts),
         ),
         env=env,
         rewards={name: columns[f"{REWARD}{name}"] for name in first.rewards},

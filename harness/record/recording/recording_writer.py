@@ -220,7 +220,7 @@ def _table(rows: Float, schema: pa.Schema) -> pa.Table:
 
 
 def _require_same_training(folder: Path, before: TrainingFacts, now: TrainingFacts) -> None:
-    for what in ("trained_with", "rewards", "behaviour", "num_envs", "env", "sources"):
+    for what in ("trained_with", "rewards", "behaviour", "num_envs", "env", "sources", "horizon"):
         was, found = getattr(before, what), getattr(now, what)
         if was != found:
             shown = f": {was!r}, now {found!r}" if what != "sources" else ""

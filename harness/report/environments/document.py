@@ -24,4 +24,4 @@ def environments_text(results: Results, studies: Sequence[PlaceStudy]) -> str:
 def _to_json(told: PlaceStudy) -> dict[str, Any]:
     labels = {"task": told.group.task.label, "algorithm": told.group.algorithm.label}
     study = told.study and study_to_json(told.study)
-    return {**labels, "steps": told.group.steps, "reason": told.reason, "study": study}
+    return {**labels, "steps": told.group.steps, "reason": told.reason, "notes": list(told.notes), "study": study}

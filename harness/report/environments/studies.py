@@ -23,6 +23,8 @@ class PlaceStudy(NamedTuple):
     """The study; None if there is nothing to compare."""
     reason: str
     """Why there is no study; empty if there is one."""
+    notes: tuple[str, ...] = ()
+    """What to know of the cells where there is no study, which else says it: a line each."""
 
     @property
     def title(self) -> str:
@@ -46,14 +48,15 @@ def _study(results: Results, group: Group, cells: Sequence[Cell]) -> PlaceStudy:
     folders = [results.store.cell_folder(cell) for cell in cells]
     only = [folder / part for folder in folders for part in (TRAINING_RECORDING, EVALUATION_RECORDING)]
     trained = list(dict.fromkeys(cell.reward.label for cell in cells))
+    notes = tuple(f"{cell.title}: {note}" for cell in cells if (note := results.manifest(cell).note))
     if len(trained) < 2:
         reason = f"nothing to compare: all done cells were trained with {trained[0]}"
-        return PlaceStudy(group, tuple(cells), None, reason)
+        return PlaceStudy(group, tuple(cells), None, reason, notes)
     try:
         told = results.plan.experiment.get("measure")  # a folder of anybody: whatever stands there
         deciding = [name for name in told if isinstance(name, str)] if isinstance(told, list) else []
         study = load_study(results.folder, results.kind, only, results.baseline, deciding)
     except UsageError as error:
-        return PlaceStudy(group, tuple(cells), None, str(error))
+        return PlaceStudy(group, tuple(cells), None, str(error), notes)
     named = replace(study, runs=study.runs._replace(env=group.task.label))
     return PlaceStudy(group, tuple(cells), named, "")

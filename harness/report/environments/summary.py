@@ -22,7 +22,7 @@ from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.environments.document import environments_text
 from harness.report.environments.figures import Figure, figures_of
 from harness.report.environments.studies import PlaceStudy
-from harness.report.rows.comparison import Grid, answer_text, count_cells, ratio_grid, split_grid, unfinished_cells
+from harness.report.rows.comparison import Grid, answer_text, count_cells, ratio_grid, remarks_on_cells, split_grid
 from harness.report.summary.cells import plain_text
 from harness.report.summary.files import put_files
 from harness.report.summary.markdown import escape, markdown_table, what_it_took
@@ -100,12 +100,12 @@ def _measured(studies: Sequence[PlaceStudy]) -> Iterator[tuple[str, dict[str, fl
 def _markdown(results: Results, studies: Sequence[PlaceStudy], figures: Mapping[Comparison, Sequence[Figure]]) -> str:
     labels = dict.fromkeys(told.group.task.label for told in studies)
     parts = [f"# {escape(', '.join(labels))}", escape(count_cells(results))]
-    parts += [f"* {escape(line)}" for line in unfinished_cells(results)]
+    parts += [f"* {escape(line)}" for line in remarks_on_cells(results)]
     parts.append(f"Made from `{EXPERIMENT}`: `harness run {EXPERIMENT}` does it again.")
     for told in studies:
         parts.append(f"## {escape(told.title)}")
         if told.study is None:
-            parts.append(escape(f"{told.reason}."))
+            parts += [escape(f"{told.reason}."), *(f"* {escape(line)}" for line in told.notes)]
             continue
         study = told.study
         parts += [escape(study_text(study)), *(f"* {escape(line)}" for line in study.runs.notes)]

@@ -6,7 +6,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.report.environments.studies import PlaceStudy
-from harness.report.rows.comparison import count_cells, unfinished_cells
+from harness.report.rows.comparison import count_cells, remarks_on_cells
 from harness.report.trainings.table import study_overview, study_table
 from harness.results import Results
 
@@ -22,11 +22,11 @@ def environments_table(
         command: The command that shows everything behind the overview.
         details: Whether to show the full tables.
     """
-    parts: list[RenderableType] = [Text(count_cells(results)), *map(Text, unfinished_cells(results))]
+    parts: list[RenderableType] = [Text(count_cells(results)), *map(Text, remarks_on_cells(results))]
     for told in studies:
         parts += [Text(), Text(told.title, style="bold")]
         if told.study is None:
-            parts.append(Text(f"{told.reason}."))
+            parts += [Text(f"{line}.") for line in (told.reason, *told.notes)]
         else:
             parts.append(study_table(told.study) if details else study_overview(told.study, command))
     return Group(*parts)

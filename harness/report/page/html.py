@@ -17,7 +17,7 @@ from harness.report.page.page import render_page, write_page
 from harness.report.page.question import question
 from harness.report.replay.links import links_of
 from harness.report.replay.section import replay_of
-from harness.report.rows.comparison import PATHS, SPLIT, TESTS, TOTAL, count_cells, rewards_text, unfinished_cells
+from harness.report.rows.comparison import PATHS, SPLIT, TESTS, TOTAL, count_cells, remarks_on_cells, rewards_text
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS
 from harness.report.rows.payoff import TITLE as PAYOFF_TITLE
 from harness.report.rows.payoff import Audits
@@ -96,7 +96,7 @@ def _render(results: Results, audits: Audits) -> str:
         },
         ranking=_ranking(results),
         cell_count=count_cells(results),
-        unfinished=unfinished_cells(results),
+        unfinished=remarks_on_cells(results),
         returns=_returns(matrices, is_open=len(combinations) <= OPEN),
         replay=replay_of(shows),
         transfer=_transfer(load_transfers(results)),

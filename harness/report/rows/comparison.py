@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from harness.eta.curve import Kind
+from harness.eta.equal import equal_sentences
 from harness.eta.headline import Headline, count_seeds
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
@@ -179,14 +180,21 @@ def count_cells(results: Results) -> str:
     return f"{counts.total()} {noun}: {', '.join(ended)}" if ended else "No cells"
 
 
-def unfinished_cells(results: Results) -> list[str]:
-    """A line for each cell that failed or is damaged; one for all that were skipped or wait for the same reason."""
+def remarks_on_cells(results: Results) -> list[str]:
+    """A line for each cell that failed or is damaged; one for all that were skipped or wait for the same reason.
+
+    Then one for trainings that are equal bit for bit.
+    """
     lines = [results.plan.note] if results.plan.note else []
     for manifest in (*results.failed, *results.damaged):
         lines.append(f"{manifest.status}: {manifest.cell.title}: {manifest.reason}")
     waiting = [manifest for manifest in results.manifests if manifest.status in ("skipped", "pending")]
     counts = Counter((manifest.status, manifest.reason) for manifest in waiting)
-    return lines + [f"{count} {status}: {reason}" for (status, reason), count in counts.items()]
+    lines += [f"{count} {status}: {reason}" for (status, reason), count in counts.items()]
+    for group, equal in results.equal.items():
+        where = f"{group.title}: " if len(results.groups) > 1 else ""
+        lines += [f"{where}{line}." for line in equal_sentences(equal)]
+    return lines
 
 
 def better_of(name: str) -> str:

@@ -19,9 +19,9 @@ from harness.report.rows.comparison import (
     ratio_grid,
     ratio_text,
     ratio_with_interval,
+    remarks_on_cells,
     rewards_text,
     split_grid,
-    unfinished_cells,
 )
 from harness.report.summary.effort import duration_text, effort_of
 from harness.report.summary.missing import missing_text
@@ -65,7 +65,7 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
     ]
     for number, (combination, paths) in enumerate(zip(combinations, pictures, strict=True), 1):
         parts += _section(number, combination, paths)
-    unfinished = [f"* {escape(line)}" for line in unfinished_cells(results)]
+    unfinished = [f"* {escape(line)}" for line in remarks_on_cells(results)]
     parts += ["## Cells that are not done", "\n".join(unfinished)] if unfinished else []
     return "\n\n".join([*parts, *what_it_took(results)]) + "\n"
 

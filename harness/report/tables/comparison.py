@@ -15,11 +15,11 @@ from harness.report.rows.comparison import (
     count_cells,
     index_grid,
     ratio_grid,
+    remarks_on_cells,
     rewards_text,
     seeds_text,
     split_grid,
     sum_grid,
-    unfinished_cells,
 )
 from harness.report.rows.returns import EXPLANATION, return_grid
 from harness.report.tables.grid import show_grid
@@ -40,7 +40,7 @@ def comparison_table(results: Results) -> RenderableType:
     if matrices:
         blocks += [*map(_return_block, matrices), Text(EXPLANATION + "\n")]
     blocks.append(Text(count_cells(results), style="bold"))
-    return Group(*blocks, *map(Text, unfinished_cells(results)))
+    return Group(*blocks, *map(Text, remarks_on_cells(results)))
 
 
 def _combination_block(results: Results, combination: Combination) -> RenderableType:

@@ -8,7 +8,7 @@ from rich.console import Group as Together
 from rich.text import Text
 
 from harness.eta.headline import Answer
-from harness.report.rows.comparison import Grid, advice, count_cells, split_grid, unfinished_cells
+from harness.report.rows.comparison import Grid, advice, count_cells, remarks_on_cells, split_grid
 from harness.report.tables.grid import divide_columns, show_grid
 from harness.results import Results
 from harness.results.combination import Combination
@@ -39,7 +39,7 @@ def overview_table(results: Results, details: str) -> RenderableType:
     if len(combinations) == 1:
         parts += _sentences(results, combinations[0])
     parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
-    parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, unfinished_cells(results))]
+    parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, remarks_on_cells(results))]
     return Together(*parts, *([Text(f"All numbers behind this: {details}")] if combinations else []))
 
 

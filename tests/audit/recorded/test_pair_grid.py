@@ -24,7 +24,7 @@ def shown(what) -> str:
 
 def test_numbers_stand_beside_what_they_mean():
     """Below three there is no interval."""
-    text = shown(pair_grid(pair_of("a", "b", [SOME, SOME])))
+    text = shown(pair_grid(pair_of("a", "b", [SOME, SOME], [])))
     assert "distance by steps 0.250 of what both pay for the same steps distance by episodes 0.500 of" in text
     assert "opposite order 12.5% of the pairs of episodes that both tell apart; these are 50% of all pairs" in text
 
@@ -32,9 +32,9 @@ def test_numbers_stand_beside_what_they_mean():
 def test_what_is_not_defined_says_why():
     """Where it is defined in some only, in how many."""
     assert "distance by steps n/a one of the two pays every step the same" in shown(
-        pair_grid(pair_of("a", "b", [NOTHING]))
+        pair_grid(pair_of("a", "b", [NOTHING], []))
     )
-    assert "for the same steps; defined in 2 of 3" in shown(pair_grid(pair_of("a", "b", [SOME, NOTHING, SOME])))
+    assert "for the same steps; defined in 2 of 3" in shown(pair_grid(pair_of("a", "b", [SOME, NOTHING, SOME], [])))
 
 
 def test_interval_of_a_distance_stays_between_0_and_1():

@@ -1,10 +1,15 @@
 """A folder of recordings: distances, what behaviour earned, and what is left out."""
 
+from io import StringIO
+
 import numpy as np
 import pytest
+from rich.console import Console
 
+from harness.audit.recorded.recorded_table import recorded_table
 from harness.audit.recorded.recordings import audit_recordings
 from harness.errors import UsageError
+from harness.eta.rescaling import Rescaling
 from tests.trainings.conftest import PULLS, record
 
 
@@ -118,3 +123,20 @@ def test_what_cannot_be_audited_is_one_line(tmp_path, which):
     with pytest.raises(UsageError, match=told) as caught:
         audit_recordings(runs, random)
     assert "\n" not in str(caught.value)
+
+
+def test_a_reward_that_is_another_but_for_its_scale_is_told(study_folder):
+    """And on how many steps that was found."""
+    found = audit_recordings(study_folder)
+    (pair,) = found.pairs
+    assert pair.rescaling == Rescaling(pytest.approx(3.0), pytest.approx(3.0), 12 * 40 * PULLS, None)
+    assert found.to_json()["pairs"][0]["rescaled"] == pair.rescaling.to_json()
+    text = StringIO()
+    Console(file=text, width=200).print(recorded_table(found))
+    told = "thrice is 3 x plain + 3, in all 2,400 steps, for which plain paid more than 100 different numbers."
+    assert told in text.getvalue()
+
+
+def test_another_reward_has_no_such_line(folder):
+    """It is at a distance."""
+    assert audit_recordings(folder / "runs").pairs[0].rescaling is None

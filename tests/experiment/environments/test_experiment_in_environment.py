@@ -2,7 +2,9 @@
 
 import csv
 import json
+import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +14,18 @@ import pytest
 from harness.cli import main
 from harness.errors import UsageError
 from harness.executor import CellOptions, Word
-from harness.experiment.experiment import RunOptions, check
+from harness.experiment.experiment import RunOptions, check, prepare
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, TRAINING_RECORDING, partial_folder
-from harness.record.manifest import digests_in
+from harness.record.manifest import digests_in, read_manifest
 from harness.record.merge import merge
-from harness.record.recording.recorded_training import read_recording
+from harness.record.recording.facts import TrainingFacts
+from harness.record.recording.recorded_training import RecordedTraining, facts_name, read_recording
+from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
 from harness.record.store import Store
 from harness.record.verify import verify
@@ -86,6 +90,16 @@ def test_every_reward_of_the_environment_trains(registry: Registry):
     assert plan.cells[0].title == "toy · random · near · seed 0"
 
 
+@pytest.mark.parametrize("member", ["lower_is_better", "bounds"])
+def test_members_name_measures(tmp_path: Path, member: str):
+    """Any other name is a slip."""
+    file = tmp_path / "slip.py"
+    text = TOY.read_text().replace("class Toy", "class Slip").replace("np.inf)}", 'np.inf), "far": (0.0, 1.0)}')
+    file.write_text(text if member == "bounds" else text.replace('frozenset({"distance"})', 'frozenset({"far"})'))
+    with pytest.raises(UsageError, match=f"slip: {member} names 'far', which is none of"):
+        _plan(load_registry(given=read_given([file])), task="slip")
+
+
 def test_a_resolved_experiment_plans_the_same_cells(registry: Registry):
     """`experiment.toml` is an experiment file again."""
     plan = _plan(registry)
@@ -140,6 +154,7 @@ def test_a_cell_leaves_its_folder(folder: Path, registry: Registry):
     assert (training.facts.trained_with, training.facts.seed, len(training)) == ("right", 0, STEPS)
     assert list(training.facts.behaviour) == ["success", "distance"]
     assert training.facts.lower_is_better == ("distance",)
+    assert training.facts.bounds == evaluation.facts.bounds == {"distance": (0.0, np.inf)}
     assert evaluation.facts.evaluation
     assert (evaluation.terminated | evaluation.truncated).sum() == 3
     assert load_policy(place / POLICY).kind == "uniform"
@@ -176,6 +191,31 @@ def test_the_learner_is_paid_by_the_reward_of_its_cell(registry: Registry, given
     told = next(word.scalars for word in reversed(words) if RETURN in word.scalars)
     assert told[RETURN] == pytest.approx(paid.mean())
     assert told[SUCCESS] == pytest.approx(training.behaviour["success"][ended].mean())
+
+
+def test_trackers_get_the_evaluation(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """What the reward of the cell paid an episode, and every measure of behaviour, after the last step."""
+    words: list[Word] = []
+    options = CellOptions(plugins=given, tracked=True)
+    run_cell(_plan(registry).cells[1], tmp_path / "cell", words.append, options)
+    (told,) = (word for word in words if any(name.startswith("Evaluation/") for name in word.scalars))
+    evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
+    ends = evaluation.terminated | evaluation.truncated
+    assert told.steps == STEPS
+    assert told.scalars == pytest.approx(
+        {
+            "Evaluation/Cumulative Reward": evaluation.rewards["right"].sum() / 3,
+            "Evaluation/Success": evaluation.behaviour["success"][ends].mean(),
+            "Evaluation/Distance": evaluation.behaviour["distance"][ends].mean(),
+        }
+    )
+
+
+def test_without_a_tracker_no_evaluation_is_told(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """Nobody would look at it."""
+    words: list[Word] = []
+    _done(_plan(registry).cells[1], tmp_path / "cell", given, words)
+    assert not [name for word in words for name in word.scalars if name.startswith("Evaluation/")]
 
 
 def test_a_killed_cell_without_a_checkpoint_starts_over(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
@@ -239,6 +279,91 @@ def test_a_reward_that_only_looks_on_fails_alone(broken: tuple[Given, ...], tmp_
     assert not any(np.isnan(column).any() for column in (training.rewards["near"], *training.behaviour.values()))
 
 
+def _cut_short(registry: Registry, given: tuple[Given, ...], folder: Path, words: list[Word] | None = None) -> Any:
+    """A cell in an env that ends no episode; evaluations are cut after five steps."""
+    cell = _plan(registry, task="toy:endless=true", evaluation_horizon=5).cells[0]
+    return _done(cell, folder, given, words)
+
+
+def test_an_evaluation_of_endless_episodes_ends(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """Each is cut at the cell's horizon, and is recorded as truncated."""
+    assert _cut_short(registry, given, tmp_path / "cell").status == "done"
+    evaluation = read_recording(tmp_path / "cell" / EVALUATION_RECORDING)
+    assert (evaluation.facts.cut, evaluation.facts.horizon) == (3, 5)
+    assert np.flatnonzero(evaluation.truncated).tolist() == [4, 9, 14]
+
+
+def test_a_manifest_says_what_never_ended(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """In the training, and in the evaluation."""
+    assert _cut_short(registry, given, tmp_path / "cell").note == (
+        "no episode of the training ended: give the environment a time limit; "
+        "3 of 3 evaluation episodes were cut after 5 steps"
+    )
+
+
+def test_a_manifest_has_no_note_where_episodes_end(folder: Path):
+    """There is nothing to know of it."""
+    assert {manifest.note for manifest in Store.open(folder).manifests()} == {""}
+
+
+def test_the_horizon_of_evaluations_belongs_to_a_cell(registry: Registry):
+    """Where it is not the default: cells of a version without it keep their ids."""
+    usual, named, other = (
+        _plan(registry, **keys).cells[0] for keys in ({}, {"evaluation_horizon": 10_000}, {"evaluation_horizon": 9})
+    )
+    assert usual.id == named.id != other.id
+    assert (usual.evaluation_horizon, other.evaluation_horizon) == (10_000, 9)
+
+
+def test_a_resolved_experiment_names_the_horizon(registry: Registry):
+    """The default too, so that who reads it knows."""
+    assert _plan(registry).resolved["evaluation_horizon"] == 10_000
+
+
+def test_a_horizon_of_evaluations_goes_with_environments_alone(registry: Registry):
+    """A task of an arm has its own."""
+    asked = {"sim": "kinematic", "algo": "random", "evaluation_horizon": 9}
+    with pytest.raises(UsageError, match="--evaluation-horizon goes with an environment"):
+        expand(check_experiment(asked), registry)
+    assert (
+        "evaluation_horizon" not in expand(check_experiment({**asked, "evaluation_horizon": None}), registry).resolved
+    )
+
+
+def test_the_plan_says_when_evaluations_are_cut(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    """Before anything runs."""
+    asked = ["--task", "toy", "--plugin", str(TOY), "--algo", "random", "--out", str(tmp_path / "new")]
+    with pytest.raises(SystemExit):
+        main(["run", *asked, "--evaluation-horizon", "50", "--dry-run"])
+    told = "Evaluations: 100 episodes of each policy, each cut after 50 steps if it goes on so long"
+    assert told in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.slow
+def test_an_evaluation_that_hangs_is_ended(tmp_path: Path):
+    """A step that never returns is no progress, also behind the training."""
+    file = tmp_path / "hanging.py"
+    text = TOY.read_text().replace("class Toy", "class Hanging")
+    text = text.replace("        self.steps += 1\n", "        self.steps += 1\n        self._hang()\n")
+    hang = """
+    def _hang(self) -> None:
+        import time
+
+        self.all = getattr(self, "all", 0) + 1
+        while self.seeded and self.all > 4:  # the second evaluation's step, or later
+            time.sleep(1.0)
+"""
+    text = text.replace("    def render(self)", f"{hang}\n    def render(self)")
+    file.write_text(
+        text.replace("super().reset(seed=seed)", "super().reset(seed=seed)\n        self.seeded = (seed or 0) >= 10**9")
+    )
+    asked = check_experiment({"task": "hanging", "algo": "random", "seeds": 1, "steps": STEPS, "reward": []})
+    options = RunOptions(out=tmp_path / "out", stall_after=2.0, jobs=1)
+    results = prepare(asked, options, read_given([file])).run()
+    (failed,) = results.failed
+    assert failed.reason == "no progress for 2 s (--stall-after)"
+
+
 def test_status_and_verify_know_it(folder: Path):
     """Like any other experiment."""
     assert read_status(folder).count("done") == 4
@@ -279,6 +404,49 @@ def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: P
     (told,) = studies_of(load_results(tmp_path / "both", plugins=[TOY]))
     assert told.study is not None
     assert told.study.comparisons[0].seeds == (0, 1)
+
+
+def test_a_cell_that_is_done_in_both_folders_is_taken_once(
+    folder: Path, results: Results, tmp_path: Path, report: Callable[..., str]
+):
+    """Both recorded the same steps; `harness report` reads the two together all the same."""
+    shutil.copytree(folder, tmp_path / "other")
+    merge([folder, tmp_path / "other"], tmp_path / "both")
+    both = load_results(tmp_path / "both", plugins=[TOY])
+    assert [manifest.cell for manifest in both.done] == [manifest.cell for manifest in results.done]
+    assert report(folder, tmp_path / "other").startswith("4 cells: 4 done")
+
+
+def _write_again(cell: Path, part: str, change: Callable[[RecordedTraining], RecordedTraining]) -> None:
+    """A recording of a cell, changed, as if the cell had left it so."""
+    recording = read_recording(cell / part)
+    shutil.rmtree(cell / part)
+    write_recording(cell / part, change(recording))
+    read_manifest(cell).write(cell)
+
+
+@pytest.mark.parametrize("part", [TRAINING_RECORDING, EVALUATION_RECORDING])
+def test_two_trainings_of_a_cell_that_differ_are_refused(folder: Path, tmp_path: Path, part: str):
+    """In a step of their training, or of their evaluation; the message names the cell and both folders."""
+    shutil.copytree(folder, tmp_path / "other")
+    cell = Store.open(folder).read_plan().cells[1]
+    _write_again(
+        Store(tmp_path / "other").cell_folder(cell), part, lambda it: replace(it, truncated=np.roll(it.truncated, 1))
+    )
+    with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{folder}' .* and the recordings differ"):
+        merge([folder, tmp_path / "other"], tmp_path / "both")
+    assert not (tmp_path / "both").exists()
+
+
+def test_versions_make_no_other_training_of_a_cell(folder: Path, tmp_path: Path):
+    """Two machines may have recorded the same steps."""
+    shutil.copytree(folder, tmp_path / "other")
+    cell = Store.open(folder).read_plan().cells[1]
+    folder_there = Store(tmp_path / "other").cell_folder(cell)
+    facts = folder_there / TRAINING_RECORDING / facts_name(0)
+    replace(TrainingFacts.read(facts), versions={"python": "3.99"}).write(facts)
+    read_manifest(folder_there).write(folder_there)
+    assert len(merge([folder, tmp_path / "other"], tmp_path / "both").plan.cells) == 4
 
 
 @pytest.fixture

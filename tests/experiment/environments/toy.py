@@ -15,11 +15,11 @@ class _Line(gymnasium.Env[Any, Any]):
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"]}
 
-    def __init__(self, discrete: bool = False) -> None:
+    def __init__(self, discrete: bool = False, endless: bool = False) -> None:
         box = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
         self.observation_space = gymnasium.spaces.Dict({"at": box, "left": gymnasium.spaces.Discrete(9)})
         self.action_space = gymnasium.spaces.Discrete(3) if discrete else gymnasium.spaces.Box(-1.0, 1.0, (1,))
-        self.at, self.steps = 0.0, 0
+        self.at, self.steps, self.endless = 0.0, 0, endless
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start at random."""
@@ -31,7 +31,8 @@ class _Line(gymnasium.Env[Any, Any]):
         """Move."""
         self.at += float(np.sum(action)) if isinstance(self.action_space, gymnasium.spaces.Box) else int(action) - 1
         self.steps += 1
-        return self._observed(), -abs(self.at), abs(self.at) > 4.0, self.steps == 8, {"distance": abs(self.at)}
+        terminated, truncated = (not self.endless and it for it in (abs(self.at) > 4.0, self.steps == 8))
+        return self._observed(), -abs(self.at), terminated, truncated, {"distance": abs(self.at)}
 
     def render(self) -> Any:
         """White where the point is, if it is told to draw so."""
@@ -42,20 +43,22 @@ class _Line(gymnasium.Env[Any, Any]):
         return picture
 
     def _observed(self) -> dict[str, Any]:
-        return {"at": np.array([self.at]), "left": 8 - self.steps}
+        return {"at": np.array([self.at]), "left": max(0, 8 - self.steps)}
 
 
 @dataclass(frozen=True)
 class Toy:
-    """A point on a line."""
+    """A point on a line; `endless` where no episode ends."""
 
     discrete: bool = False
+    endless: bool = False
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {"distance": (0.0, np.inf)}
 
     def make(self) -> AnyEnv:
         """See `harness.environment.Environment`."""
-        return _Line(self.discrete)
+        return _Line(self.discrete, self.endless)
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
         """See `harness.environment.Environment`."""

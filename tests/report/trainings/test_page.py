@@ -112,3 +112,10 @@ def test_the_page_fits_and_keeps_nobody_out(of_four, show, barriers, tmp_path, w
     assert page.complaints == []
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert barriers(page) == []
+
+
+def test_equal_trainings_and_rescaled_rewards_are_told(of_two):
+    """In plain words."""
+    _, words = of_two
+    assert "The trainings by plain and thrice are equal bit for bit, with seeds 0, 1 and 2" in words
+    assert "thrice is 3 x plain + 3, in all 300 steps, for which plain paid 30 different numbers." in words

@@ -1,0 +1,160 @@
+"""Whether a reward is another one times a number plus a number, from what both paid for the same steps.
+
+Such rewards differ in their scale, and tell a learner the same about which step is better. Both columns have to lie on
+one line, in every step, up to rounding: that of single precision, because most observations are in it, from which a
+reward may be computed again. Steps may come in several recordings: of each it is enough to keep two steps of its line,
+see `Line`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from harness.arrays import Float
+
+ROUNDINGS = 8.0
+"""So many units in the last place a payment may be off the line: a reward takes a few operations. In single precision
+these are a millionth."""
+FEW = 100
+"""Up to so many different payments are counted."""
+SHORT = 2.0**16
+"""A number whose binary digits are no more than 16 is exact in every precision, as 10, -1 or 0.5."""
+
+Payment: TypeAlias = tuple[float, float]
+"""What both rewards paid for one step."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line on which all steps of one recording lie.
+
+    Attributes:
+        near: The step for which the first reward paid least, positive or negative.
+        far: The step for which it paid something most different from that.
+        precision: Of the numbers: the spacing of floating-point numbers at 1.
+        steps: How many steps lie on it.
+        payments: The different numbers that the first reward paid, the smallest `FEW` + 1 of them.
+    """
+
+    near: Payment
+    far: Payment
+    precision: float
+    steps: int
+    payments: frozenset[float]
+
+
+@dataclass(frozen=True)
+class Rescaling:
+    """A reward that is ``factor`` x another one + ``offset``.
+
+    Attributes:
+        factor: Never 0.
+        offset: 0 where it is nothing but rounding.
+        steps: In how many steps, all that both rewards are known in.
+        payments: How many different numbers the other one paid for them; None: more than `FEW`. Over 2 numbers any
+            reward that is a function of the other one is a line.
+    """
+
+    factor: float
+    offset: float
+    steps: int
+    payments: int | None
+
+    def sentence(self, reward: str, other: str) -> str:
+        """What `reward` is, and how that was found."""
+        count = f"more than {FEW}" if self.payments is None else self.payments
+        found = f"in all {self.steps:,} steps, for which {other} paid {count} different numbers"
+        return f"{reward} {self._formula(other)}, {found}"
+
+    def _formula(self, other: str) -> str:
+        if self.offset == 0.0 and _digits(self.factor) == "1":
+            return f"pays the same as {other}"
+        scaled = other if _digits(self.factor) == "1" else f"{_digits(self.factor)} x {other}"
+        if self.offset == 0.0:
+            return f"is {scaled}"
+        return f"is {scaled} {'-' if self.offset < 0.0 else '+'} {_digits(abs(self.offset))}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+
+def line_of(one: Float, other: Float) -> Line | None:
+    """The line on which what `other` paid lies over what `one` paid; None where there is none.
+
+    Args:
+        one: What a reward paid for each step, (steps,); steps in which either is NaN do not count.
+        other: The same of another reward.
+    """
+    known = np.isfinite(one) & np.isfinite(other)
+    one, other = one[known], other[known]
+    if not len(one):
+        return None
+    near = int(np.argmin(np.abs(one)))
+    far = int(np.argmax(np.abs(one - one[near])))
+    ends = _payment(one, other, near), _payment(one, other, far)
+    precision = _precision(one, other)
+    if not _is_on_line(one, other, *ends, precision):
+        return None
+    return Line(*ends, precision, len(one), frozenset(np.unique(one)[: FEW + 1].tolist()))
+
+
+def rescaling_of(lines: Sequence[Line | None]) -> Rescaling | None:
+    """What the lines of several recordings say together; None if they are not one line, or one reward never changes."""
+    known = [line for line in lines if line is not None]
+    if not known or len(known) < len(lines):
+        return None
+    near = min((line.near for line in known), key=lambda payment: abs(payment[0]))
+    far = max((end for line in known for end in (line.near, line.far)), key=lambda payment: abs(payment[0] - near[0]))
+    if far[0] == near[0] or far[1] == near[1]:
+        return None
+    precision = max(line.precision for line in known)
+    one, other = np.array([end for line in known for end in (line.near, line.far)]).T
+    if not _is_on_line(one, other, near, far, precision):
+        return None
+    factor = (far[1] - near[1]) / (far[0] - near[0])
+    offset = near[1] - factor * near[0]
+    if abs(offset) <= ROUNDINGS * precision * (abs(near[1]) + abs(factor * near[0])):
+        offset = 0.0
+    payments = len(frozenset[float]().union(*(line.payments for line in known)))
+    return Rescaling(factor, offset, sum(line.steps for line in known), payments if payments <= FEW else None)
+
+
+def _is_on_line(one: Float, other: Float, near: Payment, far: Payment, precision: float) -> bool:
+    """Whether all steps lie on the line through two of them; where the first never changes, whether neither does."""
+    if far[0] == near[0]:
+        return bool((other == near[1]).all())
+    factor = (far[1] - near[1]) / (far[0] - near[0])
+    offset = near[1] - factor * near[0]
+    off = np.abs(other - (factor * one + offset))
+    return bool((off <= ROUNDINGS * precision * (np.abs(other) + np.abs(factor * one) + abs(offset))).all())
+
+
+def _payment(one: Float, other: Float, step: int) -> Payment:
+    return float(one[step]), float(other[step])
+
+
+def _precision(one: Float, other: Float) -> float:
+    """The spacing of numbers at 1 in the precision that explains what is off the line.
+
+    Where one of the two paid short numbers alone, which are exact, only the rounding of the other one can.
+    """
+    inexact = [values for values in (one, other) if not _are_short(values)]
+    is_single = bool(inexact) and (len(inexact) == 2 or _are_single(inexact[0]))
+    return float(np.finfo(np.float32 if is_single else np.float64).eps)
+
+
+def _are_short(values: Float) -> bool:
+    mantissas, _ = np.frexp(values)
+    return bool((np.rint(SHORT * mantissas) == SHORT * mantissas).all())
+
+
+def _are_single(values: Float) -> bool:
+    with np.errstate(over="ignore"):  # of a number that single precision has not
+        return bool((values.astype(np.float32) == values).all())
+
+
+def _digits(value: float) -> str:
+    return f"{value:.6g}"

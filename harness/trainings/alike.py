@@ -1,0 +1,57 @@
+"""What is the same in recorded trainings: whole trainings, and rewards that differ in nothing but their scale."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from harness.eta.rescaling import Line, line_of
+from harness.record.recording.facts import BEHAVIOUR, OWN_SOURCE, REWARD
+from harness.record.recording.recorded_training import FLAGS, INTEGERS, RecordedTraining
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """What one recording says of that.
+
+    Attributes:
+        digest: SHA-256 of all of its steps; empty where every recorded number is the same in all steps, so that equal
+            recordings would say nothing of the trainings.
+        lines: By each two rewards, what the second one paid over what the first one paid; None where that is no line.
+        paid_alike: Rewards that are recorded as what the env pays, each with a reward that paid the same in all steps.
+    """
+
+    digest: str
+    lines: Mapping[tuple[str, str], Line | None]
+    paid_alike: frozenset[tuple[str, str]]
+
+
+def likeness_of(recording: RecordedTraining) -> Likeness:
+    """Compare the columns of a recording."""
+    rewards, sources = recording.rewards, recording.facts.sources
+    own = [name for name in rewards if f"{REWARD}{name}" in sources and sources[f"{REWARD}{name}"].text == OWN_SOURCE]
+    return Likeness(
+        _digest(recording),
+        {(one, other): line_of(rewards[one], rewards[other]) for one, other in permutations(rewards, 2)},
+        frozenset(
+            (name, other)
+            for name in own
+            for other in rewards
+            if other != name and np.allclose(rewards[name], rewards[other], rtol=1e-5, atol=1e-6)
+        ),
+    )
+
+
+def _digest(recording: RecordedTraining) -> str:
+    numbers = {f"{REWARD}{name}": values for name, values in recording.rewards.items()}
+    numbers |= {f"{BEHAVIOUR}{name}": values for name, values in recording.behaviour.items()}
+    if all((values == values[:1]).all() for values in numbers.values()):
+        return ""
+    digest = hashlib.sha256()
+    whole = {name: getattr(recording, name) for name in ("time", *INTEGERS, *FLAGS)}
+    for name, values in sorted({**whole, **numbers}.items()):
+        digest.update(f"{name}\0{len(values)}\0".encode())
+        digest.update(np.ascontiguousarray(values).data)
+    return digest.hexdigest()

@@ -1,0 +1,151 @@
+"""Whether a reward is another one but for scale and offset."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.arrays import Float
+from harness.eta.rescaling import FEW, Rescaling, line_of, rescaling_of
+
+PAID = np.random.default_rng(0).normal(size=1_000) * 10.0 ** np.random.default_rng(1).uniform(-6, 6, 1_000)
+"""What a reward pays: of all sizes and both signs."""
+
+
+def found(one: Float, other: Float, parts: int = 3) -> Rescaling | None:
+    """Of steps in several recordings."""
+    pairs = zip(np.array_split(one, parts), np.array_split(other, parts), strict=True)
+    return rescaling_of([line_of(*pair) for pair in pairs])
+
+
+@given(st.floats(0.01, 100.0), st.floats(-100.0, 100.0), st.booleans())
+def test_every_scale_and_offset_is_found(factor: float, offset: float, is_turned: bool):
+    """Whatever the signs."""
+    factor = -factor if is_turned else factor
+    rescaling = found(PAID, factor * PAID + offset)
+    assert rescaling is not None
+    assert rescaling.factor == pytest.approx(factor, rel=1e-9)
+    assert rescaling.offset == pytest.approx(offset, rel=1e-6, abs=1e-9)
+    assert rescaling.steps == len(PAID)
+
+
+@pytest.mark.parametrize(
+    "compute",
+    [
+        lambda x: 0.3 * (x + 1_000.0),
+        lambda x: (x - 1.0) / 3.0,
+        lambda x: 0.1 * x + 0.2 * x,
+        lambda x: -(7.0 - x) * 1e-3,
+    ],
+)
+def test_rounding_does_not_matter(compute):
+    """Of a few operations, in any order."""
+    assert found(PAID, compute(PAID)) is not None
+
+
+def test_rewards_in_single_precision_are_found():
+    """Many environments compute so; a reward in double precision beside it differs by the rounding of the other."""
+    single = PAID.astype(np.float32)
+    assert found(single.astype(float), (np.float32(0.3) * single).astype(float)) is not None
+    rescaling = found(single.astype(float), 2.0 * PAID)
+    assert rescaling is not None
+    assert rescaling.factor == pytest.approx(2.0, rel=1e-6)
+
+
+def test_a_reward_that_is_computed_again_from_observations_is_found():
+    """The env pays by its state in double precision, and shows it in single precision."""
+    state = np.random.default_rng(2).uniform(-3.0, 3.0, (1_000, 2))
+    seen = state.astype(np.float32).astype(float)
+    rescaling = found(-(state**2).sum(axis=1), -0.5 * (seen**2).sum(axis=1) + 3.0)
+    assert rescaling is not None
+    assert (rescaling.factor, rescaling.offset) == (pytest.approx(0.5, rel=1e-6), pytest.approx(3.0, rel=1e-6))
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        PAID + 1e-5 * np.abs(PAID) * np.sin(np.arange(1_000.0)),
+        np.maximum(PAID, -5.0),
+        PAID**2,
+        np.where(np.arange(1_000) == 500, PAID + 1.0, PAID),
+        np.concatenate([PAID[:500], 2.0 * PAID[500:]]),
+    ],
+    ids=["a small term more", "cut", "squared", "one step otherwise", "another scale in another recording"],
+)
+def test_another_reward_is_no_rescaling(other: Float):
+    """However near it is, beyond a millionth."""
+    assert found(PAID, other) is None
+    assert found(other, PAID) is None
+
+
+def test_a_small_term_beside_whole_numbers_is_seen():
+    """Whole numbers are exact, so that no rounding hides it."""
+    whole = np.tile([-1.0, 0.0], 500)
+    assert found(whole, whole - 1e-9 * np.abs(PAID)) is None
+    assert found(whole, 3.0 * whole) is not None
+
+
+def test_a_reward_that_never_changes_is_no_rescaling():
+    """Nothing can be told from it, of either."""
+    assert found(PAID, np.ones(1_000)) is None
+    assert found(np.ones(1_000), PAID) is None
+    assert found(np.ones(1_000), 2.0 * np.ones(1_000)) is None
+
+
+def test_a_recording_without_a_change_does_not_contradict():
+    """The others show the line, and it lies on it."""
+    one = np.concatenate([np.full(500, 3.0), PAID[500:]])
+    assert found(one, 2.0 * one + 1.0, parts=2) == found(one, 2.0 * one + 1.0, parts=1)
+    assert found(one, np.where(np.arange(1_000) < 500, 8.0, 2.0 * one + 1.0), parts=2) is None
+
+
+def test_unknown_steps_do_not_count():
+    """Those of a reward that was given up."""
+    other = np.where(np.arange(1_000) < 900, 2.0 * PAID, np.nan)
+    rescaling = found(PAID, other)
+    assert rescaling is not None
+    assert rescaling.steps == 900
+
+
+@pytest.mark.parametrize("steps", [0, 1])
+def test_a_step_is_no_line(steps: int):
+    """Any reward would be one."""
+    assert rescaling_of([line_of(PAID[:steps], 2.0 * PAID[:steps])]) is None
+    assert rescaling_of([]) is None
+
+
+@pytest.mark.parametrize(
+    ("factor", "offset", "told"),
+    [
+        (2.0, 0.0, "b is 2 x a"),
+        (1.0, 0.0, "b pays the same as a"),
+        (1.0, 0.5, "b is a + 0.5"),
+        (-1.0, -2.0, "b is -1 x a - 2"),
+        (0.1 + 0.2, 0.0, "b is 0.3 x a"),
+    ],
+)
+def test_a_sentence_says_what_it_is_and_how_that_was_found(factor: float, offset: float, told: str):
+    """By how many steps, and how much they can tell."""
+    few = Rescaling(factor, offset, 12_000, 2).sentence("b", "a")
+    assert few == f"{told}, in all 12,000 steps, for which a paid 2 different numbers"
+    assert Rescaling(factor, offset, 3, None).sentence("b", "a").endswith("a paid more than 100 different numbers")
+
+
+def test_payments_are_counted_over_all_recordings():
+    """Up to a hundred."""
+    of_few = found(np.repeat([1.0, 2.0, 3.0], 10), np.repeat([2.0, 4.0, 6.0], 10))
+    assert of_few is not None
+    assert of_few.payments == 3
+    many = np.arange(FEW + 1.0)
+    of_many = found(many, 2.0 * many)
+    assert of_many is not None
+    assert of_many.payments is None
+
+
+def test_json_is_plain():
+    """And has no other numbers than JSON has."""
+    assert json.loads(json.dumps(Rescaling(2.0, 0.0, 3, None).to_json())) == {
+        "factor": 2.0, "offset": 0.0, "steps": 3, "payments": None,
+    }  # fmt: skip

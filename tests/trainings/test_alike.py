@@ -1,0 +1,103 @@
+"""What is the same in recorded trainings."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.trainings import load_study
+from harness.trainings.alike import likeness_of
+from tests.trainings.conftest import record
+
+ARMS = np.linspace(0.0, 1.0, 20)
+
+
+@pytest.fixture
+def training(tmp_path) -> RecordedTraining:
+    """A training that was recorded."""
+    return read_recording(record(tmp_path / "a", "plain", 0, ARMS))
+
+
+def test_the_reward_that_taught_is_no_difference(training: RecordedTraining):
+    """Nor is anything else that is no step."""
+    other = replace(training, facts=replace(training.facts, trained_with="thrice", seed=5, versions={"numpy": "9"}))
+    assert likeness_of(other).digest == likeness_of(training).digest != ""
+
+
+CHANGES: dict[str, Callable[[RecordedTraining], dict[str, Any]]] = {
+    "a payment": lambda it: {"rewards": {**it.rewards, "plain": np.nextafter(it.rewards["plain"], 9.0)}},
+    "a measure": lambda it: {"behaviour": {**it.behaviour, "arm": it.behaviour["arm"] + 1e-15}},
+    "an end": lambda it: {"truncated": np.roll(it.truncated, 1)},
+    "an episode": lambda it: {"episode": it.episode + np.int32(1)},
+    "a name": lambda it: {"behaviour": {"other": it.behaviour["arm"], "success": it.behaviour["success"]}},
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_any_step_is_a_difference(training: RecordedTraining, change: str):
+    """In its last bit."""
+    other = replace(training, **CHANGES[change](training))
+    assert likeness_of(other).digest != likeness_of(training).digest
+
+
+def test_numbers_that_never_change_tell_nothing(training: RecordedTraining):
+    """A training in which nothing was ever paid is like any other such, whatever the learner did."""
+    rewards, behaviour = (
+        {name: np.zeros_like(values) for name, values in side.items()}
+        for side in (training.rewards, training.behaviour)
+    )
+    assert likeness_of(replace(training, rewards=rewards, behaviour=behaviour)).digest == ""
+
+
+def test_a_copy_of_a_reward_is_told(tmp_path):
+    """It taught the same, and pays the same: in words, and as data."""
+    pays = {"plain": lambda arms: arms + 1.0, "copy": lambda arms: arms + 1.0, "square": lambda arms: arms**2}
+    for seed in range(2):
+        for reward in ("plain", "copy"):
+            record(tmp_path / f"{reward}-{seed}", reward, seed, ARMS + 0.01 * seed, pays=pays)
+    study = load_study(tmp_path)
+    assert study.runs.notes == (
+        "The trainings by copy and plain are equal bit for bit, with seeds 0 and 1: between them there is nothing to "
+        "compare",
+        "copy pays the same as plain, in all 400 steps, for which plain paid 40 different numbers",
+    )
+    data = study.to_json()
+    assert data["equal_trainings"] == [
+        [{"trained_by": "copy", "seed": seed}, {"trained_by": "plain", "seed": seed}] for seed in range(2)
+    ]
+    assert data["rescaled"] == [
+        {"reward": "copy", "of": "plain", "factor": 1.0, "offset": 0.0, "steps": 400, "payments": 40}
+    ]
+
+
+def test_each_reward_is_told_once(tmp_path):
+    """By the first one that it is but for its scale."""
+    pays = {"plain": lambda a: a, "twice": lambda a: 2.0 * a, "square": lambda a: a**2, "less": lambda a: 1.0 - a}
+    for reward, shift in (("plain", 0.0), ("square", 0.1)):
+        record(tmp_path / reward, reward, 0, ARMS + shift, pays=pays)
+    assert [*load_study(tmp_path).runs.rescaled] == [("twice", "plain"), ("less", "plain")]
+
+
+def test_two_seeds_that_gave_one_run_are_told(tmp_path):
+    """Tests take them for two."""
+    for reward, shift in (("plain", 0.0), ("thrice", 0.1)):
+        for seed in range(2):
+            record(tmp_path / f"{reward}-{seed}", reward, seed, ARMS + shift)
+    equal = [note for note in load_study(tmp_path).runs.notes if "equal bit for bit" in note]
+    assert equal == [
+        f"The trainings by {reward} with seed 0 and by {reward} with seed 1 are equal bit for bit: they count as "
+        "several, and are one"
+        for reward in ("plain", "thrice")
+    ]
+
+
+def test_a_reward_that_is_not_known_everywhere_is_compared_where_it_is(tmp_path):
+    """In the recordings that know both."""
+    record(tmp_path / "plain", "plain", 0, ARMS)
+    record(tmp_path / "thrice", "thrice", 0, ARMS + 0.1)
+    record(tmp_path / "more", "plain", 1, ARMS, pays={"plain": lambda arms: arms + 1.0})
+    record(tmp_path / "odd", "thrice", 1, ARMS, failures={"reward_plain": 12})
+    assert load_study(tmp_path).runs.rescaled["thrice", "plain"].steps == 2 * 5 * len(ARMS)
