@@ -6,8 +6,8 @@ function ``register``. Its signature is the same for all kinds::
     register(name, target, *, summary, requires=(), extra=None)
 
 `name` is what users type; `target` is ``"module:attribute"`` and is imported only when something uses it; `summary` is
-one line for ``harness list``; `requires` names the modules that have to be importable; `extra` is the extra of the
-distribution that brings them.
+one line for ``harness list``; `requires` names the modules that have to be importable, ``mujoco`` or, with its least
+version, ``mujoco>=3.17``; `extra` is the extra of the distribution that brings them.
 """
 
 from collections.abc import Iterable

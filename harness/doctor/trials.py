@@ -17,8 +17,8 @@ from harness.environment import Environment, examples_of
 from harness.errors import reason_of
 from harness.hookspecs import NOUNS
 from harness.registry.choice import choose
+from harness.registry.libraries import is_met
 from harness.registry.registry import Registry, load_registry
-from harness.registry.spec import is_installed
 
 LIMIT = 60.0
 """Seconds that a trial may take. Importing the largest library takes some five."""
@@ -60,7 +60,7 @@ def examples(registry: Registry) -> Iterator[Example]:
                 continue
             known = examples_of(spec.load()) if kind == "environments" else {}
             for parameters, modules in known.items():
-                missing = tuple(module for module in modules if not is_installed(module))
+                missing = tuple(module for module in modules if not is_met(module))
                 yield Example(kind, f"{name}:{parameters}", missing)
             if not known:
                 yield Example(kind, name)

@@ -1,9 +1,7 @@
 """What decides a result beside its cell: versions, machine, engine, commit, command, the sources of its plugins."""
 
-import importlib.metadata
 import os
 import platform
-import re
 import subprocess
 import sys
 import tomllib
@@ -14,9 +12,10 @@ from typing import Any
 
 from harness.hookspecs import KINDS
 from harness.record.cell import Cell
+from harness.registry.libraries import distribution_of, is_installed, version_of
 from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
-from harness.registry.spec import OURS, Spec, is_installed
+from harness.registry.spec import OURS, Spec
 from harness.robot import Robot
 from harness.simulator import family_of
 
@@ -78,38 +77,11 @@ def versions_behind(specs: Iterable[Spec]) -> dict[str, str]:
     registers with ``requires=["pinocchio"]`` is recorded with the version of Pinocchio.
     """
     specs = list(specs)
-    required = {module for spec in specs for module in spec.requires if is_installed(module)}
+    required = {module for spec in specs for module in spec.modules if is_installed(module)}
     behind = {*map(distribution_of, required), *(spec.distribution for spec in specs)}
     names = dict.fromkeys([*CORE, *sorted(behind)])
-    versions = {name: _version(name) for name in names}
+    versions = {name: version_of(name) for name in names}
     return {name: version for name, version in versions.items() if version}
-
-
-def distribution_of(module: str) -> str:
-    """Name of the distribution that brings a module: mostly the module's own, as ``dm-control`` for ``dm_control``.
-
-    A module in a package may come by a distribution of its own, as ``mujoco.mjx`` by ``mujoco-mjx``.
-    """
-    name = module.partition(".")[0].replace("_", "-")
-    for own in dict.fromkeys([re.sub(r"[._]", "-", module), name]):
-        if _version(own):
-            return own
-    # To ask all distributions takes a fifth of a second, which every cell would wait for.
-    found = importlib.metadata.packages_distributions().get(module.partition(".")[0], [name])
-    return found[0]
-
-
-def _version(distribution: str) -> str:
-    """The version of an installed distribution; empty if it is not installed."""
-    try:
-        return _installed_version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return ""
-
-
-@lru_cache(maxsize=256)  # what a process runs, it loaded before; to ask reads all of the distribution's metadata
-def _installed_version(distribution: str) -> str:
-    return importlib.metadata.version(distribution)
 
 
 def specs_of(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Spec]:

@@ -15,6 +15,7 @@ from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
 from harness.registry.given import Given, PluginClass, PluginFile
 from harness.registry.hooks import fault_of, hooks_of
 from harness.registry.installed import installed
+from harness.registry.libraries import module_of
 from harness.registry.names import unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import Spec, canonical
@@ -344,7 +345,10 @@ def _register_into(specs: list[Spec], kind: str, plugin: str, origin: Origin) ->
             raise ValueError(f"register_{kind}: target {target!r} of '{name}' must be 'module:attribute'")
         if isinstance(requires, str):
             raise ValueError(f"register_{kind}: requires of '{name}' must be a list of modules, not a string")
-        specs.append(Spec(kind, name, target, summary, tuple(requires), extra, plugin, *origin))
+        requires = tuple(requires)
+        for need in requires:
+            module_of(need)  # raises an error if it is none
+        specs.append(Spec(kind, name, target, summary, requires, extra, plugin, *origin))
 
     return register
 

@@ -1,17 +1,16 @@
 """A name that users type and the object behind it."""
 
 import importlib
-import importlib.util
-import pkgutil
 import re
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.machinery import PathFinder
 from typing import Any
 
 from harness.errors import HarnessError, PluginError, UsageError, one_line, sentence
 from harness.hookspecs import NOUNS
+from harness.registry.libraries import is_met, module_of
 
 OURS = "fd100-harness"
 """The distribution whose plugins are built in."""
@@ -55,9 +54,14 @@ class Spec:
         return f"{sentence(NOUNS[self.kind])} '{self.name}' of package {self.package}"
 
     @property
+    def modules(self) -> tuple[str, ...]:
+        """The modules that it requires, without their versions."""
+        return tuple(map(module_of, self.requires))
+
+    @property
     def missing(self) -> tuple[str, ...]:
-        """The required modules that are not installed."""
-        return tuple(module for module in self.requires if not is_installed(module))
+        """What it requires and is not installed, or only in an older version."""
+        return tuple(need for need in self.requires if not is_met(need))
 
     @property
     def remedy(self) -> str:
@@ -65,7 +69,7 @@ class Spec:
         return (
             f"pip install '{self.distribution}[{self.extra}]'"
             if self.extra
-            else "pip install " + " ".join(self.missing)
+            else "pip install " + shlex.join(self.missing)
         )
 
     def load(self) -> Any:
@@ -111,18 +115,3 @@ def blamed_on(spec: Spec, doing: str) -> Iterator[None]:
 def canonical(distribution: str) -> str:
     """The name of a distribution as all its spellings have it: lower-case, with hyphens."""
     return re.sub(r"[-_.]+", "-", distribution).lower()
-
-
-def is_installed(module: str) -> bool:
-    """Whether a module can be found; the packages that it stands in are not imported."""
-    package, *parts = module.split(".")
-    try:
-        found = importlib.util.find_spec(package)
-        for part in parts:
-            folders = [] if found is None else found.submodule_search_locations or []
-            places = pkgutil.extend_path([*folders], package)  # several distributions may fill a package
-            package = f"{package}.{part}"
-            found = PathFinder.find_spec(package, places)
-    except (ImportError, ValueError):
-        return False
-    return found is not None

@@ -10,7 +10,7 @@ def register_simulators(register: harness.Register) -> None:
         "dm_control",
         "harness_plugins.simulators.dm_control:DmControl",
         summary="engine MuJoCo: dm_control's Physics and control.Environment, one per arm; moves as mujoco does",
-        requires=("dm_control", "mujoco"),
+        requires=("dm_control", "mujoco>=3.17"),
         extra="dm-control",
     )
     register(
@@ -36,7 +36,7 @@ def register_simulators(register: harness.Register) -> None:
         "mujoco",
         "harness_plugins.simulators.mujoco:Mujoco",
         summary="engine MuJoCo: many arms through mujoco.rollout threads",
-        requires=("mujoco",),
+        requires=("mujoco>=3.17",),
         extra="mujoco",
     )
     register(

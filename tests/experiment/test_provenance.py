@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from harness import load_robot
-from harness.experiment import provenance
 from harness.experiment.provenance import describe_environment, describe_machine, source_commit, versions_behind
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
@@ -131,10 +130,3 @@ def test_repository_around_the_installation_does_not_count(tmp_path: Path, name:
     (other / "site-packages").mkdir()
     for folder in (other, other / "site-packages"):
         assert source_commit(folder) == ""
-
-
-def test_module_in_a_package_is_of_its_own_distribution_where_there_is_one(monkeypatch: pytest.MonkeyPatch):
-    """``mujoco.mjx`` comes by ``mujoco-mjx``; a module that the package brings itself is the package's."""
-    monkeypatch.setattr(provenance, "_version", {"mujoco": "3.17", "mujoco-mjx": "3.17"}.get)
-    assert provenance.distribution_of("mujoco.mjx") == "mujoco-mjx"
-    assert provenance.distribution_of("mujoco.rollout") == "mujoco"

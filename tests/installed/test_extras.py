@@ -34,7 +34,7 @@ USES: dict[str, Use] = {
     ),
     "robotics": Use(((*ENV, "fetch-reach"),)),
     "metaworld": Use(((*ENV, "meta-world:episode_steps=20"),)),
-    "sb3": Use(((*KINEMATIC, "ppo:n_steps=60,batch_size=30"),)),
+    "sb3": Use(((*KINEMATIC, "ppo:num_envs=1,rollout=60,batch_size=30"),)),
     "ray": Use(((*KINEMATIC, "ik", "--executor", "ray"),)),
     "slurm": Use((("list", "executors"),), ""),
     "export": Use(((*KINEMATIC, "sac-fast"), ("export", "out/cells", "--onnx", "policy.onnx")), "policy.onnx"),

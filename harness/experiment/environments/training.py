@@ -173,7 +173,7 @@ class EnvironmentTraining:
     @property
     def _learners(self) -> tuple[str, ...]:
         """The libraries that the algorithm needs, whose versions a recording tells; other imports do not matter."""
-        return self.registry.get("algorithms", self.cell.algorithm.name).requires
+        return self.registry.get("algorithms", self.cell.algorithm.name).modules
 
 
 def _given_up(folder: Path) -> list[str]:
