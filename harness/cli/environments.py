@@ -15,12 +15,20 @@ if TYPE_CHECKING:
 
 
 def show_environments(
-    results: "Results", command: str, *, as_json: bool, html: Path | None, details: bool, summary: Path | None
+    results: "Results",
+    studies: "Sequence[PlaceStudy]",
+    command: str,
+    *,
+    as_json: bool,
+    html: Path | None,
+    details: bool,
+    summary: Path | None,
 ) -> None:
     """Write and print what is asked for; by default the overview.
 
     Args:
         results: Of the experiment.
+        studies: Of its cells.
         command: Shows all that the overview rests on.
         as_json: Whether to print JSON.
         html: Where to write the page; with several algorithms one beside the other.
@@ -32,11 +40,9 @@ def show_environments(
     """
     from harness.cli.terminal import show
     from harness.report.environments.document import environments_text
-    from harness.report.environments.studies import studies_of
     from harness.report.environments.summary import write_environments_summary
     from harness.report.environments.table import environments_table
 
-    studies = studies_of(results)
     if html is not None:
         write_pages(results, studies, html, err=True)
     if summary is not None:

@@ -6,15 +6,19 @@ from harness.cli.lines import say
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from harness.report.environments.studies import PlaceStudy
     from harness.results import Results
 
 
-def make_table_and_page(results: "Results", err: bool = False) -> None:
+def make_table_and_page(results: "Results", err: bool = False, studies: "Sequence[PlaceStudy] | None" = None) -> None:
     """Write ``results.parquet`` and ``report.html``, and say where they are.
 
     Args:
         results: The experiment.
         err: Say it on standard error: standard output is for something else.
+        studies: Of an experiment in an environment, if they are known already.
 
     Raises:
         StorageError: The folder cannot be written.
@@ -33,7 +37,8 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     try:
         if results.is_in_environment:
             with storage_errors(results.folder):
-                write_pages(results, studies_of(results), results.folder / REPORT, err)
+                known = studies_of(results) if studies is None else studies
+                write_pages(results, known, results.folder / REPORT, err)
             return
         with storage_errors(results.folder):
             write_html(results, results.folder / REPORT, audits_of(results))

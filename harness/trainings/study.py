@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, islice
 from pathlib import Path
 from typing import Any
 
@@ -69,33 +69,38 @@ class Study:
         }
 
 
-def load_study(
-    folder: str | Path,
-    kind: Kind = "accumulated",
-    only: Sequence[Path] | None = None,
-    baseline: str = "",
-    deciding: Sequence[str] = (),
-) -> Study:
+def load_study(folder: str | Path, kind: Kind = "accumulated") -> Study:
     """The recorded trainings in a folder, at any depth, compared.
 
     Args:
         folder: Where they lie.
         kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
-        only: See `harness.trainings.runs.read_runs`.
-        baseline: The same.
-        deciding: The same.
 
     Raises:
         UsageError: There are none, or none that can be compared.
     """
-    runs = read_runs(Path(folder), only, baseline, deciding)
-    swaps = swaps_of(sorted({seed for _, seed in runs.members}))
-    found = [compare(runs, *pair, swaps, kind) for pair in combinations(runs.trained, 2)]
-    return Study(Path(folder), runs, _corrected(found), _tables(runs), kind)
+    (study,) = compare_all(Path(folder), [read_runs(Path(folder))], kind)
+    return study
+
+
+def compare_all(folder: Path, groups: Sequence[Runs], kind: Kind) -> tuple[Study, ...]:
+    """A study of each group of trainings. All their claims are one family: its p-values hold for all of them together.
+
+    Args:
+        folder: Where all of them lie.
+        groups: Trainings that are compared within their group alone.
+        kind: As in `load_study`.
+    """
+    swaps = swaps_of(sorted({seed for runs in groups for _, seed in runs.members}))
+    found = [[compare(runs, *pair, swaps, kind) for pair in combinations(runs.trained, 2)] for runs in groups]
+    family = iter(_corrected([comparison for comparisons in found for comparison in comparisons]))
+    return tuple(
+        Study(folder, runs, tuple(islice(family, len(comparisons))), _tables(runs), kind)
+        for runs, comparisons in zip(groups, found, strict=True)
+    )
 
 
 def _corrected(family: list[Comparison]) -> tuple[Comparison, ...]:
-    """With p-values that hold for all of their claims together."""
     p_values = corrected_where_known(outcomes for comparison in family for outcomes in comparison.outcomes)
     left, count = iter(p_values), sum(p is not None for p in p_values)
     return tuple(comparison.with_corrected(left, count) for comparison in family)

@@ -13,7 +13,8 @@ from harness.record.recording.recorded_training import RecordedTraining
 from harness.trainings import load_study
 from harness.trainings.episodes import episodes_of
 from harness.trainings.learning import STRETCHES, learning_of, return_name
-from harness.trainings.runs import EVALUATION, LAST, TRAINING
+from harness.trainings.runs import EVALUATION, LAST, TRAINING, read_runs
+from harness.trainings.study import compare_all
 from tests.trainings.conftest import PAYS, PULLS, record
 
 RISING = np.linspace(0.0, 1.0, 20)
@@ -112,6 +113,21 @@ def test_more_rewards_are_compared_in_pairs(tmp_path):
     assert [it.names for it in study.comparisons] == [("plain", "thrice"), ("plain", "half"), ("thrice", "half")]
     assert len(study.tables[TRAINING]) == 9
     assert len({it.claims for it in study.comparisons}) == 1
+
+
+def test_studies_of_one_experiment_are_one_family(tmp_path):
+    """The claims of all groups of trainings are corrected together: none is more significant than alone."""
+    for group in ("first", "second"):
+        for reward, arms in (("plain", RISING), ("thrice", [1.0 - arm for arm in RISING])):
+            for seed in range(5):
+                record(tmp_path / group / f"{reward}-{seed}", reward, seed, [arm + 0.01 * seed for arm in arms])
+    alone = load_study(tmp_path / "first")
+    together = compare_all(tmp_path, [read_runs(tmp_path / group) for group in ("first", "second")], "accumulated")
+    count = alone.comparisons[0].claims
+    assert count > 1
+    assert [it.comparisons[0].claims for it in together] == [2 * count, 2 * count]
+    pairs = zip(alone.comparisons[0].changes, together[0].comparisons[0].changes, strict=True)
+    assert all(of_all.corrected >= of_one.corrected for of_one, of_all in pairs if of_one.corrected is not None)
 
 
 def test_a_reward_that_taught_nobody_pays_all_the_same(tmp_path):

@@ -1,7 +1,6 @@
 """The recorded trainings of an experiment's cells, one study for each algorithm and environment."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 from harness.errors import UsageError
@@ -11,7 +10,8 @@ from harness.record.store import REPORT
 from harness.results import Results
 from harness.results.combination import Group
 from harness.text import file_stems
-from harness.trainings.study import Study, load_study
+from harness.trainings.runs import Runs, read_runs
+from harness.trainings.study import Study, compare_all
 
 
 class PlaceStudy(NamedTuple):
@@ -33,8 +33,21 @@ class PlaceStudy(NamedTuple):
 
 
 def studies_of(results: Results) -> tuple[PlaceStudy, ...]:
-    """The studies of an experiment whose task is an environment. A group without a done cell is left out."""
-    return tuple(_study(results, group, cells) for group, cells in results.groups.items())
+    """The studies of an experiment whose task is an environment. A group without a done cell is left out.
+
+    The claims of all studies are corrected together.
+    """
+    told = results.plan.experiment.get("measure")  # a folder of anybody: whatever stands there
+    deciding = [name for name in told if isinstance(name, str)] if isinstance(told, list) else []
+    read = {group: _runs_of(results, cells, deciding) for group, cells in results.groups.items()}
+    compared = {group: runs for group, runs in read.items() if not isinstance(runs, str)}
+    studies = dict(zip(compared, compare_all(results.folder, list(compared.values()), results.kind), strict=True))
+    return tuple(
+        PlaceStudy(group, tuple(cells), studies[group], "")
+        if group in studies
+        else PlaceStudy(group, tuple(cells), None, str(read[group]), _notes(results, cells))
+        for group, cells in results.groups.items()
+    )
 
 
 def page_names(studies: Sequence[PlaceStudy], name: str = REPORT) -> list[str]:
@@ -44,19 +57,18 @@ def page_names(studies: Sequence[PlaceStudy], name: str = REPORT) -> list[str]:
     return [name] if len(titles) == 1 else [f"{stem}-{part}.{ending}" for part in file_stems(titles)]
 
 
-def _study(results: Results, group: Group, cells: Sequence[Cell]) -> PlaceStudy:
+def _runs_of(results: Results, cells: Sequence[Cell], deciding: Sequence[str]) -> Runs | str:
+    """The recorded trainings of cells; why there is nothing to compare where that is so."""
+    trained = list(dict.fromkeys(cell.reward.label for cell in cells))
+    if len(trained) < 2:
+        return f"nothing to compare: all done cells were trained with {trained[0]}"
     folders = [results.store.cell_folder(cell) for cell in cells]
     only = [folder / part for folder in folders for part in (TRAINING_RECORDING, EVALUATION_RECORDING)]
-    trained = list(dict.fromkeys(cell.reward.label for cell in cells))
-    notes = tuple(f"{cell.title}: {note}" for cell in cells if (note := results.manifest(cell).note))
-    if len(trained) < 2:
-        reason = f"nothing to compare: all done cells were trained with {trained[0]}"
-        return PlaceStudy(group, tuple(cells), None, reason, notes)
     try:
-        told = results.plan.experiment.get("measure")  # a folder of anybody: whatever stands there
-        deciding = [name for name in told if isinstance(name, str)] if isinstance(told, list) else []
-        study = load_study(results.folder, results.kind, only, results.baseline, deciding)
+        return read_runs(results.folder, only, results.baseline, deciding)._replace(env=cells[0].task.label)
     except UsageError as error:
-        return PlaceStudy(group, tuple(cells), None, str(error), notes)
-    named = replace(study, runs=study.runs._replace(env=group.task.label))
-    return PlaceStudy(group, tuple(cells), named, "")
+        return str(error)
+
+
+def _notes(results: Results, cells: Sequence[Cell]) -> tuple[str, ...]:
+    return tuple(f"{cell.title}: {note}" for cell in cells if (note := results.manifest(cell).note))
