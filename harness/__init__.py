@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from harness.recorder.record_rewards import RecordRewards
     from harness.recorder.record_vector_rewards import RecordVectorRewards
     from harness.results import load_results
+    from harness.results.recordings import load_study
     from harness.robot.load import load_robot
-    from harness.trainings import load_study
 
 __version__ = "0.1.0"
 __all__ = [
@@ -42,7 +42,7 @@ _HOMES = {
     "evaluate_policy": "harness.recorder.evaluate_policy",
     "load_results": "harness.results.results",
     "load_robot": "harness.robot.load",
-    "load_study": "harness.trainings.study",
+    "load_study": "harness.results.recordings.study",
     "make_env": "harness.env.make",
     "run": "harness.experiment.experiment",
 }

@@ -8,15 +8,11 @@ import typer
 from harness.cli.lines import say
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from harness.report.environments.studies import PlaceStudy
     from harness.results import Results
 
 
 def show_environments(
     results: "Results",
-    studies: "Sequence[PlaceStudy]",
     command: str,
     *,
     as_json: bool,
@@ -28,7 +24,6 @@ def show_environments(
 
     Args:
         results: Of the experiment.
-        studies: Of its cells.
         command: Shows all that the overview rests on.
         as_json: Whether to print JSON.
         html: Where to write the page; with several algorithms one beside the other.
@@ -44,31 +39,31 @@ def show_environments(
     from harness.report.environments.table import environments_table
 
     if html is not None:
-        write_pages(results, studies, html, err=True)
+        write_pages(results, html, err=True)
     if summary is not None:
-        write_environments_summary(results, studies, summary)
+        write_environments_summary(results, summary)
         say(f"Summary: {summary}", err=True)
     if as_json:
-        typer.echo(environments_text(results, studies))
+        typer.echo(environments_text(results))
     elif html is None and summary is None:
-        show(environments_table(results, studies, command, details))
+        show(environments_table(results, command, details))
 
 
-def write_pages(results: "Results", studies: "Sequence[PlaceStudy]", path: Path, err: bool = False) -> None:
+def write_pages(results: "Results", path: Path, err: bool = False) -> None:
     """Write a page for each study that compares something, and say where it is.
 
     Raises:
         UsageError: The extra ``report`` is missing, or a page cannot be written.
     """
     from harness.files.sums import note_made
-    from harness.report.environments.studies import page_names
     from harness.report.trainings.page import write_study_page
+    from harness.results.recordings.places import page_names
 
-    compared = [told.study for told in studies if told.study is not None]
+    compared = [told.study for told in results.studies if told.study is not None]
     if not compared:
-        reasons = "; ".join(dict.fromkeys(told.reason for told in studies)) or "no cell is done"
+        reasons = "; ".join(dict.fromkeys(told.reason for told in results.studies)) or "no cell is done"
         say(f"No {path.name}: {reasons}", err)
-    for study, name in zip(compared, page_names(studies, path.name), strict=True):
+    for study, name in zip(compared, page_names(results.studies, path.name), strict=True):
         page = path.with_name(name)
         write_study_page(study, page)
         if page.absolute().parent == results.folder.absolute():

@@ -6,19 +6,15 @@ from harness.cli.lines import say
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from harness.report.environments.studies import PlaceStudy
     from harness.results import Results
 
 
-def make_table_and_page(results: "Results", err: bool = False, studies: "Sequence[PlaceStudy] | None" = None) -> None:
+def make_table_and_page(results: "Results", err: bool = False) -> None:
     """Write ``results.parquet`` and ``report.html``, and say where they are.
 
     Args:
         results: The experiment.
         err: Say it on standard error: standard output is for something else.
-        studies: Of an experiment in an environment, if they are known already.
 
     Raises:
         StorageError: The folder cannot be written.
@@ -28,7 +24,6 @@ def make_table_and_page(results: "Results", err: bool = False, studies: "Sequenc
     from harness.files.sums import note_made
     from harness.record.out_folder import storage_errors
     from harness.record.store import REPORT
-    from harness.report.environments.studies import studies_of
     from harness.report.page.html import write_html
 
     with storage_errors(results.folder):
@@ -37,8 +32,7 @@ def make_table_and_page(results: "Results", err: bool = False, studies: "Sequenc
     try:
         if results.is_in_environment:
             with storage_errors(results.folder):
-                known = studies_of(results) if studies is None else studies
-                write_pages(results, known, results.folder / REPORT, err)
+                write_pages(results, results.folder / REPORT, err)
             return
         with storage_errors(results.folder):
             write_html(results, results.folder / REPORT, audits_of(results))

@@ -94,10 +94,7 @@ def _leave(
     """Write and print what is asked for; by default the table."""
     command = f"harness report {' '.join(map(str, folders))} --details{results.report_flags}"
     if results.is_in_environment:
-        from harness.report.environments.studies import studies_of
-
-        studies = studies_of(results)
-        show_environments(results, studies, command, as_json=as_json, html=html, details=details, summary=summary)
+        show_environments(results, command, as_json=as_json, html=html, details=details, summary=summary)
         return
     complain_of_metrics(results)
     if html is not None:

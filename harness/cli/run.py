@@ -196,16 +196,14 @@ def _show(results: "Results", as_json: bool) -> None:
     from harness.cli.not_measured import complain_of_metrics
     from harness.cli.terminal import show
     from harness.report.document import report_text
-    from harness.report.environments.studies import studies_of
     from harness.report.tables.overview import overview_table
 
     command = f"harness report {results.folder} --details{results.report_flags}"
-    studies = studies_of(results) if results.is_in_environment else None
-    if studies is not None:
-        show_environments(results, studies, command, as_json=as_json, html=None, details=False, summary=None)
+    if results.is_in_environment:
+        show_environments(results, command, as_json=as_json, html=None, details=False, summary=None)
     elif as_json:
         typer.echo(report_text(results))
     else:
         show(overview_table(results, command))
     complain_of_metrics(results)
-    make_table_and_page(results, as_json, studies)
+    make_table_and_page(results, as_json)

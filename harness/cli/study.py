@@ -20,7 +20,7 @@ def holds_recordings(folders: Sequence[Path]) -> bool:
         UsageError: So does one of several.
     """
     from harness.record.plan_file import PLAN
-    from harness.trainings.runs import has_recordings
+    from harness.results.recordings.runs import has_recordings
 
     found = [folder for folder in folders if not (folder / PLAN).exists() and has_recordings(folder)]
     if found and len(folders) > 1:
@@ -49,7 +49,7 @@ def show_study(folder: Path, kind: "Kind", *, as_json: bool, html: Path | None, 
     from harness.report.trainings.document import study_json
     from harness.report.trainings.page import write_study_page
     from harness.report.trainings.table import study_overview, study_table
-    from harness.trainings import load_study
+    from harness.results.recordings import load_study
 
     study = load_study(folder, kind)
     if html is not None:

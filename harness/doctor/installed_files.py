@@ -15,13 +15,14 @@ CACHE = "__pycache__"
 def file_lines(name: str = OURS) -> list[str]:
     """One line for each file of a distribution that is missing or was changed since it was installed.
 
-    An editable installation has no files of its own: it uses the checkout, and so does one that is not installed.
+    An editable installation has no files of its own: it uses the checkout, and so does one that is not installed. Nor
+    does the metadata that a build leaves in a checkout list installed files: it has no RECORD.
     """
     try:
         found = distribution(name)
     except PackageNotFoundError:
         return []
-    if _is_editable(found):
+    if found.read_text("RECORD") is None or _is_editable(found):
         return []
     problems = [(str(path), _problem(path)) for path in found.files or () if CACHE not in path.parts]
     return [f"file {path} {problem}: {REMEDY}" for path, problem in problems if problem]

@@ -14,7 +14,7 @@ from harness.eta.index import Ratio
 from harness.eta.power import Range, seeds_to_tell
 from harness.eta.return_split import ReturnSplit
 from harness.eta.seed_mean import SeedMean
-from harness.eta.splits import Decomposition, Split, Splits
+from harness.eta.splits import Split, Splits
 from harness.eta.swaps import ALPHA, fewest_seeds
 
 SUCCESS, TIME = "success_rate", "time_to_target"
@@ -22,6 +22,10 @@ DECIDING = (SUCCESS, TIME)
 """Measures that decide about the robot. The first that tells the two trainings apart decides. Both count failures."""
 SHORT = {SUCCESS: "success", TIME: "the time"}
 """Names of these measures for sentences about their margins."""
+UNMEASURED = (
+    "How the robot behaves was not measured, and rewards alone cannot tell whether it behaves better: name a measure "
+    "of it, such as success."
+)
 SUCCESS_MARGIN = 0.05
 """A difference of success below this, as a share of the episodes, counts as none."""
 TIME_MARGIN = 0.10
@@ -74,27 +78,12 @@ class Headline:
         }
 
 
-def headline_of(
-    names: Names, decomposition: Decomposition, changes: Sequence[Change] = (), claims: int = 1
-) -> Headline:
-    """Both answers of a comparison.
-
-    Args:
-        names: The names of the rewards.
-        decomposition: The decomposition of both etas.
-        changes: Measures of behaviour of one manner; empty where only rewards were recorded.
-        claims: How many are made together with these, for the number of seeds that would decide.
-    """
-    deciding = [change for name in DECIDING for change in changes if change.name == name and change.seeds]
-    return judge(names, deciding, number_sentence(names, decomposition.splits), claims)
-
-
 def judge(
     names: Names,
     deciding: Sequence[Change],
     number: str,
     claims: int = 1,
-    unmeasured: str = "How the robot behaves was not measured.",
+    unmeasured: str = UNMEASURED,
 ) -> Headline:
     """Both answers from measures that may decide. The first that tells the two trainings apart decides.
 
@@ -102,7 +91,7 @@ def judge(
         names: The names of the rewards.
         deciding: Measures of behaviour of one manner, each of one seed at least.
         number: The sentence about the number.
-        claims: As above.
+        claims: How many are made together with these, for the number of seeds that would decide.
         unmeasured: The sentence for the case that there is no measure.
     """
     if not deciding:

@@ -17,7 +17,7 @@ from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.rows.comparison import Grid, format_number
 from harness.report.summary.summary import RECORD, SUMMARY
 from harness.report.tables.overview import WideOrNarrow
-from harness.results.combination import deciding_manner
+from harness.results.comparison import deciding_manner
 from harness.results.overview import NOTHING
 
 MOST_BYTES = 64 * 2**20
@@ -70,7 +70,7 @@ class HeadlineForm(TypedDict):
 
 @with_config(OPEN)
 class ComparisonForm(TypedDict):
-    """See `harness.results.combination.Combination`."""
+    """See `harness.results.comparison.Comparison`."""
 
     simulator: Name
     algorithm: Name
@@ -114,7 +114,7 @@ class AgentHeadlineForm(TypedDict):
 
 @with_config(OPEN)
 class PairForm(TypedDict):
-    """See `harness.trainings.comparison.Comparison`."""
+    """See `harness.results.recordings.compare.Comparison`."""
 
     baseline: Name
     proposed: Name
@@ -123,14 +123,14 @@ class PairForm(TypedDict):
 
 @with_config(OPEN)
 class StudyForm(TypedDict):
-    """See `harness.trainings.study.Study`."""
+    """See `harness.results.recordings.study.Study`."""
 
     comparisons: list[PairForm]
 
 
 @with_config(OPEN)
 class PlaceForm(TypedDict):
-    """See `harness.report.environments.studies.PlaceStudy`."""
+    """See `harness.results.recordings.places.PlaceStudy`."""
 
     task: Name
     algorithm: Name

@@ -14,7 +14,7 @@ from harness.eta.behaviour_change import Change, change_of
 from harness.eta.headline import SUCCESS, margin_of
 from harness.eta.swaps import Swaps, corrected_p, swaps_of
 from harness.record.cell import Cell
-from harness.results.combination import Combination, Group
+from harness.results.comparison import Comparison, Group
 from harness.results.measured import Measured
 from harness.results.metrics import measure_of
 from harness.results.results import Results
@@ -41,8 +41,8 @@ class Pair:
             are those before and after.
     """
 
-    before: Combination
-    after: Combination
+    before: Comparison
+    after: Comparison
     changes: tuple[Change, ...]
 
     @property
@@ -83,8 +83,8 @@ class Between(NamedTuple):
 
     pairs: tuple[Pair, ...]
     """Combinations that are in both."""
-    only_before: tuple[Combination, ...]
-    only_after: tuple[Combination, ...]
+    only_before: tuple[Comparison, ...]
+    only_after: tuple[Comparison, ...]
 
     @property
     def regressions(self) -> tuple[Pair, ...]:
@@ -131,18 +131,18 @@ def between(before: Results, after: Results) -> Between:
 Key = tuple[Group, str, str]
 
 
-def _key(combination: Combination) -> Key:
+def _key(combination: Comparison) -> Key:
     return combination.group, combination.baseline, combination.proposed
 
 
-def _policies(results: Results, combination: Combination) -> dict[int, Measured]:
+def _policies(results: Results, combination: Comparison) -> dict[int, Measured]:
     """The values of every metric for the proposed reward's cells, by seed."""
     cells: Iterable[Cell] = results.groups.get(combination.group, [])
     return {cell.seed: results.measured(cell) for cell in cells if cell.reward.label == combination.proposed}
 
 
 def _changes(
-    results: Results, combination: Combination, before: dict[int, Measured], after: dict[int, Measured], swaps: Swaps
+    results: Results, combination: Comparison, before: dict[int, Measured], after: dict[int, Measured], swaps: Swaps
 ) -> tuple[Change, ...]:
     """The change of every metric in the combination's manner, over the seeds that both experiments measured so."""
     manner = combination.manner
@@ -174,7 +174,7 @@ def _correct(families: Sequence[tuple[Change, ...]]) -> list[tuple[Change, ...]]
     ]
 
 
-def _side_to_json(combination: Combination) -> dict[str, Any]:
+def _side_to_json(combination: Comparison) -> dict[str, Any]:
     etas = {"eta_N": combination.eta_n, "eta_P": combination.eta_p}
     return {
         "seeds": list(combination.seeds),
@@ -183,5 +183,5 @@ def _side_to_json(combination: Combination) -> dict[str, Any]:
     }
 
 
-def _name(combination: Combination) -> str:
+def _name(combination: Comparison) -> str:
     return f"{combination.group.title} · {combination.proposed} against {combination.baseline}"

@@ -11,17 +11,17 @@ from harness.eta.decompose import decompose
 from harness.eta.headline import DECIDING
 from harness.eta.interval import SHARE
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
-from harness.eta.swaps import Swaps, corrected_where_known, swaps_of
+from harness.eta.swaps import Swaps, swaps_of
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
-from harness.results.combination import Combination, Group, StepChange
+from harness.results.comparison import Comparison, Group, StepChange, correct
 from harness.results.measured import AREA, LEARNING, STEPS_TO_GOAL, Measured, Values, learning_values, moments_by_due
 from harness.results.metrics import measure_of
 from harness.results.mixture import mixtures_of
 from harness.results.records import Records
 
 
-def combine(records: Records) -> tuple[Combination, ...]:
+def combine(records: Records) -> tuple[Comparison, ...]:
     """Every proposed reward against the baseline. A baseline that is its own proposed reward is the null control."""
     compared = dict.fromkeys(
         (Group.of(manifest.cell), manifest.cell.reward)
@@ -33,8 +33,8 @@ def combine(records: Records) -> tuple[Combination, ...]:
     swaps = swaps_of(sorted({seed for match in matches for seed in match.seeds}))
     found = [_compare(records, match, swaps) for match in matches]
     # The null control makes no claim about rewards, so it must not make the others' corrections stricter.
-    controls = [_correct([combination])[0] for combination in found if combination.is_control]
-    return (*_correct([combination for combination in found if not combination.is_control]), *controls)
+    controls = [correct([combination])[0] for combination in found if combination.is_control]
+    return (*correct([combination for combination in found if not combination.is_control]), *controls)
 
 
 class _Match(NamedTuple):
@@ -72,14 +72,14 @@ def _match(records: Records, group: Group, proposed: Choice) -> _Match:
     )
 
 
-def _compare(records: Records, match: _Match, swaps: Swaps) -> Combination:
+def _compare(records: Records, match: _Match, swaps: Swaps) -> Comparison:
     if not match.seeds:
-        return Combination(match.group, records.baseline, match.proposed.label, (), None, (), {})
+        return Comparison(match.group, records.baseline, match.proposed.label, (), None, (), {})
     curves, missing = _score(records, match)
     control = records.curve(match.control) if match.control else None
     decomposition = decompose(curves, missing=missing, signs=swaps.of(match.seeds), control=control)
     comparison = _Measures(records, match, swaps)
-    return Combination(
+    return Comparison(
         match.group,
         records.baseline,
         match.proposed.label,
@@ -229,23 +229,3 @@ def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:
         for manner in measured[0].manners
         if all(manner in it.manners for it in measured)
     }
-
-
-def _correct(family: Sequence[Combination]) -> list[Combination]:
-    """Combinations with p-values that hold for all of their claims together."""
-    p_values = corrected_where_known(outcomes for combination in family for outcomes in combination.outcomes)
-    left, count = iter(p_values), sum(p is not None for p in p_values)
-    return [replace(_corrected(combination, left), claims=count) for combination in family]
-
-
-def _corrected(combination: Combination, p_values: Iterator[float | None]) -> Combination:
-    """The combination with corrected p-values, which are in the order of `Combination.outcomes`."""
-    decomposition = combination.decomposition
-    if decomposition is not None:
-        decomposition = decomposition.with_corrected(next(p_values), next(p_values))
-    changes = tuple(replace(change, corrected=next(p_values)) for change in combination.changes)
-    along = tuple(
-        moment._replace(changes=tuple(replace(change, corrected=next(p_values)) for change in moment.changes))
-        for moment in combination.along
-    )
-    return replace(combination, decomposition=decomposition, changes=changes, along=along)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.metric import bounds_of, is_share
-from harness.results.combination import Combination, Group
+from harness.results.comparison import Comparison, Group
 from harness.results.measured import Moment, Values, moments_by_due
 from harness.results.results import Results
 
@@ -94,7 +94,7 @@ class Learning:
         }
 
 
-def learning_of(results: Results, combination: Combination) -> Learning | None:
+def learning_of(results: Results, combination: Comparison) -> Learning | None:
     """The learning curves of a combination.
 
     None for the null control, or if no training was evaluated before its end.
@@ -133,7 +133,7 @@ def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None,
     return Point(steps, mean_over_seeds(values, missing, episodes, bounds))
 
 
-def _curve(results: Results, combination: Combination, label: str) -> LearningCurve:
+def _curve(results: Results, combination: Comparison, label: str) -> LearningCurve:
     cells = {
         cell.seed: cell
         for cell in results.done_cells

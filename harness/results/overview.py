@@ -6,7 +6,7 @@ from html import escape
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import count_seeds
 from harness.eta.index import Ratio
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.text import visible
 
 NOTHING = "n/a"
@@ -20,7 +20,7 @@ READING = (
 )
 
 
-def shared_text(combinations: Sequence[Combination], *, with_seeds: bool = True) -> str:
+def shared_text(combinations: Sequence[Comparison], *, with_seeds: bool = True) -> str:
     """What is the same in all combinations, of which there must be at least one."""
     varying = varying_kinds(combinations)
     told = [label for kind, label in combinations[0].group.labels.items() if kind not in varying]
@@ -34,7 +34,7 @@ def shared_text(combinations: Sequence[Combination], *, with_seeds: bool = True)
     return " · ".join([*told, *(count_seeds(len(them)) for them in seeds)] if len(seeds) == 1 else told)
 
 
-def line_names(combinations: Sequence[Combination]) -> list[str]:
+def line_names(combinations: Sequence[Comparison]) -> list[str]:
     """A name for each combination: what differs between the groups, and the reward if there are several."""
     varying, rewards = varying_kinds(combinations), {it.proposed for it in combinations}
     with_reward = not varying or len(rewards) > 1
@@ -44,26 +44,26 @@ def line_names(combinations: Sequence[Combination]) -> list[str]:
     ]
 
 
-def varying_kinds(combinations: Sequence[Combination]) -> list[str]:
+def varying_kinds(combinations: Sequence[Comparison]) -> list[str]:
     """Kinds of labels that differ between groups, and ``steps`` if the trainings are not equally long."""
     kinds = [kind for kind in combinations[0].group.labels if len({it.group.labels[kind] for it in combinations}) > 1]
     return [*kinds, *(["steps"] if len({it.group.steps for it in combinations}) > 1 else [])]
 
 
-def group_name(combination: Combination, varying: Sequence[str]) -> str:
+def group_name(combination: Comparison, varying: Sequence[str]) -> str:
     """The name of a combination's group: its labels of the kinds that differ."""
     told = {**combination.group.labels, "steps": f"{combination.group.steps:,} steps"}
     return " · ".join(told[kind] for kind in varying)
 
 
-def overview_row(name: str, combination: Combination, with_intervals: bool) -> tuple[str, ...]:
+def overview_row(name: str, combination: Comparison, with_intervals: bool) -> tuple[str, ...]:
     """The values under `HEADINGS`."""
     splits = combination.splits
     etas = (splits["eta_N"].eta, splits["eta_P"].eta)
     return (
         name,
         combination.headline.answer.value.upper(),
-        success_text(combination.success),
+        success_text(combination.decisive),
         *(short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas),
         short_value(splits["eta_P"].ruler),
     )
@@ -102,7 +102,7 @@ def _digits(value: float, count: int) -> str:
     return f"{value:.0f}" if "e" in text and 1.0 <= abs(value) < 1e6 else text
 
 
-def overview_html(combinations: Sequence[Combination]) -> str:
+def overview_html(combinations: Sequence[Comparison]) -> str:
     """A table with a row per comparison, for a notebook; empty without any."""
     if not combinations:
         return ""

@@ -25,7 +25,7 @@ from harness.eta.ranking import (
     transplant,
 )
 from harness.record.cell import Cell
-from harness.results.combination import Combination, Group, deciding_manner
+from harness.results.comparison import Comparison, Group, deciding_manner
 from harness.results.results import Results
 
 Kind: TypeAlias = Literal["simulator", "algorithm"]
@@ -293,8 +293,8 @@ def _place(results: Results, found: _Found, success: Order) -> Place:
     return Place(simulator, group.algorithm.label, found.engine, success, etas)
 
 
-def _read(name: str, part: str) -> Callable[[Combination], float | None]:
-    def read(combination: Combination) -> float | None:
+def _read(name: str, part: str) -> Callable[[Comparison], float | None]:
+    def read(combination: Comparison) -> float | None:
         ratio = getattr(combination.splits[name], part)
         return None if ratio.near_zero is not None else ratio.value
 
@@ -310,7 +310,7 @@ ETAS = {
 """How each value is read, and whether lower is better."""
 
 
-def _values(compared: Iterable[Combination], read: Callable[[Combination], float | None]) -> dict[str, float]:
+def _values(compared: Iterable[Comparison], read: Callable[[Comparison], float | None]) -> dict[str, float]:
     found = {it.proposed: read(it) for it in compared}
     return {reward: value for reward, value in found.items() if value is not None}
 

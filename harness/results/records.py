@@ -20,7 +20,7 @@ from harness.registry.choice import Choice
 from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
 from harness.results.cell_results import CellResults
-from harness.results.combination import Group
+from harness.results.comparison import Group
 from harness.results.done_cells import DoneCells
 from harness.results.floors import Floors
 from harness.results.measured import Measured, Moment, Values, measure

@@ -14,7 +14,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, SCENE, other_manner
 from harness.record.scene import Scene, read_scene
 from harness.record.trace import OBSTACLE, OBSTACLES, Trace, read_trace
-from harness.results.combination import Combination, Group
+from harness.results.comparison import Comparison, Group
 from harness.results.measured import Values
 from harness.results.results import Results
 from harness.results.single_episode import single_episode
@@ -96,7 +96,7 @@ class Show:
     title: str
     numbers: tuple[int, ...]
     sides: tuple[Side, ...]
-    combination: Combination | None = None
+    combination: Comparison | None = None
 
 
 def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:
@@ -181,7 +181,7 @@ class Pair(NamedTuple):
     cells: tuple[Cell, ...]
     title: str
     titles: tuple[str, ...]
-    combination: Combination | None = None
+    combination: Comparison | None = None
 
     @property
     def files(self) -> list[str]:

@@ -14,9 +14,10 @@ from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
-from harness.results.combination import Combination
 from harness.results.combine import combine
+from harness.results.comparison import Comparison
 from harness.results.overview import overview_html
+from harness.results.recordings.places import PlaceStudy, studies_of
 from harness.results.records import Records
 from harness.results.table import Row, cell_to_json, row_of, table_of, write_table
 
@@ -25,12 +26,19 @@ class Results(Records):
     """An experiment, as its folder records it."""
 
     @cached_property
-    def combinations(self) -> tuple[Combination, ...]:
-        """Every proposed reward against the baseline. A baseline that is its own proposed reward is the null control.
+    def combinations(self) -> tuple[Comparison, ...]:
+        """Every proposed reward against the baseline; in an environment also against one another.
 
-        There are none where the task is an environment: `harness.report.environments` compares its recorded trainings.
+        A baseline that is its own proposed reward is the null control.
         """
-        return () if self.is_in_environment else combine(self)
+        if not self.is_in_environment:
+            return combine(self)
+        return tuple(comparison for place in self.studies if place.study for comparison in place.study.comparisons)
+
+    @cached_property
+    def studies(self) -> tuple[PlaceStudy, ...]:
+        """Of an experiment in environments, the recorded trainings of each algorithm in each of them."""
+        return studies_of(self)
 
     def to_json(self) -> dict[str, Any]:
         """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""

@@ -9,7 +9,7 @@ from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.record.folder import EVALUATION
 from harness.registry.choice import Choice
 from harness.results.cell_results import CellResults
-from harness.results.combination import Group
+from harness.results.comparison import Group
 from harness.results.results import Results
 from harness.score.scored_runs import Payer
 

@@ -12,7 +12,7 @@ from harness.record.folder import TRACE
 from harness.record.trace import Trace, read_trace
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
-from harness.results.combination import Group
+from harness.results.comparison import Group
 from harness.results.results import Results
 from harness.score.scored_runs import Payer
 from harness.score.scorer import SCORED

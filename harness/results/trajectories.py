@@ -10,7 +10,7 @@ from harness.arrays import Float
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION
 from harness.record.trace import Trace, read_trace
-from harness.results.combination import Combination, Group
+from harness.results.comparison import Comparison, Group
 from harness.results.results import Results
 
 EPISODES = 30
@@ -45,7 +45,7 @@ class Trajectories:
     proposed: tuple[Trajectory, ...]
 
 
-def trajectories_of(results: Results, combination: Combination) -> Trajectories | None:
+def trajectories_of(results: Results, combination: Comparison) -> Trajectories | None:
     """The end effector's paths under both rewards, for the first seed that both have.
 
     None if there is no such seed, or for the null control, which has only one reward.

@@ -12,7 +12,7 @@ from harness.record.returns import mean_return
 from harness.record.trace import read_trace
 from harness.registry.choice import Choice
 from harness.results import Results
-from harness.results.combination import Group
+from harness.results.comparison import Group
 from harness.transfer.record import TransferRecord, policy_digest, read_transfer, simulator_id
 
 FORMAT = 1

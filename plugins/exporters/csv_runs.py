@@ -4,7 +4,7 @@ from pathlib import Path
 
 from harness.record.folder import TRACE
 from harness.results import Results
-from harness.results.combination import Group
+from harness.results.comparison import Group
 from harness.score.csv_writing import write_csv
 from harness.text import file_stems
 

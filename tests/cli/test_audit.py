@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from tests.trainings.conftest import record
+from tests.results.recordings.conftest import record
 
 FEW = ("--episodes", 6)
 

@@ -9,7 +9,7 @@ import pytest
 from harness.bench.speed.contest import Round
 from harness.bench.speed.entry import Setting
 from tests.registry.test_given import REWARD
-from tests.trainings.conftest import record
+from tests.results.recordings.conftest import record
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.trainings.conftest import record
+from tests.results.recordings.conftest import record
 
 ARMS = np.linspace(0.0, 1.0, 10)
 

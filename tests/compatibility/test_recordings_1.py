@@ -16,9 +16,8 @@ import pytest
 
 from harness.record.recording.recorded_training import read_recording
 from harness.record.store import Store
-from harness.report.environments.studies import studies_of
 from harness.results import load_results
-from harness.trainings import Study, load_study
+from harness.results.recordings import Study, load_study
 
 HERE = Path(__file__).parent / "recordings_1"
 TOLD = json.loads((HERE / "returns.json").read_text())
@@ -40,7 +39,7 @@ def test_loose_recordings_are_reported_as_before():
 
 def test_experiment_in_an_environment_is_reported_as_before():
     """Its cells are done, and their returns are the same."""
-    (told,) = studies_of(load_results(HERE / "experiment"))
+    (told,) = load_results(HERE / "experiment").studies
     assert told.study is not None
     assert len(told.study.runs.members) == len(Store.open(HERE / "experiment").read_plan().cells) == 4
     assert _returns(told.study) == TOLD["experiment"]

@@ -57,3 +57,12 @@ def test_editable_installation_has_no_files_of_its_own(installed: Path):
 def test_what_is_not_installed_has_none():
     """As a folder on PYTHONPATH."""
     assert file_lines("no-such-distribution") == []
+
+
+def test_metadata_that_a_build_left_in_a_checkout_lists_no_installed_files(installed: Path):
+    """It names sources, which come and go too."""
+    (installed / "toys-1.0.dist-info").rename(installed / "toys.egg-info")
+    (installed / "toys.egg-info/METADATA").rename(installed / "toys.egg-info/PKG-INFO")
+    (installed / "toys.egg-info/RECORD").unlink()
+    (installed / "toys.egg-info/SOURCES.txt").write_text("toys/gone.py\n")
+    assert file_lines("toys") == []

@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve, curve_of
 from harness.eta.decompose import decompose
-from harness.eta.headline import Answer, Headline, Names, headline_of, judge, margin_of
+from harness.eta.headline import UNMEASURED, Answer, Headline, Names, judge, margin_of
 from harness.eta.power import seeds_to_tell
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.splits import Decomposition
 from harness.eta.swaps import swaps_of
+from tests.eta.headlines import headline_of
 
 Sums = tuple[float, float]
 NAMES = Names("base", "mine")
@@ -188,7 +189,7 @@ def test_spread_that_takes_thousands_of_seeds_is_told():
 def test_behaviour_that_was_not_measured(changes: list[Change]):
     """Without a success rate or a time under both rewards there is nothing to rest on."""
     found = headline_of(NAMES, compared(), changes)
-    assert (found.answer, found.robot) == (Answer.CANNOT_TELL, "How the robot behaves was not measured.")
+    assert (found.answer, found.robot) == (Answer.CANNOT_TELL, UNMEASURED)
 
 
 def test_time_alone_can_decide():

@@ -54,7 +54,7 @@ def test_every_comparison_has_a_line(build, commit):
     for row, it in zip(rows, results.combinations, strict=True):
         assert row.startswith(f"{it.group.labels['simulator']} · {it.proposed} ")
         assert f" {it.headline.answer.value.upper()} " in row
-        assert f" {success_text(it.success)} " in row
+        assert f" {success_text(it.decisive)} " in row
 
 
 def test_intervals_stand_beside_the_ratios_where_there_is_room(build, commit):

@@ -20,7 +20,7 @@ from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, fail, finish, only, paid
 
 MakeCell = Callable[..., Cell]
@@ -93,7 +93,7 @@ def test_seed_that_is_done_under_one_reward_is_left_out(experiment: Store, make_
     assert combination.seeds == (0, 1)
     assert combination.baseline_index == _index(BASELINE_RUNS, seeds=(0, 1))
     assert {curve.count for curve in combination.curves.values()} == {2}
-    assert combination.success.seeds == 2
+    assert combination.decisive.seeds == 2
 
 
 def test_rows_of_both_groups_have_the_same_seed(experiment: Store, registry: Registry):
@@ -239,21 +239,21 @@ def test_baseline_is_not_compared_with_itself_unasked(experiment: Store, registr
 
 
 @pytest.fixture(name="acted")
-def _acted(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path) -> Callable[..., Combination]:
+def _acted(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path) -> Callable[..., Comparison]:
     """Compares two seeds of both rewards, whose evaluations in both manners are given by seed."""
 
-    def compare(own: Sequence[bool], otherwise: Mapping[int, Sequence[bool] | None]) -> Combination:
+    def compare(own: Sequence[bool], otherwise: Mapping[int, Sequence[bool] | None]) -> Comparison:
         cells = [make_cell(seed=seed, reward=reward) for seed in (0, 1) for reward in (BASELINE, ARP)]
         store = Store.create(tmp_path, make_plan(*cells))
         for cell in cells:
             finish(store, cell, [1.0, 0.5], own, otherwise=otherwise[cell.seed])
-        combination: Combination = only(Results(store.folder, registry))
+        combination: Comparison = only(Results(store.folder, registry))
         return combination
 
     return compare
 
 
-def test_every_metric_is_compared_in_every_manner(acted: Callable[..., Combination], registry: Registry):
+def test_every_metric_is_compared_in_every_manner(acted: Callable[..., Comparison], registry: Registry):
     """The policy in both, and the training itself."""
     combination = acted([True], {0: [True], 1: [False]})
     manners = ["deterministic", "stochastic", "while training"]
@@ -261,20 +261,20 @@ def test_every_metric_is_compared_in_every_manner(acted: Callable[..., Combinati
     assert len(combination.changes) == 3 * len(registry.names("metrics"))
 
 
-def test_manner_that_a_cell_lacks_is_left_out(acted: Callable[..., Combination]):
+def test_manner_that_a_cell_lacks_is_left_out(acted: Callable[..., Comparison]):
     """Folders of version 0.1, gone on with now, have it of the new cells alone: it must not decide."""
     combination = acted([True], {0: [True, False, True], 1: None})
     assert combination.episodes == {"deterministic": 1, "while training": 0}
     assert combination.manner == "deterministic"
-    assert combination.success is not None
+    assert combination.decisive is not None
 
 
-def test_episodes_are_those_of_the_cell_with_the_fewest(acted: Callable[..., Combination]):
+def test_episodes_are_those_of_the_cell_with_the_fewest(acted: Callable[..., Comparison]):
     """What rests on fewer must not be taken for more."""
     assert acted([True], {0: [True] * 3, 1: [True] * 2}).episodes["stochastic"] == 2
 
 
-def test_shares_know_their_episodes(acted: Callable[..., Combination]):
+def test_shares_know_their_episodes(acted: Callable[..., Comparison]):
     """Their intervals allow for rare failures; a distance is no share."""
     measures = {change.name: change.measure for change in acted([True] * 4, {0: None, 1: None}).changes[:13]}
     assert measures["success_rate"].episodes == 4
@@ -286,14 +286,14 @@ def test_shares_know_their_episodes(acted: Callable[..., Combination]):
 
 def _learned(
     make_cell: MakeCell, make_plan: MakePlan, registry: Registry, folder: Path, *learned: dict[int, list[bool]]
-) -> Combination:
+) -> Comparison:
     """Two seeds of both rewards with these evaluations while learning, every 5 of 12 steps."""
     rewards = (BASELINE, ARP)
     cells = [make_cell(seed=seed, reward=reward, evaluate_every=5) for seed in range(2) for reward in rewards]
     store = Store.create(folder, make_plan(*cells))
     for cell, given in zip(cells, learned, strict=True):
         finish(store, cell, [1.0, 0.5], learned=given)
-    combination: Combination = only(Results(store.folder, registry))
+    combination: Comparison = only(Results(store.folder, registry))
     return combination
 
 
@@ -346,18 +346,18 @@ def test_nothing_along_the_budget_without_evaluations(experiment: Store, registr
 # Several claims
 
 
-def _claims(combination: Combination) -> list[Any]:
+def _claims(combination: Comparison) -> list[Any]:
     """All that have a p-value, in order."""
     splits = list(combination.splits.values())
     changes: list[Change] = [*combination.changes, *(it for moment in combination.along for it in moment.changes)]
     return [claim for claim in (*splits, *changes) if claim.outcomes is not None]
 
 
-def _corrected_of(*combinations: Combination) -> list[float]:
+def _corrected_of(*combinations: Comparison) -> list[float]:
     return [claim.corrected for combination in combinations for claim in _claims(combination)]
 
 
-def _corrected_apart(combinations: Sequence[Combination]) -> list[float]:
+def _corrected_apart(combinations: Sequence[Comparison]) -> list[float]:
     return corrected_p([claim.outcomes for combination in combinations for claim in _claims(combination)])
 
 
@@ -377,7 +377,7 @@ def test_all_claims_of_all_combinations_are_one_family(
     assert found != [*_corrected_apart([one]), *_corrected_apart([two])]
     assert one.claims == two.claims == none.claims == len(found)
     assert _claims(none) == []
-    assert two.success.p == 2 / 2**7
+    assert two.decisive.p == 2 / 2**7
 
 
 def test_one_seed_claims_nothing(make_cell: MakeCell, make_plan: MakePlan, registry: Registry, tmp_path: Path):
@@ -402,8 +402,8 @@ def test_combinations_with_different_seeds_are_swapped_together(
     fail(store, make_cell(seed=3, reward=STRONG), "no luck")
     full, short = Results(store.folder, registry).combinations
     assert (full.seeds, short.seeds) == ((0, 1, 2, 3), (0, 1, 2))
-    assert (full.success.p, short.success.p) == (2 / 2**4, 2 / 2**3)
-    assert len(full.success.outcomes) == len(short.success.outcomes)
+    assert (full.decisive.p, short.decisive.p) == (2 / 2**4, 2 / 2**3)
+    assert len(full.decisive.outcomes) == len(short.decisive.outcomes)
 
 
 # Rewards that cannot score
@@ -413,7 +413,7 @@ def _nothing_is_split(combination: Any, reason: str) -> None:
     """Eta and behaviour stand, and each part says why it does not."""
     assert combination.eta_p.value is not None
     assert combination.eta_p.low is not None
-    assert combination.success.baseline == 1.0
+    assert combination.decisive.baseline == 1.0
     for split in (combination.decomposition.negative, combination.decomposition.positive):
         assert not split.paths
         for part in (split.ruler, split.behaviour, split.interaction):

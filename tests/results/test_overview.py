@@ -38,7 +38,9 @@ def _intervals(*ratios: Ratio) -> list[str]:
         name: SimpleNamespace(eta=ratio, ruler=Ratio(1.0))
         for name, ratio in zip(("eta_N", "eta_P"), ratios, strict=True)
     }
-    told = SimpleNamespace(splits=splits, success=None, headline=SimpleNamespace(answer=SimpleNamespace(value="helps")))
+    told = SimpleNamespace(
+        splits=splits, decisive=None, headline=SimpleNamespace(answer=SimpleNamespace(value="helps"))
+    )
     return list(overview_row("arp", told, with_intervals=True)[3:5])
 
 

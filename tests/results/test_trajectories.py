@@ -14,12 +14,12 @@ from harness.record.store import Store
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.results import Results, load_results
-from harness.results.combination import Combination, Group
+from harness.results.comparison import Comparison, Group
 from harness.results.trajectories import EPISODES, trajectories_of
 
 Points = list[tuple[float, float, float, float, float]]
 """Of an episode: end effector x, y, z, target x, whether it is reached."""
-Recorded = Callable[..., tuple[Results, Combination]]
+Recorded = Callable[..., tuple[Results, Comparison]]
 REACHED = [(0, 0, 0, 1, 0), (1, 0, 0, 1, 1)]
 
 
@@ -27,7 +27,7 @@ REACHED = [(0, 0, 0, 1, 0), (1, 0, 0, 1, 1)]
 def recorded(tmp_path: Path, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]) -> Recorded:
     """Evaluations by reward and seed, each a list of episodes, and the comparison of arp with the baseline."""
 
-    def record(**evaluations: dict[int, list[Points]]) -> tuple[Results, Combination]:
+    def record(**evaluations: dict[int, list[Points]]) -> tuple[Results, Comparison]:
         cells = {
             make_cell(reward=Choice(label, (), label), seed=seed): episodes
             for label, runs in evaluations.items()
@@ -44,7 +44,7 @@ def recorded(tmp_path: Path, make_cell: Callable[..., Cell], make_plan: Callable
         seeds = tuple(sorted(set.intersection(*(set(runs) for runs in evaluations.values()))))
         group = Group.of(next(iter(cells)))
         proposed = list(evaluations)[-1]
-        return load_results(store.folder), Combination(group, "baseline", proposed, seeds, None, (), {})
+        return load_results(store.folder), Comparison(group, "baseline", proposed, seeds, None, (), {})
 
     return record
 

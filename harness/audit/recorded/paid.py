@@ -11,7 +11,7 @@ from harness.arrays import Float
 from harness.audit.distance import centred_unit, distance_between
 from harness.record.recording.facts import REWARD
 from harness.record.recording.recorded_training import RecordedTraining
-from harness.trainings.episodes import Episodes
+from harness.results.recordings.episodes import Episodes
 
 
 @dataclass(frozen=True, eq=False)

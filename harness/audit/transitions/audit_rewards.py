@@ -23,7 +23,7 @@ from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.record.recording.recorded_training import read_recording
 from harness.recorder.column import OWN, Given
 from harness.recorder.record_rewards import RecordRewards
-from harness.trainings.episodes import episodes_of
+from harness.results.recordings.episodes import episodes_of
 
 MEASUREMENTS = 5
 """Each has episodes and samples of its own; intervals are over them."""

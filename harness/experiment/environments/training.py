@@ -43,7 +43,7 @@ from harness.recorder.evaluate_policy import evaluate_policy
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
-from harness.trainings.episodes import cut_text, episodes_of
+from harness.results.recordings.episodes import cut_text, episodes_of
 
 NO_END = "no episode of the training ended: give the environment a time limit"
 

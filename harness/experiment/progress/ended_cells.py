@@ -10,7 +10,7 @@ from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
-from harness.results.combination import Group
+from harness.results.comparison import Group
 from harness.results.done_cells import DoneCells
 
 

@@ -5,22 +5,22 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from harness.eta.headline import count_seeds
-from harness.report.environments.studies import PlaceStudy
 from harness.report.figures.accumulated import draw_panels
 from harness.report.figures.learning import describe_learning, draw_learning
 from harness.report.figures.points import FEWEST, POINTS
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.rows.behaviour import Text
-from harness.report.rows.comparison import format_number
+from harness.report.rows.comparison import format_number, rewards_text
 from harness.report.summary.figures import OF_ALL_RUNS, RUNS
 from harness.report.summary.svg import INTERVALS, Panel, draw_svg
-from harness.report.trainings.rows import RETURNS, pair_text, text_of
+from harness.report.trainings.rows import RETURNS, text_of
+from harness.results.comparison import Comparison
 from harness.results.learning import Learning
+from harness.results.recordings.learning import learning_of, return_name
+from harness.results.recordings.places import PlaceStudy
+from harness.results.recordings.study import Study
 from harness.text import file_stems
-from harness.trainings.comparison import Comparison
-from harness.trainings.learning import learning_of, return_name
-from harness.trainings.study import Study
 
 PAID = "return, as paid"
 PANELS = 3
@@ -51,7 +51,7 @@ def figures_of(studies: Sequence[PlaceStudy]) -> dict[Comparison, list[Figure]]:
 def _figures(title: str, study: Study, comparison: Comparison, stem: str) -> list[Figure]:
     if not comparison.seeds:
         return []
-    headline = (title, f"{pair_text(comparison)}, {count_seeds(len(comparison.seeds))}")
+    headline = (title, f"{rewards_text(comparison)}, {count_seeds(len(comparison.seeds))}")
     drawn = (
         ("learning", "Return and behaviour while learning", _learning(headline, study, comparison)),
         ("split", "eta as ruler x behaviour", _split(headline, comparison)),
@@ -66,7 +66,7 @@ def _learning(headline: Sequence[str], study: Study, comparison: Comparison) -> 
     if learning is None:
         return None
     learning = _with_paid(learning)
-    texts: dict[str, Text] = {change.name: text_of(change) for change in comparison.changes_in(comparison.manner)}
+    texts: dict[str, Text] = {change.name: text_of(change) for change in comparison.changes_of(comparison.manner)}
     names = [name for name in (PAID, *study.runs.measures) if _is_known(learning, name)][:PANELS]
     charts = {name: draw_learning(learning, name, texts.get(name, format_number)) for name in names}
     told = [f"{_heading(name)}: {describe_learning(learning, name, texts.get(name, format_number))}" for name in names]
@@ -94,7 +94,7 @@ def _heading(name: str) -> str:
 def _split(headline: Sequence[str], comparison: Comparison) -> bytes | None:
     """The figure of ruler x behaviour: the eta of the mean return, then those of I_N and I_P, each with its parts."""
     main = {} if comparison.main is None else {"eta": comparison.main.ratio}
-    splits = {**main, **comparison.splits}
+    splits = {**main, **comparison.index_splits}
     headings = {"eta": f"{RETURNS} {comparison.manner}: eta = ruler x behaviour"}
     drawn = {name: draw_split(name, split) for name, split in splits.items()}
     panels = [

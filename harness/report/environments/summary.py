@@ -21,8 +21,16 @@ from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.environments.document import environments_text
 from harness.report.environments.figures import Figure, figures_of
-from harness.report.environments.studies import PlaceStudy
-from harness.report.rows.comparison import Grid, answer_text, count_cells, ratio_grid, remarks_on_cells, split_grid
+from harness.report.rows.comparison import (
+    Grid,
+    answer_text,
+    claims_text,
+    count_cells,
+    ratio_grid,
+    remarks_on_cells,
+    rewards_text,
+    split_grid,
+)
 from harness.report.summary.cells import plain_text
 from harness.report.summary.files import put_files
 from harness.report.summary.markdown import escape, markdown_table, what_it_took
@@ -32,21 +40,21 @@ from harness.report.trainings.rows import (
     TABLE,
     TESTS,
     behaviour_grid,
-    claims_text,
     paid_grid,
-    pair_text,
     return_splits,
     returns_grid,
     study_text,
 )
 from harness.results import Results
-from harness.trainings.comparison import Comparison
+from harness.results.comparison import Comparison
+from harness.results.recordings.places import PlaceStudy
+from harness.results.recordings.study import basis_text
 
 OF_SUMS = "I_N and I_P of the summed reward: eta = proposed / baseline"
 NAMES = ("id", "task", "algorithm", "reward", "seed", "steps", "status", "reason", "training_seconds", "seconds")
 
 
-def write_environments_summary(results: Results, studies: Sequence[PlaceStudy], folder: Path) -> None:
+def write_environments_summary(results: Results, folder: Path) -> None:
     """Write the summary into `folder`; what else is in it stays as it is.
 
     Raises:
@@ -54,20 +62,20 @@ def write_environments_summary(results: Results, studies: Sequence[PlaceStudy], 
     """
     if (folder / PLAN).exists():
         raise UsageError(f"--summary '{folder}' is the folder of an experiment: name another")
-    figures = figures_of(studies)
+    figures = figures_of(results.studies)
     files = {
         EXPERIMENT: results.experiment_text,
-        RECORD: environments_text(results, studies) + "\n",
-        CELLS: _cells(results, studies),
-        SUMMARY: _markdown(results, studies, figures),
+        RECORD: environments_text(results) + "\n",
+        CELLS: _cells(results),
+        SUMMARY: _markdown(results, figures),
     }
     drawn = {f"{FIGURES}/{it.name}": it.content for of in figures.values() for it in of}
     put_files(folder, {**{name: text.encode() for name, text in files.items()}, **drawn}, FIGURES)
 
 
-def _cells(results: Results, studies: Sequence[PlaceStudy]) -> str:
+def _cells(results: Results) -> str:
     """The cells in the order of the plan; numbers have as many digits as it takes to read them back exactly."""
-    measured = dict(_measured(studies))
+    measured = dict(_measured(results.studies))
     names = dict.fromkeys(name for values in measured.values() for name in values)
     text = StringIO()
     writer = csv.DictWriter(text, [*NAMES, *names], lineterminator="\n")
@@ -97,12 +105,12 @@ def _measured(studies: Sequence[PlaceStudy]) -> Iterator[tuple[str, dict[str, fl
             yield run.path.parent.name, values
 
 
-def _markdown(results: Results, studies: Sequence[PlaceStudy], figures: Mapping[Comparison, Sequence[Figure]]) -> str:
-    labels = dict.fromkeys(told.group.task.label for told in studies)
+def _markdown(results: Results, figures: Mapping[Comparison, Sequence[Figure]]) -> str:
+    labels = dict.fromkeys(told.group.task.label for told in results.studies)
     parts = [f"# {escape(', '.join(labels))}", escape(count_cells(results))]
     parts += [f"* {escape(line)}" for line in remarks_on_cells(results)]
     parts.append(f"Made from `{EXPERIMENT}`: `harness run {EXPERIMENT}` does it again.")
-    for told in studies:
+    for told in results.studies:
         parts.append(f"## {escape(told.title)}")
         if told.study is None:
             parts += [escape(f"{told.reason}."), *(f"* {escape(line)}" for line in told.notes)]
@@ -122,12 +130,15 @@ def _markdown(results: Results, studies: Sequence[PlaceStudy], figures: Mapping[
 def _comparison(comparison: Comparison) -> list[str]:
     headline = comparison.headline
     parts = [
-        f"### {escape(pair_text(comparison))}",
+        f"### {escape(rewards_text(comparison))}",
         f"**The agent: {answer_text(headline)}.** {escape(headline.robot)}",
     ]
     if not comparison.seeds:
         return parts
-    parts += [escape(f"{count_seeds(len(comparison.seeds))} compared. {comparison.basis}"), escape(comparison.number)]
+    parts += [
+        escape(f"{count_seeds(len(comparison.seeds))} compared. {basis_text(comparison)}"),
+        escape(comparison.number),
+    ]
     parts += _shown(returns_grid(comparison)._replace(title=RETURNS))
     parts += [part for grid in _ratios(comparison) for part in _shown(grid)]
     parts += [part for manner in comparison.episodes for part in _shown(behaviour_grid(comparison, manner))]
@@ -135,11 +146,11 @@ def _comparison(comparison: Comparison) -> list[str]:
 
 
 def _picture(figure: Figure, comparison: Comparison) -> str:
-    return f"![{figure.shows}: {escape(pair_text(comparison))}]({FIGURES}/{figure.name})"
+    return f"![{figure.shows}: {escape(rewards_text(comparison))}]({FIGURES}/{figure.name})"
 
 
 def _ratios(comparison: Comparison) -> tuple[Grid, ...]:
-    returns, splits = return_splits(comparison), comparison.splits
+    returns, splits = return_splits(comparison), comparison.index_splits
     of_sums = (ratio_grid(splits)._replace(title=OF_SUMS), split_grid(splits)) if splits else ()
     return (ratio_grid(returns), split_grid(returns), *of_sums)
 

@@ -33,7 +33,7 @@ from harness.report.rows.comparison import (
 )
 from harness.report.rows.payoff import Audits, payoff_story
 from harness.results import Results
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.learning import learning_of
 from harness.results.trajectories import trajectories_of
 
@@ -51,7 +51,7 @@ class Panel(NamedTuple):
 
 
 def comparison_section(
-    results: Results, combination: Combination, title: str, points: int, audits: Audits, links: EpisodeLinks | None
+    results: Results, combination: Comparison, title: str, points: int, audits: Audits, links: EpisodeLinks | None
 ) -> dict[str, Any]:
     """What the template shows of a combination, with `points` points of each run."""
     headline = combination.headline
@@ -99,13 +99,13 @@ def comparison_section(
     }
 
 
-def title_of(combination: Combination, place: str) -> str:
+def title_of(combination: Comparison, place: str) -> str:
     """The title of a comparison: its place, as far as the page does not say it for all, and the proposed reward."""
     told = rewards_text(combination) if combination.is_control else combination.proposed
     return BETWEEN.join(part for part in (place, told) if part)
 
 
-def describe_comparison(combination: Combination) -> str:
+def describe_comparison(combination: Comparison) -> str:
     """In plain words: what was compared."""
     group, seeds = combination.group, combination.seeds
     if not seeds:
@@ -133,7 +133,7 @@ def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:
     return Panel(heading, draw_chart(chart, f"{what} {heading}. {caption}"), caption)
 
 
-def _learning_panels(results: Results, combination: Combination) -> list[Panel]:
+def _learning_panels(results: Results, combination: Comparison) -> list[Panel]:
     """The success rate during training, where it was evaluated then."""
     learning = learning_of(results, combination)
     if learning is None or SUCCESS not in learning.random:
@@ -142,7 +142,7 @@ def _learning_panels(results: Results, combination: Combination) -> list[Panel]:
     return [_panel("Success rate while learning", chart, caption, "Success rate over environment steps.")]
 
 
-def _trajectory_panels(results: Results, combination: Combination) -> list[Panel]:
+def _trajectory_panels(results: Results, combination: Comparison) -> list[Panel]:
     """Where the end effector went, under each reward."""
     trajectories = trajectories_of(results, combination)
     if trajectories is None:
@@ -160,16 +160,16 @@ def _trajectory_panels(results: Results, combination: Combination) -> list[Panel
     ]
 
 
-def _profile_panels(combination: Combination) -> list[Panel]:
+def _profile_panels(combination: Comparison) -> list[Panel]:
     """Which share of the seeds reaches how much success."""
-    success = combination.success
+    success = combination.decisive
     chart = draw_profile(success) if success else None
     if success is None or chart is None:
         return []
     return [_panel("Success over seeds", chart, describe_profile(success), "Share of the seeds over success.")]
 
 
-def _split_panels(combination: Combination) -> list[Panel]:
+def _split_panels(combination: Comparison) -> list[Panel]:
     """eta_N and eta_P, each with its parts, and the same in words."""
     if not combination.is_split:
         return []
@@ -181,7 +181,7 @@ def _split_panels(combination: Combination) -> list[Panel]:
     ]
 
 
-def _curve_panels(combination: Combination, points: int) -> list[Panel]:
+def _curve_panels(combination: Comparison, points: int) -> list[Panel]:
     """The accumulated reward of both trainings, each under its own reward."""
     charts = draw_panels(combination, points)
     if charts is None:
@@ -201,7 +201,7 @@ def _curve_panels(combination: Combination, points: int) -> list[Panel]:
     ]
 
 
-def _sum_grid(combination: Combination) -> Grid:
+def _sum_grid(combination: Comparison) -> Grid:
     return sum_grid(combination.decomposition.total if combination.decomposition else None)
 
 

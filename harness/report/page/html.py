@@ -29,7 +29,7 @@ from harness.report.rows.returns import TITLE as RETURN_TITLE
 from harness.report.rows.returns import return_grid
 from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
 from harness.results.return_matrix import ReturnMatrix, return_matrices
@@ -109,7 +109,7 @@ def _render(results: Results, audits: Audits) -> str:
     )
 
 
-def _titles(combinations: Sequence[Combination], matrix: Matrix) -> list[str]:
+def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:
     """A title for each comparison: what is not the same in all. The title of a single comparison says everything."""
     if len(combinations) == 1:
         return [f"{matrix.shared}: {rewards_text(combinations[0])}"]

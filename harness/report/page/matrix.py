@@ -11,7 +11,7 @@ from harness.report.apart import tell_apart
 from harness.report.rows.behaviour import behaviour_row
 from harness.report.rows.comparison import answer_text, interval_text, ratio_text
 from harness.report.summary.cells import plain_text
-from harness.results.combination import Combination, Group
+from harness.results.comparison import Comparison, Group
 from harness.results.overview import NOTHING
 
 SYMBOLS = {Answer.HELPS: "▲", Answer.HURTS: "▼", Answer.NO_DIFFERENCE: "=", Answer.CANNOT_TELL: "?"}
@@ -76,7 +76,7 @@ def anchor_of(place: int) -> str:
     return f"combination-{place + 1}"
 
 
-def matrix_of(combinations: Sequence[Combination]) -> Matrix:
+def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     """The map and the table."""
     described = [_describe(combination.group) for combination in combinations]
     apart = tell_apart(described)
@@ -96,14 +96,14 @@ def matrix_of(combinations: Sequence[Combination]) -> Matrix:
     return Matrix(apart.shared, list(places.values()), rows, entries, [count for count in counts if count[2]])
 
 
-def comparisons_csv(combinations: Sequence[Combination]) -> str:
+def comparisons_csv(combinations: Sequence[Comparison]) -> str:
     """A row per comparison, numbers as exact as they are known."""
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for combination in combinations:
         ratios = [end for eta in (combination.eta_n, combination.eta_p) for end in (eta.value, eta.low, eta.high)]
-        success = combination.success
+        success = combination.decisive
         shares = (
             (success.baseline, success.proposed, success.difference, success.low, success.high)
             if success
@@ -119,8 +119,8 @@ def _describe(group: Group) -> tuple[str, ...]:
     return (*group.labels.values(), f"{group.steps:,} steps", f"evaluated {group.manner}")
 
 
-def _entry(number: int, place: str, combination: Combination) -> Entry:
-    headline, success = combination.headline, combination.success
+def _entry(number: int, place: str, combination: Comparison) -> Entry:
+    headline, success = combination.headline, combination.decisive
     values = [
         Sortable(ratio_text(eta), interval_text(eta, missing=""), "" if eta.value is None else repr(eta.value))
         for eta in (combination.eta_n, combination.eta_p)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from harness.eta.headline import SUCCESS
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 
 TIMEOUTS, OBSTACLES = "timeouts", "obstacle_hits"
 LEAST = 0.08
@@ -31,7 +31,7 @@ class Bar(NamedTuple):
     """The same in words."""
 
 
-def outcome_bars(combination: Combination) -> list[Bar]:
+def outcome_bars(combination: Comparison) -> list[Bar]:
     """Bars for the baseline, the proposed reward and random actions; empty if the outcomes were not measured."""
     changes = {change.name: change for change in combination.changes_of(combination.manner)}
     success, timeouts = changes.get(SUCCESS), changes.get(TIMEOUTS)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
 from harness.report.rows.behaviour import value_text
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.replay import Episode, Outcome, Show
 
 BASELINE, PROPOSED = 0, 1
@@ -96,7 +96,7 @@ def both_outcomes(episodes: Sequence[Episode]) -> str:
     return " | ".join(dict.fromkeys(episode.outcome for episode in episodes))
 
 
-def links_of(shows: Sequence[Show], combinations: Sequence[Combination]) -> list[EpisodeLinks | None]:
+def links_of(shows: Sequence[Show], combinations: Sequence[Comparison]) -> list[EpisodeLinks | None]:
     """The links of each comparison; None if it has no episodes to show."""
     found = {id(show.combination): EpisodeLinks(place, show) for place, show in enumerate(shows, start=1)}
     return [found.get(id(combination)) for combination in combinations]

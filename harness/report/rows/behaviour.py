@@ -6,7 +6,7 @@ from typing import NamedTuple, TypeAlias
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS, count_seeds
 from harness.report.rows.comparison import Grid, format_number, format_p
-from harness.results.combination import Combination, StepChange
+from harness.results.comparison import Comparison, StepChange
 from harness.results.measured import TRAINING
 from harness.results.overview import NOTHING
 from harness.text import shortened
@@ -33,20 +33,20 @@ class BehaviourRow(NamedTuple):
     result: str
 
 
-def behaviour_grids(combination: Combination) -> list[Grid]:
+def behaviour_grids(combination: Comparison) -> list[Grid]:
     """A grid for each manner in which behaviour was measured, the one that decides first."""
     manners = dict.fromkeys([combination.manner, *(change.measure.manner for change in combination.changes)])
     grids = [_grid(combination, manner) for manner in manners]
     return [grid for grid in grids if grid.rows]
 
 
-def defined_changes(combination: Combination, manner: str) -> list[Change]:
+def defined_changes(combination: Comparison, manner: str) -> list[Change]:
     """The measures, the success rate first. A measure that is not defined under either reward is left out."""
     changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
     return sorted(changes, key=lambda change: change.name != SUCCESS)
 
 
-def failed_changes(combination: Combination, manner: str) -> list[Change]:
+def failed_changes(combination: Comparison, manner: str) -> list[Change]:
     """The measures whose metric failed for every seed. They stand below the others, with the reason."""
     defined = {change.name for change in defined_changes(combination, manner)}
     return [change for change in combination.changes_of(manner) if change.reason and change.name not in defined]
@@ -80,7 +80,7 @@ def value_text(change: Change, value: float) -> str:
     return _text_of(change)(value)
 
 
-def along_grid(combination: Combination) -> Grid:
+def along_grid(combination: Comparison) -> Grid:
     """What would have been said of the robot at each evaluation, the last one after the trainings."""
     headings = ("", "success: baseline", "proposed", "difference", "the robot")
     manner = combination.own_manner
@@ -89,7 +89,7 @@ def along_grid(combination: Combination) -> Grid:
     return Grid(headings, rows, [], f"Along the budget of training, {manner}")
 
 
-def seeds_grid(combination: Combination) -> Grid:
+def seeds_grid(combination: Comparison) -> Grid:
     """What single seeds say where a mean may hide it, in the manner that decides."""
     headings = ("over seeds", "middle half: baseline", "proposed", "chance that a run is better")
     rows: list[tuple[str, ...]] = []
@@ -100,7 +100,7 @@ def seeds_grid(combination: Combination) -> Grid:
     return Grid(headings, rows, [])
 
 
-def _grid(combination: Combination, manner: str) -> Grid:
+def _grid(combination: Comparison, manner: str) -> Grid:
     ordered = defined_changes(combination, manner)
     notes = [_note(change) for change in ordered if change.left_out]
     rows = [tuple(behaviour_row(change)) for change in (*ordered, *failed_changes(combination, manner))]
@@ -113,7 +113,7 @@ def _note(change: Change) -> str:
     return f"{name}: {compared} compared, {change.left_out} without a value{why}"
 
 
-def _title(combination: Combination, manner: str) -> str:
+def _title(combination: Comparison, manner: str) -> str:
     """How the policies acted, and how many episodes were seen."""
     episodes = combination.episodes.get(manner)
     if episodes is None:
@@ -125,7 +125,7 @@ def _title(combination: Combination, manner: str) -> str:
     return f"Behaviour of the trained policies, {manner}, {seen} per seed"
 
 
-def _moment_row(combination: Combination, moment: StepChange) -> tuple[str, ...]:
+def _moment_row(combination: Comparison, moment: StepChange) -> tuple[str, ...]:
     """The row of an evaluation, with the answer that would have been given after it."""
     success = next((change for change in moment.changes if change.name == SUCCESS), None)
     told = behaviour_row(success) if success else None

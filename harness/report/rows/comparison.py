@@ -15,7 +15,7 @@ from harness.eta.swaps import smallest_p
 from harness.record.forms import Status
 from harness.record.plan_file import EXPERIMENT
 from harness.results import Results
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.overview import NEAR_ZERO, NOTHING
 
 SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the robot behaves."
@@ -49,7 +49,7 @@ class Grid(NamedTuple):
     """The title above the grid. As the heading of the names it would wrap."""
 
 
-def rewards_text(combination: Combination) -> str:
+def rewards_text(combination: Comparison) -> str:
     """Which rewards were compared."""
     told = f"{combination.proposed} against {combination.baseline}"
     return f"{told}, trained again with other seeds (A/A, the null control)" if combination.is_control else told
@@ -66,7 +66,7 @@ def answer_text(headline: Headline) -> str:
     return headline.answer.value.upper()
 
 
-def advice(results: Results, combination: Combination) -> str:
+def advice(results: Results, combination: Comparison) -> str:
     """The command that adds the seeds that would give an answer; empty if no number would, or if none is needed."""
     needed, seeds = combination.headline.seeds_to_decide, combination.seeds
     if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control or results.is_temporary:
@@ -76,7 +76,7 @@ def advice(results: Results, combination: Combination) -> str:
     return f"More seeds: harness run {folder / EXPERIMENT} --out {folder} --seeds {more}{results.plugin_flags}"
 
 
-def claims_text(combination: Combination) -> str:
+def claims_text(combination: Comparison) -> str:
     """What tests with so many seeds can show at best; empty without a seed."""
     seeds = len(combination.seeds)
     if not seeds:

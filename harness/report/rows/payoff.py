@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from harness.report.rows.comparison import Grid, format_number
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING
 
 
@@ -39,7 +39,7 @@ class Story(NamedTuple):
     grid: Grid
 
 
-def payoff_story(combination: Combination, audits: Audits) -> Story | None:
+def payoff_story(combination: Comparison, audits: Audits) -> Story | None:
     """The story of a comparison; None if no audit was made."""
     group = combination.group
     labels = list(dict.fromkeys((combination.baseline, combination.proposed)))
@@ -52,7 +52,7 @@ def payoff_story(combination: Combination, audits: Audits) -> Story | None:
     return Story(tuple(sentences), _grid(found))
 
 
-def _done(combination: Combination, label: str, payoffs: Payoffs) -> str:
+def _done(combination: Comparison, label: str, payoffs: Payoffs) -> str:
     """What the robot did that was trained with this reward."""
     changes = {change.name: change for change in combination.changes_of(combination.manner)}
     over, missed = (changes.get(name) for name in ("timeouts", "closest_distance"))

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.eta.curve import GroupCurve
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 
 CURVES = "curves.parquet"
 ROWS = 1_200
@@ -33,7 +33,7 @@ SCHEMA = pa.schema(
 )
 
 
-def write_curves(combinations: Iterable[Combination]) -> bytes:
+def write_curves(combinations: Iterable[Comparison]) -> bytes:
     """``curves.parquet``: every S_r(tau_q) of every combination, each curve once.
 
     A curve is named by its labels and its seeds: rewards that are compared with one baseline over the same seeds share
@@ -61,7 +61,7 @@ def thin(curve: GroupCurve) -> tuple[np.ndarray, np.ndarray, int]:
     return np.arange(len(values)) * every, values, every
 
 
-def _label(combination: Combination) -> Iterator[tuple[dict[str, Any], GroupCurve]]:
+def _label(combination: Comparison) -> Iterator[tuple[dict[str, Any], GroupCurve]]:
     group, seeds = combination.group, " ".join(map(str, combination.seeds))
     scorers = {"baseline": combination.baseline, "proposed": combination.proposed}
     trained = combination.names._asdict()

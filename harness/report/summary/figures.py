@@ -11,7 +11,7 @@ from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.rows.comparison import rewards_text, seeds_text
 from harness.report.summary.svg import INTERVALS, Panel, draw_svg
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.learning import Learning
 
 OF_ALL_RUNS = 8_000
@@ -25,7 +25,7 @@ RUNS = (
 LEARNING = "Lines: means over seeds. Bands: 95% intervals."
 
 
-def runs_file(combination: Combination, missing: str = "") -> bytes | None:
+def runs_file(combination: Comparison, missing: str = "") -> bytes | None:
     """The figure of accumulated reward: all runs and their mean, a panel per reward; None without a finished pair."""
     runs = 2 * max(1, len(combination.seeds))
     charts = draw_panels(combination, max(FEWEST, min(POINTS, OF_ALL_RUNS // runs)))
@@ -36,7 +36,7 @@ def runs_file(combination: Combination, missing: str = "") -> bytes | None:
     return _file("Accumulated reward", combination, missing, panels, [RUNS])
 
 
-def split_file(combination: Combination, missing: str = "") -> bytes | None:
+def split_file(combination: Comparison, missing: str = "") -> bytes | None:
     """The figure of both etas and their parts, each with its interval; None if no part of either can be drawn."""
     splits = combination.splits if combination.is_split else {}
     drawn = {name: draw_split(name, split) for name, split in splits.items()}
@@ -47,7 +47,7 @@ def split_file(combination: Combination, missing: str = "") -> bytes | None:
     return _file("Ruler x behaviour", combination, missing, panels, [*told, INTERVALS])
 
 
-def learning_file(combination: Combination, learning: Learning, missing: str = "") -> bytes | None:
+def learning_file(combination: Comparison, learning: Learning, missing: str = "") -> bytes | None:
     """The figure of the success rate over environment steps, under both rewards; None if success has no metric."""
     if SUCCESS not in learning.random:
         return None
@@ -56,7 +56,7 @@ def learning_file(combination: Combination, learning: Learning, missing: str = "
     return _file("Success rate while learning", combination, missing, [Panel("", chart)], notes)
 
 
-def _file(what: str, combination: Combination, missing: str, panels: list[Panel], notes: list[str]) -> bytes:
+def _file(what: str, combination: Comparison, missing: str, panels: list[Panel], notes: list[str]) -> bytes:
     """A figure as a file. Above its panels stands what was compared where, over how many seeds, and what is missing."""
     where, rewards = combination.group.title, rewards_text(combination)
     seeds = seeds_text(combination.seeds) + (f"; {missing}" if missing else "")

@@ -26,7 +26,7 @@ from harness.report.rows.comparison import (
 from harness.report.summary.effort import duration_text, effort_of
 from harness.report.summary.missing import missing_text
 from harness.results import Results
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING
 from harness.text import visible
 
@@ -91,8 +91,8 @@ def _overview(results: Results, path: str) -> list[str]:
     return [*parts, f"![eta of every combination, with ruler and behaviour]({path})"] if path else parts
 
 
-def _row(number: int, combination: Combination, missing: str) -> tuple[str, ...]:
-    title, success = combination.group.title, combination.success
+def _row(number: int, combination: Comparison, missing: str) -> tuple[str, ...]:
+    title, success = combination.group.title, combination.decisive
     etas = {name: split.eta for name, split in combination.splits.items()}
     parts = [text for name, eta in etas.items() for text in (ratio_with_interval(eta), _parts(combination, name))]
     shares = [_share(success, who) for who in ("baseline", "proposed", "random")]
@@ -100,7 +100,7 @@ def _row(number: int, combination: Combination, missing: str) -> tuple[str, ...]
     return (*named, *parts, *shares, str(len(combination.seeds)), missing)
 
 
-def _parts(combination: Combination, name: str) -> str:
+def _parts(combination: Comparison, name: str) -> str:
     """The parts of an eta: geometric means of both paths."""
     split = combination.splits[name]
     if split.ruler.value is None and split.behaviour.value is None:
@@ -113,7 +113,7 @@ def _share(success: Change | None, who: str) -> str:
     return NOTHING if value is None else f"{value:.1%}"
 
 
-def _section(number: int, combination: Combination, paths: Pictures) -> list[str]:
+def _section(number: int, combination: Comparison, paths: Pictures) -> list[str]:
     """Both answers, what they rest on, every remark, and the figures."""
     title = f"## {number}. {combination.group.title}: {rewards_text(combination)}"
     headline, splits = combination.headline, combination.splits

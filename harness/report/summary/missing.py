@@ -4,12 +4,12 @@ from collections import Counter
 
 from harness.record.forms import Status
 from harness.results import Results
-from harness.results.combination import Combination, Group
+from harness.results.comparison import Comparison, Group
 
 STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending", "damaged")
 
 
-def missing_text(results: Results, combination: Combination) -> str:
+def missing_text(results: Results, combination: Comparison) -> str:
     """How many cells are not done, by their state: ``2 failed, 1 pending of 20 cells``; empty if all are done."""
     rewards = {combination.baseline, combination.proposed}
     statuses = Counter(

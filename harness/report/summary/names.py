@@ -2,15 +2,15 @@
 
 from collections.abc import Iterable
 
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.text import file_stems
 
 
-def figure_stems(combinations: Iterable[Combination]) -> list[str]:
+def figure_stems(combinations: Iterable[Comparison]) -> list[str]:
     """A name for each combination, of lower-case letters, digits, dots and hyphens; no two are alike."""
     return file_stems(map(_text, combinations))
 
 
-def _text(combination: Combination) -> str:
+def _text(combination: Comparison) -> str:
     labels = {**combination.group.labels, "robot": combination.group.robot.rsplit("/")[-1]}
     return " ".join([*labels.values(), combination.proposed, "against", combination.baseline])

@@ -11,7 +11,7 @@ from harness.report.figures.split import draw_ratio, ratio_axis
 from harness.report.figures.split_rows import SplitRow
 from harness.report.rows.comparison import BETTER, SCALES, ratio_text
 from harness.report.summary.svg import INTERVALS, Panel, draw_svg
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 
 NAME = 44
 """The most characters in a line of a name."""
@@ -29,7 +29,7 @@ LEGEND = {"eta": "eta, equal to", "ruler": "ruler times", "behaviour": "behaviou
 class Row(NamedTuple):
     """A combination and where it stands, in lines from the top."""
 
-    combination: Combination
+    combination: Comparison
     label: list[str]
     top: float
     bottom: float
@@ -40,7 +40,7 @@ class Row(NamedTuple):
         return (self.top + self.bottom) / 2
 
 
-def draw_overview(combinations: Sequence[Combination], missing: Sequence[str]) -> bytes | None:
+def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) -> bytes | None:
     """A row per combination, as SVG; None without a combination that has a finished pair.
 
     Args:
@@ -57,27 +57,27 @@ def draw_overview(combinations: Sequence[Combination], missing: Sequence[str]) -
     return draw_svg(title, (title, shared), panels, [SCALES, INTERVALS])
 
 
-def name_apart(combinations: Sequence[Combination]) -> tuple[str, list[str]]:
+def name_apart(combinations: Sequence[Comparison]) -> tuple[str, list[str]]:
     """What all combinations share, and for each combination what it does not share."""
     told = [_parts(combination) for combination in combinations]
     apart = tell_apart(told, keep=REWARD if len(told) == 1 else None)
     return apart.shared, apart.names
 
 
-def _parts(combination: Combination) -> tuple[str, ...]:
+def _parts(combination: Comparison) -> tuple[str, ...]:
     group = combination.group
     manner = f"{group.steps:,} steps, evaluated {group.manner}"
     proposed = combination.proposed + " (A/A)" * (combination.proposed == combination.baseline)
     return (*group.labels.values(), proposed, f"against {combination.baseline}", manner)
 
 
-def _label(name: str, combination: Combination, missing: str) -> list[str]:
+def _label(name: str, combination: Comparison, missing: str) -> list[str]:
     count = len(combination.seeds)
     told = [name, f"{count} seed{'s' * (count != 1)}" + (f"; {missing}" if missing else "")]
     return [line for text in told for line in textwrap.wrap(text, NAME)]
 
 
-def _rows(combinations: Sequence[Combination], labels: Sequence[list[str]]) -> Iterator[Row]:
+def _rows(combinations: Sequence[Comparison], labels: Sequence[list[str]]) -> Iterator[Row]:
     """The rows, one below the other. Each is as high as its three numbers or its name."""
     top = 0.0
     for combination, label in zip(combinations, labels, strict=True):

@@ -24,7 +24,7 @@ from harness.report.rows.comparison import (
 from harness.report.rows.returns import EXPLANATION, return_grid
 from harness.report.tables.grid import show_grid
 from harness.results import Results
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.return_matrix import ReturnMatrix, return_matrices
 
 
@@ -43,7 +43,7 @@ def comparison_table(results: Results) -> RenderableType:
     return Group(*blocks, *map(Text, remarks_on_cells(results)))
 
 
-def _combination_block(results: Results, combination: Combination) -> RenderableType:
+def _combination_block(results: Results, combination: Comparison) -> RenderableType:
     """The two answers first, then what they rest on. The page shows more, which would fill many screens here."""
     headline, decomposition = combination.headline, combination.decomposition
     parts: list[RenderableType] = [

@@ -11,7 +11,7 @@ from harness.eta.headline import Answer
 from harness.report.rows.comparison import Grid, advice, count_cells, remarks_on_cells, split_grid
 from harness.report.tables.grid import divide_columns, show_grid
 from harness.results import Results
-from harness.results.combination import Combination
+from harness.results.comparison import Comparison
 from harness.results.overview import (
     HEADINGS,
     READING,
@@ -43,7 +43,7 @@ def overview_table(results: Results, details: str) -> RenderableType:
     return Together(*parts, *([Text(f"All numbers behind this: {details}")] if combinations else []))
 
 
-def comparison_lines(combinations: Sequence[Combination]) -> RenderableType:
+def comparison_lines(combinations: Sequence[Comparison]) -> RenderableType:
     """A line for each of at least one comparison, below what is the same in all, and how to read them."""
     shared = Text(shared_text(combinations), style="bold")
     grids = (overview_grids(combinations, with_intervals=wanted) for wanted in (True, False))
@@ -64,7 +64,7 @@ class WideOrNarrow:
             yield from show_grid(grid, STYLES)
 
 
-def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool) -> list[Grid]:
+def overview_grids(combinations: Sequence[Comparison], *, with_intervals: bool) -> list[Grid]:
     """A line per comparison. If both groups and rewards vary, there is a grid for each group."""
     varying = varying_kinds(combinations)
     if not varying or len({it.proposed for it in combinations}) == 1:
@@ -77,13 +77,13 @@ def overview_grids(combinations: Sequence[Combination], *, with_intervals: bool)
     ]
 
 
-def _not_split(combinations: Sequence[Combination]) -> list[str]:
+def _not_split(combinations: Sequence[Comparison]) -> list[str]:
     """Why a reward could not pay the runs of another one, each reason once. It explains why an eta was not split."""
     told = (it.splits for it in combinations if it.seeds and not it.is_split)
     return list(dict.fromkeys(note for splits in told for note in split_grid(splits).notes))
 
 
-def _sentences(results: Results, combination: Combination) -> list[RenderableType]:
+def _sentences(results: Results, combination: Comparison) -> list[RenderableType]:
     """Both answers in sentences, and how to get an answer if there is none."""
     headline = combination.headline
     lines = [headline.robot, headline.number, advice(results, combination)]

@@ -3,8 +3,8 @@
 import json
 from typing import Any
 
-from harness.trainings.learning import learning_of
-from harness.trainings.study import Study
+from harness.results.recordings.learning import learning_of
+from harness.results.recordings.study import Study
 
 
 def study_json(study: Study) -> str:

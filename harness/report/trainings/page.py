@@ -27,12 +27,14 @@ from harness.report.rows.comparison import (
     TOTAL,
     Grid,
     answer_text,
+    claims_text,
     format_number,
     index_grid,
     interval_text,
     path_grid,
     ratio_grid,
     ratio_text,
+    rewards_text,
     seeds_text,
     split_grid,
     sum_grid,
@@ -45,9 +47,7 @@ from harness.report.trainings.rows import (
     TABLE,
     TESTS,
     behaviour_grid,
-    claims_text,
     paid_grid,
-    pair_text,
     recordings_grid,
     return_splits,
     returns_grid,
@@ -55,10 +55,10 @@ from harness.report.trainings.rows import (
     study_title,
     text_of,
 )
+from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING
-from harness.trainings.comparison import Comparison
-from harness.trainings.learning import learning_of
-from harness.trainings.study import Study
+from harness.results.recordings.learning import learning_of
+from harness.results.recordings.study import Study, basis_text
 
 HEADINGS = ("return, baseline", "return, proposed", "eta")
 LEARNING = "Lines: mean over seeds of the episodes that ended in each twentieth of the training. Bands: 95% intervals."
@@ -124,14 +124,15 @@ def _render(study: Study) -> str:
 def _section(study: Study, comparison: Comparison) -> dict[str, Any]:
     """What the template shows of a comparison."""
     headline = comparison.headline
-    changes = comparison.changes_in(comparison.manner)
+    changes = comparison.changes_of(comparison.manner)
     behaviour = [behaviour_grid(comparison, manner) for manner in comparison.episodes] if changes else []
+    rewards = rewards_text(comparison)
     return {
-        "title": f"{study.runs.env}: {pair_text(comparison)}" if len(study.comparisons) == 1 else pair_text(comparison),
+        "title": f"{study.runs.env}: {rewards}" if len(study.comparisons) == 1 else rewards,
         "answer": answer_text(headline),
         "badge": badge_of(headline.answer),
         "symbol": SYMBOLS[headline.answer],
-        "robot": f"{headline.robot} {comparison.basis}".strip(),
+        "robot": f"{headline.robot} {basis_text(comparison)}".strip(),
         "number": headline.number,
         "returns": returns_grid(comparison) if comparison.seeds else None,
         "mixtures": [],
@@ -172,7 +173,7 @@ def _learning_panels(study: Study, comparison: Comparison) -> list[Panel]:
     learning = learning_of(study.runs, comparison)
     if learning is None:
         return []
-    texts = {change.name: text_of(change) for change in comparison.changes_in(comparison.manner)}
+    texts = {change.name: text_of(change) for change in comparison.changes_of(comparison.manner)}
     panels = []
     for name in learning.random:
         if not learning.baseline.known(name) and not learning.proposed.known(name):
@@ -186,7 +187,7 @@ def _learning_panels(study: Study, comparison: Comparison) -> list[Panel]:
 def _split_panels(comparison: Comparison) -> list[Panel]:
     """The return in the manner that the verdict uses, then I_N and I_P, each with its parts."""
     main = {} if comparison.main is None else {"eta": comparison.main.ratio}
-    drawn = [(name, split, draw_split(name, split)) for name, split in {**main, **comparison.splits}.items()]
+    drawn = [(name, split, draw_split(name, split)) for name, split in {**main, **comparison.index_splits}.items()]
     headings = {"eta": f"Mean return {comparison.manner}: eta = ruler x behaviour"}
     return [
         _panel(
@@ -205,7 +206,7 @@ def _curve_panels(comparison: Comparison) -> list[Panel]:
     charts = draw_panels(comparison, POINTS, "accumulated reward")
     if charts is None:
         return []
-    first, crossover = index_grid(comparison.indices).rows[:2]
+    first, crossover = index_grid(comparison.decomposition).rows[:2]
     sides = ((1, "Baseline", comparison.baseline, charts[0]), (2, "Proposed", comparison.proposed, charts[1]))
     return [
         _panel(
@@ -219,11 +220,11 @@ def _curve_panels(comparison: Comparison) -> list[Panel]:
 
 
 def _number_grids(study: Study, comparison: Comparison) -> list[Grid]:
-    returns, splits = return_splits(comparison), comparison.splits
+    returns, splits = return_splits(comparison), comparison.index_splits
     grids = [grid(returns) for grid in (ratio_grid, split_grid, path_grid)] if returns else []
-    if splits and comparison.indices is not None:
+    if splits and comparison.decomposition is not None:
         grids += [grid(splits) for grid in (ratio_grid, split_grid, path_grid)]
-        grids += [sum_grid(comparison.indices.total), index_grid(comparison.indices, study.kind)]
+        grids += [sum_grid(comparison.decomposition.total), index_grid(comparison.decomposition, study.kind)]
     return [grid for grid in grids if grid.rows or grid.notes]
 
 

@@ -5,13 +5,12 @@ from harness.eta.headline import count_seeds
 from harness.eta.scored_sums import BB, KK
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Split
-from harness.eta.swaps import smallest_p
 from harness.report.rows.behaviour import Text, behaviour_row, percentage
 from harness.report.rows.comparison import Grid, format_number, mean_interval_text
+from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING
-from harness.trainings.comparison import Comparison
-from harness.trainings.runs import TRAINING
-from harness.trainings.study import Study, Table
+from harness.results.recordings.runs import TRAINING
+from harness.results.recordings.study import Study, Table
 
 RETURNS = "Mean return of an episode"
 SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the agent behaves."
@@ -40,26 +39,11 @@ def study_title(study: Study) -> str:
     return f"{asked} make the agent behave better, or only the numbers bigger?"
 
 
-def pair_text(comparison: Comparison) -> str:
-    """Which rewards were compared."""
-    return f"{comparison.proposed} against {comparison.baseline}"
-
-
 def study_text(study: Study) -> str:
     """What the study recorded."""
     runs = study.runs
     told = ", ".join(f"{count_seeds(len(runs.of(reward)))} by {reward}" for reward in runs.trained)
     return f"{runs.env}: {len(runs.members)} trainings of {runs.steps:,} steps; {told}."
-
-
-def claims_text(comparison: Comparison) -> str:
-    """What tests with so many seeds can show at best; empty without a seed."""
-    seeds = len(comparison.seeds)
-    if not seeds:
-        return ""
-    noun = "claim" if comparison.claims == 1 else "claims"
-    least = smallest_p(seeds)
-    return f"{comparison.claims} {noun}, corrected together; no p below {least:.2g} from {count_seeds(seeds)}"
 
 
 def returns_grid(comparison: Comparison) -> Grid:
@@ -102,10 +86,10 @@ def paid_grid(study: Study, manner: str) -> Grid:
 
 def behaviour_grid(comparison: Comparison, manner: str) -> Grid:
     """Every measure of one manner, the one that decides first."""
-    rows = [_behaviour_texts(change) for change in comparison.changes_in(manner)]
+    rows = [_behaviour_texts(change) for change in comparison.changes_of(manner)]
     count = comparison.episodes[manner]
     title = f"Behaviour {manner}, {count:,} episode{'s' * (count != 1)} or more per seed"
-    notes = dict.fromkeys(change.reason for change in comparison.changes_in(manner) if change.reason and change.seeds)
+    notes = dict.fromkeys(change.reason for change in comparison.changes_of(manner) if change.reason and change.seeds)
     return Grid(HEADINGS, rows, list(notes), title)
 
 

@@ -8,10 +8,12 @@ from harness.report.rows.comparison import (
     SPLIT,
     Grid,
     answer_text,
+    claims_text,
     format_number,
     index_grid,
     ratio_grid,
     ratio_text,
+    rewards_text,
     seeds_text,
     split_grid,
     sum_grid,
@@ -25,17 +27,15 @@ from harness.report.trainings.rows import (
     TABLE,
     TESTS,
     behaviour_grid,
-    claims_text,
     paid_grid,
-    pair_text,
     return_splits,
     returns_grid,
     study_text,
     text_of,
 )
+from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING
-from harness.trainings.comparison import Comparison
-from harness.trainings.study import Study
+from harness.results.recordings.study import Study, basis_text
 
 HEADINGS = ("", "the agent", "return")
 RATIO, DIFFERENCE = ("eta", "ruler", "behaviour"), ("difference", "ruler", "behaviour")
@@ -65,7 +65,10 @@ def study_overview(study: Study, details: str) -> RenderableType:
     if len(comparisons) == 1:
         parts += [part for line in _sentences(comparisons[0]) for part in (Text(), Text(line))]
     else:
-        parts += [Text(), *(Text(line) for line in dict.fromkeys(it.basis for it in comparisons if it.basis))]
+        parts += [
+            Text(),
+            *(Text(line) for line in dict.fromkeys(basis_text(it) for it in comparisons if basis_text(it))),
+        ]
     return Group(*parts, Text(), Text(f"All numbers behind this: {details}"))
 
 
@@ -82,7 +85,7 @@ def study_table(study: Study) -> RenderableType:
 
 def _block(study: Study, comparison: Comparison) -> list[RenderableType]:
     headline = comparison.headline
-    parts: list[RenderableType] = [Text(pair_text(comparison), style="bold")]
+    parts: list[RenderableType] = [Text(rewards_text(comparison), style="bold")]
     if not comparison.seeds:
         return [*parts, Text(headline.robot), Text()]
     parts += [
@@ -92,18 +95,18 @@ def _block(study: Study, comparison: Comparison) -> list[RenderableType]:
     parts += [Text(), Text("The number", style="bold"), Text(comparison.number)]
     returns = return_splits(comparison)
     grids = [ratio_grid(returns), split_grid(returns)]
-    splits = comparison.splits
-    if splits and comparison.indices is not None:
+    splits = comparison.index_splits
+    if splits and comparison.decomposition is not None:
         grids += [
             ratio_grid(splits)._replace(title="I_N and I_P of the summed reward: eta = proposed / baseline"),
             split_grid(splits),
-            sum_grid(comparison.indices.total),
-            index_grid(comparison.indices, study.kind),
+            sum_grid(comparison.decomposition.total),
+            index_grid(comparison.decomposition, study.kind),
         ]
     for grid in grids:
         parts += show_grid(grid)
     parts += [Text(), Text(f"The agent: {answer_text(headline)}", style="bold"), Text(headline.robot)]
-    parts += [Text(comparison.basis), Text(claims_text(comparison))]
+    parts += [Text(basis_text(comparison)), Text(claims_text(comparison))]
     for manner in comparison.episodes:
         parts += show_grid(behaviour_grid(comparison, manner))
     return [*parts, Text()]
@@ -121,7 +124,7 @@ def _first_manner(study: Study) -> str:
 def _line(comparison: Comparison, is_ratio: bool) -> tuple[str, ...]:
     """The values of a line, under the headings."""
     main, change = comparison.main, comparison.decisive
-    measures = [] if comparison.deciding is None else [NOTHING]
+    measures = [] if not comparison.deciding else [NOTHING]
     if change is not None:
         text = text_of(change)
         measures = [f"{text(change.baseline)} > {text(change.proposed)}"]
@@ -131,9 +134,9 @@ def _line(comparison: Comparison, is_ratio: bool) -> tuple[str, ...]:
         ratio, total = main.ratio, main.total
         whole = [format_number(it.mean) for it in (total.change, total.ruler, total.behaviour)]
         whole = [ratio_text(it) for it in (ratio.eta, ratio.ruler, ratio.behaviour)] if is_ratio else whole
-    return (pair_text(comparison), answer_text(comparison.headline), returns, *whole, *measures)
+    return (rewards_text(comparison), answer_text(comparison.headline), returns, *whole, *measures)
 
 
 def _sentences(comparison: Comparison) -> list[str]:
     headline = comparison.headline
-    return [line for line in (headline.robot, comparison.basis, headline.number) if line]
+    return [line for line in (headline.robot, basis_text(comparison), headline.number) if line]

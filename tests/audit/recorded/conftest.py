@@ -1,5 +1,5 @@
 """Recorded trainings of a bandit, as the readers of trainings are tested with."""
 
-from tests.trainings.conftest import study_folder
+from tests.results.recordings.conftest import study_folder
 
 __all__ = ["study_folder"]

@@ -10,7 +10,7 @@ from harness.audit.recorded.recorded_table import recorded_table
 from harness.audit.recorded.recordings import audit_recordings
 from harness.errors import UsageError
 from harness.eta.rescaling import Rescaling
-from tests.trainings.conftest import PULLS, record
+from tests.results.recordings.conftest import PULLS, record
 
 
 @pytest.fixture

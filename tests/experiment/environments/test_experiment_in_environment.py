@@ -31,7 +31,6 @@ from harness.record.store import Store
 from harness.record.verify import verify
 from harness.registry.given import Given, read_given
 from harness.registry.registry import Registry, load_registry
-from harness.report.environments.studies import studies_of
 from harness.results import Results, load_results
 
 TOY = Path(__file__).with_name("toy.py")
@@ -379,11 +378,13 @@ def test_a_folder_does_not_mix_with_experiments_of_arms(folder: Path):
 
 def test_a_study_compares_the_cells(results: Results):
     """Trainings and evaluations of all seeds, the plan's baseline first."""
-    (told,) = studies_of(results)
+    (told,) = results.studies
     assert told.study is not None
     assert told.study.runs.trained == ("near", "right")
     assert told.study.comparisons[0].seeds == (0, 1)
-    assert told.study.comparisons[0].deciding == "success"
+    assert told.study.comparisons[0].deciding == ("success",)
+    assert results.combinations == told.study.comparisons
+    assert results.combinations[0].group.task.label == "toy"
     assert all(run.evaluation is not None for run in told.study.runs.members.values())
 
 
@@ -401,7 +402,7 @@ def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: P
         for cell in plan.cells:
             _done(cell, store.cell_folder(cell), given)
     merge([tmp_path / "0", tmp_path / "1"], tmp_path / "both")
-    (told,) = studies_of(load_results(tmp_path / "both", plugins=[TOY]))
+    (told,) = load_results(tmp_path / "both", plugins=[TOY]).studies
     assert told.study is not None
     assert told.study.comparisons[0].seeds == (0, 1)
 

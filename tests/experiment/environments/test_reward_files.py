@@ -18,7 +18,6 @@ from harness.record.store import Store
 from harness.record.verify import verify
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
-from harness.report.environments.studies import studies_of
 from harness.results import load_results
 
 PENDULUM = "gymnasium:id=Pendulum-v1"
@@ -146,9 +145,9 @@ def test_crash_costs_only_the_cells_that_it_pays(trained: Path):
 
 def test_first_measure_of_the_file_decides(trained: Path):
     """None is called success; the file says of which less is better."""
-    (told,) = studies_of(load_results(trained))
+    (told,) = load_results(trained).studies
     assert told.study is not None
-    assert (told.study.comparisons[0].deciding, told.study.runs.measures) == ("height", ("height", "effort"))
+    assert (told.study.comparisons[0].deciding, told.study.runs.measures) == (("height",), ("height", "effort"))
     assert told.study.runs.better("effort") == "lower"
 
 
@@ -158,9 +157,9 @@ def test_named_measure_decides(files: Path, tmp_path: Path):
     plugins = [files / "calm.py", files / "behaviour.py"]
     for measure, deciding in (((), "height"), (["effort"], "effort")):
         results = harness.run(**given, plugins=plugins, measure=measure, out=tmp_path / "runs")
-        (told,) = studies_of(results)
+        (told,) = results.studies
         assert told.study is not None
-        assert told.study.comparisons[0].deciding == deciding
+        assert told.study.comparisons[0].deciding == (deciding,)
     assert len(Store.open(tmp_path / "runs").read_plan().cells) == 4
 
 

@@ -6,7 +6,7 @@ import pytest
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.registry.choice import Choice
 from harness.report.rows.transfer import failure_lines, transfer_block, transfer_grid
-from harness.results.combination import Group
+from harness.results.comparison import Group
 from harness.transfer.matrix import TransferMatrix
 
 NAMES = ("ideal", "mujoco", "stuck", "gone", "far")

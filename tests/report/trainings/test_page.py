@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from harness.report.trainings.page import write_study_page
-from harness.trainings import load_study
-from tests.trainings.conftest import PAYS, record
+from harness.results.recordings import load_study
+from tests.results.recordings.conftest import PAYS, record
 
 pytest.importorskip("jinja2")
 ROBOT_WORDS = ("robot", "simulator", "FD100", "end effector", "ground", "shaped", "Fig.")

@@ -1,18 +1,28 @@
 """One proposed reward against the baseline: what the comparison of their runs says."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change
 from harness.eta.curve import GroupCurve
-from harness.eta.headline import SUCCESS, Answer, Headline, Names, headline_of
+from harness.eta.headline import (
+    DECIDING,
+    UNMEASURED,
+    Answer,
+    Headline,
+    Names,
+    judge,
+    number_sentence,
+    return_sentence,
+)
 from harness.eta.index import Index, Ratio
+from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
 from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
-from harness.eta.swaps import smallest_p
+from harness.eta.swaps import corrected_where_known, smallest_p
 from harness.record.cell import EVALUATION_HORIZON, Cell
 from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
@@ -91,8 +101,8 @@ class StepChange(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Combination:
-    """One proposed reward against the baseline, on one simulator, robot, task and algorithm.
+class Comparison:
+    """One proposed reward against the baseline, with one algorithm in one place: a simulator or an environment.
 
     Attributes:
         group: What both trainings share.
@@ -100,13 +110,18 @@ class Combination:
         proposed: Label of the proposed reward; the baseline's for the null control, whose proposed runs are the
             baseline trained again with other seeds.
         seeds: The seeds that are done under both rewards, and compared.
-        decomposition: Both etas with their parts; None without a seed.
+        decomposition: Both etas with their parts; None without a seed, and where an own reward is not known.
         changes: Measures of behaviour: of the trained policies in each manner, of the trainings, of learning.
         curves: S_r(tau_q) by (r, q), as far as the rewards could be scored. A curve is read again at each request.
         along: The deciding measures at each evaluation before the end of the trainings.
         episodes: How many finished episodes every seed has at least, in each manner.
-        claims: How many claims are made together, in all combinations of the experiment except the null control.
+        claims: How many claims are made together, in all comparisons of the experiment except the null control.
         mixtures: Plugins of which several versions made the cells that are compared.
+        returns: By manner, the mean return of an episode and its split, where both own returns are known.
+        missing: By manner, why a mean return is not known.
+        deciding: Names of the measures that decide about the robot, in this order.
+        decided_in: The manner that decides; by default that in which the cells say that policies act, unless it has
+            fewer episodes than another.
     """
 
     group: Group
@@ -120,6 +135,10 @@ class Combination:
     episodes: Mapping[str, int] = field(default_factory=dict)
     claims: int = 0
     mixtures: tuple[Mixture, ...] = ()
+    returns: Mapping[str, ReturnSplit] = field(default_factory=dict)
+    missing: Mapping[str, str] = field(default_factory=dict)
+    deciding: tuple[str, ...] = DECIDING
+    decided_in: str = ""
 
     @property
     def is_control(self) -> bool:
@@ -133,8 +152,20 @@ class Combination:
 
     @property
     def splits(self) -> Splits:
-        """Both etas and their parts. Without a seed they hold the reason why there are none."""
+        """Both etas and their parts. Where there is none they hold the reason."""
         return self.decomposition.splits if self.decomposition else no_splits(self._empty)
+
+    @property
+    def index_splits(self) -> Splits:
+        """Those of `splits` whose index is not 0 under both rewards."""
+        if self.decomposition is None:
+            return {}
+        sides = (self.decomposition.baseline, self.decomposition.proposed)
+        is_there = {
+            "eta_N": any(index.negative_sum for index in sides),
+            "eta_P": any(index.positive_sum for index in sides),
+        }
+        return {name: split for name, split in self.splits.items() if is_there[name]}
 
     @property
     def eta_n(self) -> Ratio:
@@ -153,56 +184,89 @@ class Combination:
 
     @property
     def baseline_index(self) -> Index | None:
-        """None without a seed."""
+        """The indices of the baseline's trainings under their own reward; None where there are none."""
         return self.decomposition.baseline if self.decomposition else None
 
     @property
     def proposed_index(self) -> Index | None:
-        """None without a seed."""
+        """The indices of the proposed reward's trainings under their own reward; None where there are none."""
         return self.decomposition.proposed if self.decomposition else None
 
     @property
+    def manner(self) -> str:
+        """How the episodes that decide came about, one of the manners of `changes`."""
+        return self.decided_in or deciding_manner(self.group.deterministic, self.episodes)
+
+    @property
+    def main(self) -> ReturnSplit | None:
+        """The split of the mean return in the manner that decides; None if it is not known."""
+        return self.returns.get(self.manner)
+
+    @property
     def outcomes(self) -> list[Float | None]:
-        """The outcomes of every claim with swapped names: both etas, all changes, all evaluations along the budget."""
-        if self.decomposition is None:
-            return []
+        """The outcomes of every claim with swapped names, in the order in which `with_corrected` takes p-values.
+
+        The claims are: mean returns, both etas, all changes, all evaluations along the budget.
+        """
+        splits = [split.ratio.outcomes for split in self.returns.values()]
+        etas = [split.outcomes for split in self.decomposition.splits.values()] if self.decomposition else []
         changes = [*self.changes, *(change for moment in self.along for change in moment.changes)]
-        return [
-            self.decomposition.negative.outcomes,
-            self.decomposition.positive.outcomes,
-            *(change.outcomes for change in changes),
-        ]
+        return [*splits, *etas, *(change.outcomes for change in changes)]
+
+    def with_corrected(self, p_values: Iterator[float | None], claims: int) -> "Comparison":
+        """The comparison with p-values that hold for so many claims together, in the order of `outcomes`."""
+        returns = {manner: split.with_corrected(next(p_values)) for manner, split in self.returns.items()}
+        decomposition = self.decomposition
+        if decomposition is not None:
+            decomposition = decomposition.with_corrected(next(p_values), next(p_values))
+        changes = tuple(replace(change, corrected=next(p_values)) for change in self.changes)
+        along = tuple(
+            moment._replace(changes=tuple(replace(change, corrected=next(p_values)) for change in moment.changes))
+            for moment in self.along
+        )
+        return replace(self, returns=returns, decomposition=decomposition, changes=changes, along=along, claims=claims)
 
     @property
     def own_manner(self) -> str:
         """The manner of acting that the cells name. Evaluations along the budget have only this manner."""
         return DETERMINISTIC if self.group.deterministic else STOCHASTIC
 
-    @property
-    def manner(self) -> str:
-        """The manner of acting that decides about the robot: that of the cells, unless it has fewer episodes."""
-        return deciding_manner(self.group.deterministic, self.episodes)
-
     def changes_of(self, manner: str) -> tuple[Change, ...]:
         """The measures of one manner."""
         return tuple(change for change in self.changes if change.measure.manner == manner)
 
     @property
-    def success(self) -> Change | None:
-        """The change of the success rate that decides about the robot."""
-        return next((change for change in self.changes_of(self.manner) if change.name == SUCCESS), None)
+    def decisive(self) -> Change | None:
+        """The first of the measures that decide, in the manner that decides; None if it was not measured."""
+        return next((change for change in self.changes_of(self.manner) if change.name in self.deciding[:1]), None)
 
     @cached_property
     def headline(self) -> Headline:
         """The answers of the comparison: about the robot, and about the number."""
-        if self.decomposition is None:
+        if not self.seeds:
             return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self._empty}.", "")
-        return headline_of(self.names, self.decomposition, self.changes_of(self.manner), self.claims)
+        return self._judge(self.changes_of(self.manner))
 
     def headline_at(self, moment: StepChange) -> Headline:
         """The answers that would have been given after so many steps."""
-        assert self.decomposition is not None  # there is no evaluation without a cell
-        return headline_of(self.names, self.decomposition, moment.changes, self.claims)
+        return self._judge(moment.changes)
+
+    def _judge(self, changes: Sequence[Change]) -> Headline:
+        known = [change for name in self.deciding for change in changes if change.name == name and change.seeds]
+        told = UNMEASURED
+        if self.decisive is not None:
+            name = self.decisive.name.replace("_", " ")
+            told = f"{name} is not known: {self.decisive.reason or 'no episode ended'}."
+        return judge(self.names, known, self.number, self.claims, told)
+
+    @property
+    def number(self) -> str:
+        """A sentence on how much the pay changed, and how much of that is ruler: mean returns, else both indices."""
+        if self.main is not None:
+            return return_sentence(self.names, self.main)
+        if self.manner in self.missing:
+            return f"The mean return is not known: {self.missing[self.manner]}."
+        return number_sentence(self.names, self.splits)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, without the curves."""
@@ -231,4 +295,13 @@ class Combination:
     def _empty(self) -> str:
         if self.is_control:
             return f"{self.baseline} is not trained again with other seeds yet"
+        if self.seeds:
+            return "an own reward is not known in every step"
         return f"no seed is done under both {self.baseline} and {self.proposed}"
+
+
+def correct(family: Sequence[Comparison]) -> tuple[Comparison, ...]:
+    """Comparisons with p-values that hold for all of their claims together."""
+    p_values = corrected_where_known(outcomes for comparison in family for outcomes in comparison.outcomes)
+    left, count = iter(p_values), sum(p is not None for p in p_values)
+    return tuple(comparison.with_corrected(left, count) for comparison in family)

@@ -7,11 +7,11 @@ from harness.errors import UsageError
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
 from harness.record.store import REPORT
-from harness.results import Results
-from harness.results.combination import Group
+from harness.results.comparison import Group
+from harness.results.recordings.runs import Runs, read_runs
+from harness.results.recordings.study import Study, compare_all
+from harness.results.records import Records
 from harness.text import file_stems
-from harness.trainings.runs import Runs, read_runs
-from harness.trainings.study import Study, compare_all
 
 
 class PlaceStudy(NamedTuple):
@@ -32,7 +32,7 @@ class PlaceStudy(NamedTuple):
         return f"{self.group.task.label} · {self.group.algorithm.label}"
 
 
-def studies_of(results: Results) -> tuple[PlaceStudy, ...]:
+def studies_of(results: Records) -> tuple[PlaceStudy, ...]:
     """The studies of an experiment whose task is an environment. A group without a done cell is left out.
 
     The claims of all studies are corrected together.
@@ -57,7 +57,7 @@ def page_names(studies: Sequence[PlaceStudy], name: str = REPORT) -> list[str]:
     return [name] if len(titles) == 1 else [f"{stem}-{part}.{ending}" for part in file_stems(titles)]
 
 
-def _runs_of(results: Results, cells: Sequence[Cell], deciding: Sequence[str]) -> Runs | str:
+def _runs_of(results: Records, cells: Sequence[Cell], deciding: Sequence[str]) -> Runs | str:
     """The recorded trainings of cells; why there is nothing to compare where that is so."""
     trained = list(dict.fromkeys(cell.reward.label for cell in cells))
     if len(trained) < 2:
@@ -65,10 +65,10 @@ def _runs_of(results: Results, cells: Sequence[Cell], deciding: Sequence[str]) -
     folders = [results.store.cell_folder(cell) for cell in cells]
     only = [folder / part for folder in folders for part in (TRAINING_RECORDING, EVALUATION_RECORDING)]
     try:
-        return read_runs(results.folder, only, results.baseline, deciding)._replace(env=cells[0].task.label)
+        return read_runs(results.folder, only, results.baseline, deciding, Group.of(cells[0]))
     except UsageError as error:
         return str(error)
 
 
-def _notes(results: Results, cells: Sequence[Cell]) -> tuple[str, ...]:
+def _notes(results: Records, cells: Sequence[Cell]) -> tuple[str, ...]:
     return tuple(f"{cell.title}: {note}" for cell in cells if (note := results.manifest(cell).note))

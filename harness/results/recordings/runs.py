@@ -11,10 +11,13 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling, rescaling_of
+from harness.record.cell import NO_ROBOT
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import read_recording, recordings_in
-from harness.trainings.alike import Likeness, likeness_of
-from harness.trainings.episodes import Episodes, Part, cut_text, episodes_of
+from harness.registry.choice import Choice
+from harness.results.comparison import Group
+from harness.results.recordings.alike import Likeness, likeness_of
+from harness.results.recordings.episodes import Episodes, Part, cut_text, episodes_of
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
@@ -23,6 +26,8 @@ TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evalu
 MANNERS = (EVALUATION, LAST, TRAINING)
 """What says most about the final policies comes first."""
 NO_NAME = "an env without a name"
+UNKNOWN = "unknown"
+"""In place of the algorithm where nobody recorded it."""
 SUCCESS = "success"
 """The measure that decides if there is one of this name; see `harness.environment.SUCCESS`."""
 
@@ -72,7 +77,8 @@ class Run:
 class Runs(NamedTuple):
     """Trainings in one env that can be compared."""
 
-    env: str
+    group: Group
+    """What all of them share; of loose recordings, as far as it is known."""
     rewards: tuple[str, ...]
     """That scored them, in the order that they were given in."""
     trained: tuple[str, ...]
@@ -92,6 +98,11 @@ class Runs(NamedTuple):
     """Trainings that are equal bit for bit, by reward and seed, together."""
     rescaled: Mapping[tuple[str, str], Rescaling]
     """Rewards that are another one but for scale and offset, by both names; the other one comes first in `rewards`."""
+
+    @property
+    def env(self) -> str:
+        """The name of the env."""
+        return self.group.task.label
 
     def of(self, reward: str) -> list[Run]:
         """Trainings with a reward, by seed."""
@@ -125,7 +136,11 @@ def has_recordings(folder: Path) -> bool:
 
 
 def read_runs(
-    folder: Path, only: Sequence[Path] | None = None, baseline: str = "", deciding: Sequence[str] = ()
+    folder: Path,
+    only: Sequence[Path] | None = None,
+    baseline: str = "",
+    deciding: Sequence[str] = (),
+    group: Group | None = None,
 ) -> Runs:
     """All recorded trainings in a folder, at any depth.
 
@@ -134,6 +149,7 @@ def read_runs(
         only: Of these folders in it, and not at any depth; None for all.
         baseline: The reward that the others are compared with; by default the one that was given first.
         deciding: Measures that come before the others, the one that decides first.
+        group: What the trainings share, if they are known to be of one group of cells.
 
     Raises:
         UsageError: There are none, or none that can be compared.
@@ -163,7 +179,7 @@ def read_runs(
     notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     return Runs(
-        env,
+        group or _group_of(env, shortest),
         rewards,
         trained,
         _in_order([deciding, *(run.facts.behaviour for run in members.values())]),
@@ -175,6 +191,11 @@ def read_runs(
         equal,
         rescaled,
     )
+
+
+def _group_of(env: str, steps: int) -> Group:
+    """What is known of recordings that no experiment made: the env, and how long the shortest of them is."""
+    return Group(NO_ROBOT, Choice(env, (), env), Choice(UNKNOWN, (), UNKNOWN), steps, 0)
 
 
 def _rescaled(rewards: Sequence[str], runs: Iterable[Run]) -> dict[tuple[str, str], Rescaling]:

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.seed_mean import mean_over_seeds
+from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point
-from harness.trainings.comparison import Comparison
-from harness.trainings.episodes import Part
-from harness.trainings.runs import Run, Runs
+from harness.results.recordings.episodes import Part
+from harness.results.recordings.runs import Run, Runs
 
 STRETCHES = 20
 """Of a training, each a point of its curve: the mean over the episodes that ended in it."""

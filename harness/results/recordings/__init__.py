@@ -1,5 +1,5 @@
 """What recorded trainings in any Gymnasium environment say. Imports no gymnasium, and runs no code of theirs."""
 
-from harness.trainings.study import Study, load_study
+from harness.results.recordings.study import Study, load_study
 
 __all__ = ["Study", "load_study"]

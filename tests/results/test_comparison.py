@@ -17,7 +17,7 @@ from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.swaps import swaps_of
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
-from harness.results.combination import Combination, Group, StepChange
+from harness.results.comparison import Comparison, Group, StepChange
 
 GROUP = Group(
     "fd100", Choice("fd100-reach", (), "fd100-reach"), Choice("wander", (), "wander"), steps=12, evaluation_episodes=20,
@@ -42,15 +42,15 @@ CHANGES = (
 
 
 @pytest.fixture(name="combination")
-def _combination() -> Combination:
-    return Combination(
+def _combination() -> Comparison:
+    return Comparison(
         GROUP, "baseline", "arp", tuple(range(6)), decompose(CURVES), CHANGES, CURVES, (), {"deterministic": 20}, 5
     )
 
 
 @pytest.fixture(name="empty")
-def _empty() -> Combination:
-    return Combination(GROUP, "baseline", "arp", (), None, (), {})
+def _empty() -> Comparison:
+    return Comparison(GROUP, "baseline", "arp", (), None, (), {})
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_title_names_all_that_is_shared():
     assert list(GROUP.to_json()) == ["simulator", "algorithm", "robot", "task", "steps", "deterministic"]
 
 
-def test_runs_are_split_where_both_were_scored(combination: Combination, empty: Combination):
+def test_runs_are_split_where_both_were_scored(combination: Comparison, empty: Comparison):
     """By the other's reward; without it, or without a seed, they are not."""
     alone = decompose({pair: CURVES[pair] for pair in (BB, KK)})
     assert combination.is_split
@@ -99,17 +99,17 @@ def test_runs_are_split_where_both_were_scored(combination: Combination, empty: 
     assert not empty.is_split
 
 
-def test_etas_and_indices_are_the_decompositions(combination: Combination):
+def test_etas_and_indices_are_the_decompositions(combination: Comparison):
     """They are at hand without it."""
     found = combination.decomposition
     assert (combination.eta_n, combination.eta_p) == (found.eta_n, found.eta_p)
     assert (combination.baseline_index, combination.proposed_index) == (found.baseline, found.proposed)
 
 
-def test_success_is_found_among_the_changes(combination: Combination, empty: Combination):
+def test_success_is_found_among_the_changes(combination: Comparison, empty: Comparison):
     """By its name, in the manner that decides; there may be none."""
-    assert combination.success is CHANGES[1]
-    assert empty.success is None
+    assert combination.decisive is CHANGES[1]
+    assert empty.decisive is None
 
 
 @pytest.mark.parametrize(
@@ -124,21 +124,21 @@ def test_success_is_found_among_the_changes(combination: Combination, empty: Com
     ],
 )
 def test_manner_with_the_most_episodes_decides(
-    combination: Combination, deterministic: bool, episodes: dict[str, int], manner: str
+    combination: Comparison, deterministic: bool, episodes: dict[str, int], manner: str
 ):
     """Of equally many the cells' own; a training, which explores, never does."""
     group = GROUP._replace(deterministic=deterministic)
     assert replace(combination, group=group, episodes=episodes).manner == manner
 
 
-def test_deciding_manner_gives_the_answer(combination: Combination):
+def test_deciding_manner_gives_the_answer(combination: Comparison):
     """The policies get better acting one way and worse the other."""
     assert combination.headline.answer is Answer.HELPS
     drawn = replace(combination, episodes={"deterministic": 1, "stochastic": 20})
     assert drawn.headline.answer is Answer.HURTS
 
 
-def test_answer_along_the_budget_is_that_of_its_evaluation(combination: Combination):
+def test_answer_along_the_budget_is_that_of_its_evaluation(combination: Comparison):
     """Whatever comes out at the end."""
     none, worse = (StepChange(5, (change("success_rate", "after 5 steps", value),)) for value in (0.5, 0.25))
     assert combination.headline_at(none).answer is Answer.CANNOT_TELL
@@ -147,14 +147,14 @@ def test_answer_along_the_budget_is_that_of_its_evaluation(combination: Combinat
     assert (told["steps"], told["answer"], [it["name"] for it in told["behaviour"]]) == (5, "hurts", ["success_rate"])
 
 
-def test_null_control_names_its_sides_apart(combination: Combination):
+def test_null_control_names_its_sides_apart(combination: Comparison):
     """Both are the baseline."""
     control = replace(combination, proposed="baseline")
     assert control.is_control
     assert "75.2% with baseline (other seeds), 50.2% with baseline (" in control.headline.robot
 
 
-def test_claims_decide_how_many_seeds_it_takes(combination: Combination):
+def test_claims_decide_how_many_seeds_it_takes(combination: Comparison):
     """More claims, more seeds at most."""
     unsure = replace(combination, changes=(change("success_rate", "deterministic", 0.5),))
     few, many = (replace(unsure, claims=claims).headline.seeds_to_decide for claims in (1, 100))
@@ -162,7 +162,7 @@ def test_claims_decide_how_many_seeds_it_takes(combination: Combination):
     assert few[1] < many[1]
 
 
-def test_outcomes_are_those_of_every_claim(combination: Combination, empty: Combination):
+def test_outcomes_are_those_of_every_claim(combination: Comparison, empty: Comparison):
     """Both etas first, then measures, then those along the budget."""
     moment = StepChange(5, (change("success_rate", "after 5 steps", 0.5),))
     found = replace(combination, along=(moment,)).outcomes
@@ -171,7 +171,7 @@ def test_outcomes_are_those_of_every_claim(combination: Combination, empty: Comb
     assert empty.outcomes == []
 
 
-def test_without_a_seed_the_reason_stands_everywhere(empty: Combination):
+def test_without_a_seed_the_reason_stands_everywhere(empty: Comparison):
     """In both ratios, in the answer, and nowhere a number."""
     reason = "no seed is done under both baseline and arp"
     assert empty.eta_n == empty.eta_p == Ratio(None, notes=(reason,))
@@ -180,7 +180,7 @@ def test_without_a_seed_the_reason_stands_everywhere(empty: Combination):
     assert empty.headline.robot == f"Nothing to compare: {reason}."
 
 
-def test_json_is_plain_and_the_same_with_and_without_seeds(combination: Combination, empty: Combination):
+def test_json_is_plain_and_the_same_with_and_without_seeds(combination: Comparison, empty: Comparison):
     """The same keys in the same order, without NaN and without curves."""
     full, nothing = (json.loads(json.dumps(one.to_json(), allow_nan=False)) for one in (combination, empty))
     assert list(full) == list(nothing)

@@ -10,12 +10,12 @@ from harness.errors import UsageError
 from harness.eta.scored_sums import BB, KK
 from harness.record.recording.facts import OWN_SOURCE, Source, TrainingFacts
 from harness.record.recording.recorded_training import RecordedTraining
-from harness.trainings import load_study
-from harness.trainings.episodes import episodes_of
-from harness.trainings.learning import STRETCHES, learning_of, return_name
-from harness.trainings.runs import EVALUATION, LAST, TRAINING, read_runs
-from harness.trainings.study import compare_all
-from tests.trainings.conftest import PAYS, PULLS, record
+from harness.results.recordings import load_study
+from harness.results.recordings.episodes import episodes_of
+from harness.results.recordings.learning import STRETCHES, learning_of, return_name
+from harness.results.recordings.runs import EVALUATION, LAST, TRAINING, read_runs
+from harness.results.recordings.study import basis_text, compare_all
+from tests.results.recordings.conftest import PAYS, PULLS, record
 
 RISING = np.linspace(0.0, 1.0, 20)
 
@@ -49,8 +49,8 @@ def test_without_evaluations_the_verdict_says_that_it_rests_on_training(study_fo
     """On its last part, and how to do better."""
     (comparison,) = load_study(study_folder).comparisons
     assert comparison.manner == LAST
-    assert "rests on the training itself" in comparison.basis
-    assert "harness.evaluate_policy" in comparison.basis
+    assert "rests on the training itself" in basis_text(comparison)
+    assert "harness.evaluate_policy" in basis_text(comparison)
 
 
 def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
@@ -100,7 +100,7 @@ def test_signs_of_the_summed_curve_decide_which_indices_there_are(tmp_path):
     """A sum that is always negative has I_N alone."""
     pays = {"plain": lambda arm: arm - 2.0, "thrice": lambda arm: arm - 4.0}
     (comparison,) = load_study(two(tmp_path, pays=pays)).comparisons
-    assert list(comparison.splits) == ["eta_N"]
+    assert list(comparison.index_splits) == ["eta_N"]
 
 
 def test_more_rewards_are_compared_in_pairs(tmp_path):
@@ -146,14 +146,14 @@ def test_a_measure_of_which_less_is_better(tmp_path):
 def test_a_measure_of_zeros_and_ones_is_a_share(tmp_path):
     """Its interval knows of the episodes, any other's does not."""
     (comparison,) = load_study(two(tmp_path)).comparisons
-    assert {it.name: it.measure.episodes for it in comparison.changes_in(LAST)} == {"success": 4, "arm": None}
+    assert {it.name: it.measure.episodes for it in comparison.changes_of(LAST)} == {"success": 4, "arm": None}
 
 
 def test_without_behaviour_rewards_alone_decide_nothing(tmp_path):
     """The number is told, the agent is not judged."""
     headline = load_study(two(tmp_path, behaviour={})).comparisons[0].headline
     assert headline.answer.value == "cannot tell"
-    assert headline.robot.startswith("No behaviour was recorded")
+    assert headline.robot.startswith("How the robot behaves was not measured")
     assert "times that with plain" in headline.number
 
 
@@ -194,7 +194,7 @@ def test_an_own_reward_that_was_given_up_leaves_no_return(tmp_path):
     record(two(tmp_path) / "odd", "thrice", 2, RISING, failures={"reward_thrice": 12})
     record(tmp_path / "even", "plain", 2, RISING)
     (comparison,) = load_study(tmp_path).comparisons
-    assert (comparison.returns, comparison.indices) == ({}, None)
+    assert (comparison.returns, comparison.decomposition) == ({}, None)
     assert "given up" in comparison.number
     assert comparison.decisive.seeds == 3
 
@@ -262,7 +262,7 @@ def test_no_seed_in_common(tmp_path):
     record(tmp_path / "one", "plain", 0, RISING)
     record(tmp_path / "other", "thrice", 1, RISING)
     (comparison,) = load_study(tmp_path).comparisons
-    assert "no seed was trained with both plain and thrice" in comparison.headline.robot
+    assert "no seed is done under both plain and thrice" in comparison.headline.robot
 
 
 def test_trainings_without_a_seed_are_numbered(tmp_path):

@@ -9,9 +9,10 @@ from typing import Any
 from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.eta.swaps import corrected_where_known, swaps_of
-from harness.trainings.comparison import Comparison, compare
-from harness.trainings.runs import MANNERS, Runs, read_runs
+from harness.eta.swaps import smallest_p, swaps_of
+from harness.results.comparison import Comparison, correct
+from harness.results.recordings.compare import compare
+from harness.results.recordings.runs import EVALUATION, MANNERS, Runs, read_runs
 
 Table = Mapping[tuple[str, str], SeedMean]
 """R_r(q) over all seeds, by (r, q): who pays, and whose trainings are paid."""
@@ -48,7 +49,7 @@ class Study:
             "damaged": list(runs.damaged),
             "equal_trainings": [[key_to_json(key) for key in keys] for keys in runs.equal],
             "rescaled": [{"reward": name, "of": other, **it.to_json()} for (name, other), it in runs.rescaled.items()],
-            "comparisons": [comparison.to_json() for comparison in self.comparisons],
+            "comparisons": [_pair_to_json(comparison) for comparison in self.comparisons],
             "returns": {
                 manner: [
                     {"paid_by": payer, "trained_by": trained, **mean.to_json()}
@@ -93,17 +94,11 @@ def compare_all(folder: Path, groups: Sequence[Runs], kind: Kind) -> tuple[Study
     """
     swaps = swaps_of(sorted({seed for runs in groups for _, seed in runs.members}))
     found = [[compare(runs, *pair, swaps, kind) for pair in combinations(runs.trained, 2)] for runs in groups]
-    family = iter(_corrected([comparison for comparisons in found for comparison in comparisons]))
+    family = iter(correct([comparison for comparisons in found for comparison in comparisons]))
     return tuple(
         Study(folder, runs, tuple(islice(family, len(comparisons))), _tables(runs), kind)
         for runs, comparisons in zip(groups, found, strict=True)
     )
-
-
-def _corrected(family: list[Comparison]) -> tuple[Comparison, ...]:
-    p_values = corrected_where_known(outcomes for comparison in family for outcomes in comparison.outcomes)
-    left, count = iter(p_values), sum(p is not None for p in p_values)
-    return tuple(comparison.with_corrected(left, count) for comparison in family)
 
 
 def _tables(runs: Runs) -> dict[str, Table]:
@@ -128,3 +123,37 @@ def _mean(runs: Runs, parts: Mapping[tuple[str, int], Any], manner: str, payer: 
     return mean_over_seeds(
         known, f"{seeds - len(known)} of {seeds} seeds have none: {why}" if len(known) < seeds else None
     )
+
+
+def basis_text(comparison: Comparison) -> str:
+    """Which episodes the verdict rests on; empty without a seed."""
+    if not comparison.seeds:
+        return ""
+    count = comparison.episodes[comparison.manner]
+    told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
+    if comparison.manner == EVALUATION:
+        return f"The verdict rests on evaluations of the final policies, {told}."
+    return (
+        f"The verdict rests on the training itself, {told} {comparison.manner}: evaluations of the final policies were "
+        "not recorded for all seeds. harness.evaluate_policy records one."
+    )
+
+
+def _pair_to_json(comparison: Comparison) -> dict[str, Any]:
+    headline = {"agent" if name == "robot" else name: told for name, told in comparison.headline.to_json().items()}
+    return {
+        "baseline": comparison.baseline,
+        "proposed": comparison.proposed,
+        "seeds": list(comparison.seeds),
+        "headline": headline,
+        "rests_on": basis_text(comparison),
+        "decided_in": comparison.manner,
+        "deciding_measure": next(iter(comparison.deciding), None),
+        "returns": {manner: split.to_json() for manner, split in comparison.returns.items()},
+        "returns_missing": dict(comparison.missing),
+        "indices": comparison.decomposition and comparison.decomposition.to_json(),
+        "behaviour": [change.to_json() for change in comparison.changes],
+        "episodes": dict(comparison.episodes),
+        "claims": comparison.claims,
+        "smallest_p": smallest_p(len(comparison.seeds)) if comparison.seeds else None,
+    }

@@ -10,8 +10,9 @@ from gymnasium.spaces import Box
 
 import harness
 from harness.eta.scored_sums import BB, BK, KB, KK
-from harness.trainings import load_study
-from harness.trainings.runs import EVALUATION, LAST, TRAINING
+from harness.results.recordings import load_study
+from harness.results.recordings.runs import EVALUATION, LAST, TRAINING
+from harness.results.recordings.study import basis_text
 
 PULLS, EPISODES, SEEDS = 4, 10, 6
 FACTOR, BONUS = 3.0, 2.0
@@ -67,7 +68,7 @@ def train(folder: Path, reward: str, seed: int, evaluated: bool = False) -> None
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> harness.trainings.Study:
+def study(tmp_path_factory: pytest.TempPathFactory) -> harness.results.recordings.Study:
     """Three rewards, six seeds each, and an evaluation of every policy."""
     folder = tmp_path_factory.mktemp("bandit")
     for reward in ("plain", "scaled", "shifted"):
@@ -113,8 +114,8 @@ def test_the_full_table_is_known_in_closed_form(study):
 def test_the_index_of_the_summed_reward_is_split_by_the_same_ruler(study):
     """The summed curve is never negative: I_P alone, and its ruler is the factor."""
     comparison = study.comparisons[0]
-    assert list(comparison.splits) == ["eta_P"]
-    assert comparison.splits["eta_P"].ruler.value == pytest.approx(FACTOR, abs=1e-9)
+    assert list(comparison.index_splits) == ["eta_P"]
+    assert comparison.index_splits["eta_P"].ruler.value == pytest.approx(FACTOR, abs=1e-9)
     assert set(comparison.curves) == {BB, KK, BK, KB}
 
 
@@ -124,4 +125,4 @@ def test_evaluations_decide_where_they_were_recorded(study):
     assert {it.manner for it in study.comparisons} == {EVALUATION}
     assert (scaled.decisive.baseline, scaled.decisive.proposed) == (1.0, 1.0)
     assert shifted.headline.answer.value == "hurts"
-    assert "rests on evaluations of the final policies, 3 episodes" in shifted.basis
+    assert "rests on evaluations of the final policies, 3 episodes" in basis_text(shifted)
