@@ -29,6 +29,7 @@ from harness.registry.spec import Spec
 MOST_BYTES = 2**20
 """Of a file with plugins."""
 ENDING = ".py"
+_MODULE_PREFIX = "harness_file_"
 _CLASS = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 
 
@@ -57,7 +58,7 @@ class PluginFile:
     @property
     def module(self) -> str:
         """What it is imported as: no installed module has the name, and an edited file has another."""
-        return f"harness_file_{re.sub(r'[^A-Za-z0-9_]', '_', Path(self.path).stem)}_{self.digest[:8]}"
+        return f"{_MODULE_PREFIX}{re.sub(r'[^A-Za-z0-9_]', '_', Path(self.path).stem)}_{self.digest[:8]}"
 
     @property
     def need(self) -> dict[str, str]:
@@ -122,11 +123,16 @@ def read_given(asked: Iterable[str | Path | type] | None) -> tuple[Given, ...]:
     return given
 
 
+def is_class_name(text: str) -> bool:
+    """Whether a text names a class, ``module:Class``, and not a file."""
+    return _CLASS.fullmatch(text) is not None
+
+
 def _read(asked: str | Path | type) -> Given:
     if inspect.isclass(asked):
         return class_given(asked)
     text = str(asked)
-    if isinstance(asked, str) and _CLASS.fullmatch(text):
+    if isinstance(asked, str) and is_class_name(text):
         return class_given(_import_class(text))
     path = Path(os.path.abspath(text))
     if path.suffix != ENDING:
@@ -206,6 +212,11 @@ def import_file(file: PluginFile) -> ModuleType:
         del sys.modules[file.module]
         raise UsageError(f"Plugin file '{file.path}': {fault}")
     return module
+
+
+def is_plugin_file(module: str) -> bool:
+    """Whether a module was imported from a plugin file. It never changes: another text is a module of another name."""
+    return module.startswith(_MODULE_PREFIX)
 
 
 def _line_of(error: BaseException, path: str) -> str:

@@ -86,7 +86,7 @@ class Registry:
         if distribution:
             specs = [spec for spec in specs if canonical(spec.distribution) == canonical(distribution)]
         if not specs:
-            raise UsageError(unknown_name(NOUNS[kind], name, self.names(kind)) + self._not_loaded())
+            raise UsageError(unknown_name(NOUNS[kind], name, self.names(kind)) + self.not_loaded())
         found = _meant(specs)
         if found is None:
             raise PluginError(conflict(specs))
@@ -121,8 +121,8 @@ class Registry:
         at_fault = [sentence(plugin.complaint) for plugin in self.plugins if plugin.is_at_fault]
         return [*at_fault, *self.conflicts(), *self.notes]
 
-    def _not_loaded(self) -> str:
-        """What may be the reason that a name is not there."""
+    def not_loaded(self) -> str:
+        """What may be the reason that a name is not there, to append to a message; empty if every plugin loaded."""
         at_fault = [plugin for plugin in self.plugins if plugin.is_at_fault]
         more = f" and {len(at_fault) - MENTIONED} more" if len(at_fault) > MENTIONED else ""
         told = "; ".join(plugin.complaint for plugin in at_fault[:MENTIONED])
@@ -162,13 +162,19 @@ def _usable_names(specs: list[Spec]) -> Iterator[str]:
             yield spec.qualified
 
 
-def load_registry(found: Iterable[EntryPoint] | None = None, given: Sequence[Given] = ()) -> Registry:
+def load_registry(
+    found: Iterable[EntryPoint] | None = None,
+    given: Sequence[Given] = (),
+    on_load: Callable[[EntryPoint | Given], None] = lambda plugin: None,
+) -> Registry:
     """Load the plugins one by one; a broken one is recorded and breaks nothing else.
 
     Args:
-        given: What was given by hand, beside those.
         found: Entry points to load; those of the installed distributions if None. The environment variable
             HARNESS_PLUGINS, where it is set, says which of them; see `harness.registry.wanted.Wanted`.
+        given: What was given by hand, beside those.
+        on_load: Called with each plugin before it is imported. If an import ends the process or never returns, the
+            plugin of the last call is the one.
 
     Raises:
         UsageError: What was given by hand cannot be loaded, registers nothing, or claims a name that is taken.
@@ -184,9 +190,11 @@ def load_registry(found: Iterable[EntryPoint] | None = None, given: Sequence[Giv
         if reason:
             registry.plugins.append(_plugin(point, origin, "off", reason))
             continue
+        on_load(point)
         _load_plugin(point, origin, manager, registry)
     registry.notes += wanted.unknown([(plugin.name, plugin.distribution) for plugin in registry.plugins])
     for one in given:
+        on_load(one)
         _load_given(one, manager, registry)
     return registry
 

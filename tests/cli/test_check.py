@@ -1,9 +1,17 @@
 """`harness check`: a verdict and a sentence for every check, whatever the plugin does."""
 
+import contextlib
 import inspect
 import json
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import pytest
+
+from harness.check.orders import OUTPUT
+from harness.experiment.workers.order import Order, read_order
+from harness.experiment.workers.workers import News
+from harness.record.folder import partial_folder
 
 HOOKS = """
 import harness
@@ -78,6 +86,29 @@ def wave(times: int = 1) -> None:
 def wink(eye: "NoSuch") -> None:
     """Wink."""
 '''
+
+
+class Here(contextlib.nullcontext[Any]):
+    """Does orders in this process, which is quicker than in another. `tests/check` has what happens in another."""
+
+    def __init__(self, environment: object) -> None:
+        super().__init__(self)
+
+    def run(self, orders: Sequence[Order], at_once: int) -> Iterator[News]:
+        """See `harness.experiment.workers.workers.Pool`."""
+        for given in orders:
+            order, _ = read_order(given.line())
+            partial_folder(order.folder).mkdir()
+            with (partial_folder(order.folder) / OUTPUT).open("w") as output, contextlib.redirect_stdout(output):
+                order.work.do(order.folder, lambda word: None)
+            yield News("ended", order.folder)
+
+
+@pytest.fixture(autouse=True)
+def checked_here(monkeypatch):
+    """Checks are run in this process."""
+    monkeypatch.setattr("harness.check.workshop.Pool", Here)
+    monkeypatch.setattr("harness.check.orders.print_into", lambda path: None)
 
 
 @pytest.fixture
