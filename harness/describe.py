@@ -14,8 +14,9 @@ from harness.env.goal_observation import GoalObservation
 from harness.hookspecs import NOUNS
 from harness.motion import MODES, Discrete, MoveJ
 from harness.registry.choice import choose, parse
-from harness.registry.parameters import parameters_of, values_of
+from harness.registry.parameters import Parameter, parameters_of, values_of
 from harness.registry.registry import Registry
+from harness.registry.spec import Spec
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.robot.servo import Part
@@ -37,18 +38,34 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
     if kind == "commands":
         command = registry.get(kind, given)
         return f"command {given}: {command.summary} (plugin '{command.plugin}' of {command.package})"
-    choice = choose(registry, kind, given)
-    spec, thing = registry.get(kind, choice.name), choice.build(registry, kind)
-    parts = [f"{NOUNS[kind]} {choice.label}: {spec.summary} (plugin '{spec.plugin}' of {spec.package})"]
-    text = inspect.cleandoc(type(thing).__doc__ or "")
-    parts += [text] if text != spec.summary else []  # a plugin in a file has its docstring's first line for a summary
-    if kind == "simulators":
-        parts.append(_describe_family(thing))
-    if kind == "tasks":
-        parts.append(describe_task(thing, load_robot(robot or thing.robot, registry)))
-    parts.append(_describe_parameters(type(thing), values_of(thing)))
+    name, params = parse(given)
+    spec = registry.get(kind, name)
+    if not (params or spec.missing) and _has_to_be_given(spec.load()):  # nothing can be built of the bare name
+        parts = [*_head(spec, name, spec.load()), _describe_parameters(spec.load(), {})]
+    else:
+        choice = choose(registry, kind, given)
+        thing = choice.build(registry, kind)
+        parts = _head(spec, choice.label, type(thing))
+        if kind == "simulators":
+            parts.append(_describe_family(thing))
+        if kind == "tasks":
+            parts.append(describe_task(thing, load_robot(robot or thing.robot, registry)))
+        parts.append(_describe_parameters(type(thing), values_of(thing)))
     told = "\n\n".join(part for part in parts if part)
     return f"{told}\n\n{SOURCES}" if re.search(r"\b(NOTE|ARP)\b", told) else told
+
+
+def _head(spec: Spec, label: str, target: Any) -> list[str]:
+    """Who brings it, and what its docstring says."""
+    text = inspect.cleandoc(target.__doc__ or "")
+    # A plugin in a file has its docstring's first line for a summary.
+    told = [text] if text != spec.summary else []
+    return [f"{NOUNS[spec.kind]} {label}: {spec.summary} (plugin '{spec.plugin}' of {spec.package})", *told]
+
+
+def _has_to_be_given(target: Any) -> bool:
+    """Whether a parameter has no default."""
+    return not all(parameter.has_default for parameter in parameters_of(target))
 
 
 def describe_task(task: Task, robot: Robot) -> str:
@@ -219,13 +236,18 @@ def _describe_drives(robot: Robot) -> str:
     return f"{told}\n{_table([head, *rows])}\n  latency {servo.latency:g} s, weight {weight}"
 
 
+def _default(parameter: Parameter) -> Any:
+    return parameter.default if parameter.has_default else "has to be given"
+
+
 def _describe_parameters(target: Any, values: dict[str, Any]) -> str:
     later = getattr(target, "later", ())
     parameters = sorted(parameters_of(target), key=lambda parameter: parameter.name in later)
     if not parameters:
         return "No parameters."
     rows = [
-        (parameter.name, parameter.type, f"{values[parameter.name]}", parameter.description) for parameter in parameters
+        (parameter.name, parameter.type, f"{values.get(parameter.name, _default(parameter))}", parameter.description)
+        for parameter in parameters
     ]
     return f"Parameters:\n{_table(rows)}"
 

@@ -1,8 +1,12 @@
 """``harness check``: does a plugin, or a robot, do what the harness relies on?"""
 
+import signal
+import sys
 import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from harness.cli.flags import check as flags
 from harness.cli.flags.shared import AsJson, PluginFiles
@@ -10,11 +14,12 @@ from harness.cli.lines import say, say_json
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.registry.registry import Registry
-    from harness.testing.inspection import Finding
+    from harness.check.finding import Finding
 
 DOCS = "docs/contracts.md"
 NAME_WIDTH, VERDICT_WIDTH = 28, 9
+ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""Signals that ask a process to end, beside that of Ctrl-C."""
 
 
 def check(
@@ -23,6 +28,7 @@ def check(
     robot: flags.RobotName = None,
     plugin: PluginFiles = None,
     long: flags.Long = False,
+    check_time: flags.CheckTime = None,
     verbose: flags.Verbose = False,
     as_json: AsJson = False,
 ) -> int:
@@ -30,51 +36,40 @@ def check(
 
     Ends with status 1 if a rule is broken.
     """
-    from harness.registry.given import read_given
-    from harness.registry.registry import load_registry
-    from harness.testing.inspection import inspect_plugin
+    from harness.check.asked import Asked, read_plugins
+    from harness.check.inspection import Inspection
 
-    registry = load_registry(given=read_given(plugin))
     if name is None and robot is None:
         raise UsageError("nothing to check: type harness check NAME, or harness check --robot FOLDER")
-    given, other = (robot or "", None) if name is None else (name, robot)
-    chosen = "robots" if name is None else _kind_of(registry, name, kind)
-    found: list[Finding] = []
-    for finding in inspect_plugin(registry, chosen, given, other, long):
-        found.append(finding)
-        if not as_json:
-            _show(finding)
-        if verbose and finding.story:
-            say(finding.story, err=True)
-    _conclude(chosen, given, found, as_json)
+    plugins = read_plugins(plugin or [])
+    asked = Asked(robot or "", "robots", None, *plugins) if name is None else Asked(name, kind, robot, *plugins)
+    inspection, found = Inspection(asked, long, check_time), list["Finding"]()
+    with _ended_by_signals():
+        for finding in inspection.findings():
+            found.append(finding)
+            if finding.printed:
+                say(finding.printed.removesuffix("\n"), err=True)
+            if not as_json:
+                _show(finding)
+            if verbose and finding.story:
+                say(finding.story, err=True)
+    _conclude(inspection.kind, asked.name, found, as_json)
     return 1 if any(finding.verdict == "error" for finding in found) else 0
 
 
-def _kind_of(registry: "Registry", name: str, kind: str | None) -> str:
-    """The one kind of which something has this name.
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Within this block a signal that ends this process is an exception first, so that other processes end with it."""
 
-    Raises:
-        UsageError: None has, or several have and `kind` does not say which is meant.
-    """
-    from harness.hookspecs import KINDS, NOUNS
-    from harness.registry.choice import parse
-    from harness.registry.names import unknown_name
-    from harness.robot.load import is_path
+    def leave(number: int, _: Any) -> None:
+        sys.exit(128 + number)  # as a shell says it
 
-    singular = {noun: plural for plural, noun in NOUNS.items()}
-    if kind is not None:
-        if kind not in {*KINDS, *singular}:
-            raise UsageError(unknown_name("kind", kind, singular))
-        return singular.get(kind, kind)
-    bare = parse(name)[0] if not is_path(name) or registry.kinds_of(name) else name
-    kinds = registry.kinds_of(bare)
-    if not kinds and is_path(name):
-        return "robots"
-    if not kinds:
-        raise UsageError(unknown_name("name", bare, registry.all_names()))
-    if len(kinds) > 1:
-        raise UsageError(f"'{bare}' is a {' and a '.join(NOUNS[each] for each in kinds)}: add --kind {NOUNS[kinds[0]]}")
-    return kinds[0]
+    before = {number: signal.signal(number, leave) for number in ENDING}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _show(finding: "Finding") -> None:
@@ -88,13 +83,15 @@ def _show(finding: "Finding") -> None:
 
 
 def _conclude(kind: str, given: str, found: list["Finding"], as_json: bool) -> None:
+    from harness.check.finding import count
     from harness.hookspecs import NOUNS
-    from harness.testing.inspection import count
 
+    noun = NOUNS.get(kind)
     numbers = {"ok": count(found, "ok"), "warnings": count(found, "warning"), "errors": count(found, "error")}
     if as_json:
-        checks = [{key: value for key, value in asdict(finding).items() if key != "story"} for finding in found]
-        say_json({"kind": NOUNS[kind], "name": given, **numbers, "checks": checks})
+        shown = ("check", "verdict", "sentence", "seconds")
+        checks = [{key: value for key, value in asdict(finding).items() if key in shown} for finding in found]
+        say_json({"kind": noun, "name": given, **numbers, "checks": checks})
         return
     told = ", ".join(f"{number} {noun.removesuffix('s') if number == 1 else noun}" for noun, number in numbers.items())
-    say(f"{NOUNS[kind]} {given}: {told}. {DOCS} explains every check.")
+    say(f"{noun or 'plugin'} {given}: {told}. {DOCS} explains every check.")

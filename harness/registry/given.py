@@ -14,7 +14,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 from harness.errors import UsageError, one_line
 from harness.files.bounded import read_text
@@ -30,6 +30,8 @@ MOST_BESIDE = 100
 ENDING = ".py"
 BEHAVIOUR = ("behaviour", "behavior")
 """Names of files whose functions measure what a robot does."""
+MODULE_PREFIX = "harness_file_"
+"""Begins the names of modules that are imported from plugin files."""
 _PATTERN = re.compile(r"[*?\[]")
 _CLASS = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 
@@ -75,13 +77,18 @@ class PluginFile:
     @property
     def module(self) -> str:
         """What it is imported as: no installed module has the name, and an edited file has another."""
-        return f"harness_file_{re.sub(r'[^A-Za-z0-9_]', '_', self.stem)}_{self.digest[:8]}"
+        return f"{MODULE_PREFIX}{re.sub(r'[^A-Za-z0-9_]', '_', self.stem)}_{self.digest[:8]}"
 
     @property
     def need(self) -> dict[str, Any]:
         """What an experiment file says of it."""
         told = {"measures": True} if self.measures and self.stem not in BEHAVIOUR else {}
         return {"path": self.path, "sha256": self.digest, **told}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """What `dataclasses.asdict` told, also after a way through JSON."""
+        return cls(**{**data, "beside": tuple((name, text) for name, text in data.get("beside", ()))})
 
 
 @dataclass(frozen=True)
@@ -123,11 +130,7 @@ def given_to_json(given: Iterable[Given]) -> list[dict[str, Any]]:
 
 def given_from_json(data: Iterable[Mapping[str, Any]]) -> tuple[Given, ...]:
     """What `given_to_json` told."""
-    return tuple(_file_from_json(it) if "path" in it else PluginClass(**it) for it in data)
-
-
-def _file_from_json(data: Mapping[str, Any]) -> PluginFile:
-    return PluginFile(**{**data, "beside": tuple((name, text) for name, text in data.get("beside", ()))})
+    return tuple(PluginFile.from_json(it) if "path" in it else PluginClass(**it) for it in data)
 
 
 def read_given(
@@ -162,11 +165,16 @@ def split_measures(asked: str | Sequence[str | Path]) -> tuple[list[str], list[s
     return [it for it in parts if not it.endswith(ENDING)], [it for it in parts if it.endswith(ENDING)]
 
 
+def is_class_name(text: str) -> bool:
+    """Whether a text names a class, ``module:Class``, and not a file."""
+    return _CLASS.fullmatch(text) is not None
+
+
 def _read_all(asked: str | Path | type) -> list[Given]:
     if inspect.isclass(asked):
         return [class_given(asked)]
     text = str(asked)
-    if isinstance(asked, str) and _CLASS.fullmatch(text):
+    if isinstance(asked, str) and is_class_name(text):
         return [class_given(_import_class(text))]
     if _PATTERN.search(text) and not os.path.exists(text):
         return [*_matched(text)]
@@ -271,6 +279,11 @@ def kind_of(found: type, name: str, kind: str | None = None) -> str:
 
 def _share_of_members(kind: str, sample: Any) -> float:
     return sum(hasattr(sample, name) for name in MEMBERS[kind]) / len(MEMBERS[kind])
+
+
+def is_plugin_file(module: str) -> bool:
+    """Whether a module was imported from a plugin file. It never changes: another text is a module of another name."""
+    return module.startswith(MODULE_PREFIX)
 
 
 def require_given(needs: Sequence[str | Mapping[str, Any]], given: Sequence[Given]) -> None:

@@ -22,12 +22,13 @@ SHOWN = 100
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter as ``harness describe`` shows it."""
+    """One parameter as ``harness describe`` shows it. One without a default has to be given."""
 
     name: str
     type: str
     default: Any
     description: str
+    has_default: bool = True
 
 
 def build(target: Any, given: Mapping[str, Any], noun: str, registry: Registry | None = None) -> Any:
@@ -98,7 +99,13 @@ def parameters_of(target: Any) -> list[Parameter]:
     known = typing.cast(Any, target)  # mypy takes a dataclass for not hashable
     hints, extras = _hints(known), _hints(known, include_extras=True)
     return [
-        Parameter(field.name, _type_name(hints[field.name]), _default_of(field), _description_of(extras[field.name]))
+        Parameter(
+            field.name,
+            _type_name(hints[field.name]),
+            _default_of(field),
+            _description_of(extras[field.name]),
+            _has_default(field),
+        )
         for field in dataclasses.fields(target)
         if field.init
     ]
@@ -153,6 +160,10 @@ def _default_of(field: "dataclasses.Field[Any]") -> Any:
     return None if field.default is dataclasses.MISSING else field.default
 
 
+def _has_default(field: "dataclasses.Field[Any]") -> bool:
+    return not (field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING)
+
+
 def _description_of(hint: Any) -> str:
     infos = [item for item in typing.get_args(hint)[1:] if hasattr(item, "description")]
     return next((info.description for info in infos if info.description), "")
@@ -172,5 +183,5 @@ def _first_problem(error: pydantic.ValidationError) -> str:
     where = ".".join([str(field), *(str(part) for part in inner if isinstance(part, int))])
     message = problem["msg"].removeprefix("Value error, ")
     if problem["type"] == "missing":
-        return f"{where}: {message}"
+        return f"{where} has to be given"
     return f"{where}={shortened(repr(problem['input']), SHOWN)}: {message}" if where else message

@@ -192,13 +192,19 @@ def _usable_names(specs: list[Spec]) -> Iterator[str]:
             yield spec.qualified
 
 
-def load_registry(found: Iterable[EntryPoint] | None = None, given: Sequence[Given] = ()) -> Registry:
+def load_registry(
+    found: Iterable[EntryPoint] | None = None,
+    given: Sequence[Given] = (),
+    on_load: Callable[[EntryPoint | Given], None] = lambda plugin: None,
+) -> Registry:
     """Load the plugins one by one; a broken one is recorded and breaks nothing else.
 
     Args:
-        given: What was given by hand, beside those.
         found: Entry points to load; those of the installed distributions if None. The environment variable
             HARNESS_PLUGINS, where it is set, says which of them; see `harness.registry.wanted.Wanted`.
+        given: What was given by hand, beside those.
+        on_load: Called with each plugin before it is imported. If an import ends the process or never returns, the
+            plugin of the last call is the one.
 
     Raises:
         UsageError: What was given by hand cannot be loaded, registers nothing, or claims a name that is taken.
@@ -214,9 +220,11 @@ def load_registry(found: Iterable[EntryPoint] | None = None, given: Sequence[Giv
         if reason:
             registry.plugins.append(_plugin(point, origin, "off", reason))
             continue
+        on_load(point)
         _load_plugin(point, origin, manager, registry)
     registry.notes += wanted.unknown([(plugin.name, plugin.distribution) for plugin in registry.plugins])
     for one in given:
+        on_load(one)
         _load_given(one, manager, registry)
     return registry
 

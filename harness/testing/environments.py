@@ -2,14 +2,15 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from contextlib import closing
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from gymnasium.utils.env_checker import check_env
 
-from harness.environment import AnyEnv, Environment, Measure, baseline_of, goal_rewards, lower_is_better
+from harness.environment import AnyEnv, Environment, baseline_of, bounds_of, goal_rewards, lower_is_better
+from harness.errors import UsageError
 from harness.experiment.environments.spaces import (
     ACHIEVED,
     DESIRED,
@@ -18,11 +19,12 @@ from harness.experiment.environments.spaces import (
     goal_columns,
     kind_of_actions,
 )
+from harness.recorder.column import Column, as_number, columns_of
+from harness.recorder.recorder import kept
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
 """That are tried, and that an episode may take."""
-OWN = "own"
 Row = list[float]
 
 
@@ -53,29 +55,45 @@ def algorithms_can_take_it(environment: Environment) -> None:
 
 @check("environment-names")
 def names_are_known(environment: Environment) -> None:
-    """There is a reward, `baseline` is one of them, and `lower_is_better` names measures of behaviour alone."""
+    """There is a reward, `baseline` is one of them; `lower_is_better` and `bounds` name measures of behaviour alone.
+
+    What stands under a name is a function, an object with `reset` that can be called, or the name of a number.
+    """
     with closing(environment.make()) as env:
         rewards, measures = environment.rewards(env), environment.behaviour(env)
+        try:
+            columns_of(env, rewards, measures, 1, frozenset())
+        except UsageError as error:
+            raise AssertionError(str(error)) from error
     require(bool(rewards), "it names no reward")
     baseline = baseline_of(environment, rewards)
     require(baseline in rewards, f"its baseline '{baseline}' is none of its rewards {sorted(rewards)}")
-    for name in lower_is_better(environment):
-        require(name in measures, f"lower_is_better names '{name}', which is none of the measures {sorted(measures)}")
+    for member, named in (("lower_is_better", lower_is_better(environment)), ("bounds", bounds_of(environment))):
+        for name in named:
+            require(name in measures, f"{member} names '{name}', which is none of the measures {sorted(measures)}")
 
 
 @check("environment-finite")
 def numbers_are_finite(environment: Environment) -> None:
-    """Every reward gives a finite number for every step. So does every measure, at least at the end of an episode."""
+    """In a whole episode every reward gives a finite number for every step. So does every measure, at least at the end.
+
+    The episode takes random actions; short ones follow one another until there are 100 steps.
+    """
     with closing(environment.make()) as env:
-        rewards, measures = environment.rewards(env), environment.behaviour(env)
-        for step in _steps(env, 0, STEPS):
-            for name, value in step.values(rewards).items():
-                require(value is not None, f"the reward '{name}' reads a key that info does not have")
-                require(math.isfinite(value or 0.0), f"the reward '{name}' is {value} after a random step")
-            for name, value in step.values(measures).items():
-                untold = value is None and not step.ended
-                require(untold or value is not None, f"the measure '{name}' is not told where an episode ends")
-                require(math.isfinite(value or 0.0), f"the measure '{name}' is {value} after a random step")
+        ended = False
+        for step in _steps(env, 0, LONGEST, _columns(environment, env)):
+            ended = ended or step.ended
+            for column, value in step.told:
+                if value is None and column.may_be_untold and not step.ended:
+                    continue
+                where = f"step {step.number} of an episode{', its last,' * step.ended}"
+                require(value is not None, f"{column.noun} reads a key that info does not have after {where}")
+                try:
+                    as_number(value)
+                except (TypeError, ValueError) as error:
+                    raise AssertionError(f"{column.noun} after {where}: {error}") from error
+            if ended and step.done >= STEPS:
+                return
 
 
 @check("environment-seeded")
@@ -113,14 +131,14 @@ def rewards_of_goals_pay_as_they_do(environment: Environment) -> None:
         goal_columns(env.observation_space)
         unknown = sorted(by_goals.keys() - rewards.keys())
         require(not unknown, f"goal_rewards names {unknown}, which are none of its rewards {sorted(rewards)}")
-        asked = {name: rewards[name] for name in by_goals}
-        paid, goals = list[dict[str, Any]](), list[list[Any]]()
-        for step in _steps(env, 0, STEPS):
-            paid.append(step.values(asked))
+        paid, goals = list[list[Any]](), list[list[Any]]()
+        columns = columns_of(env, {name: rewards[name] for name in by_goals}, {}, 1, frozenset())
+        for step in _steps(env, 0, STEPS, columns):
+            paid.append([value for _, value in step.told])
             goals.append([np.array(step.after[key], float) for key in (ACHIEVED, DESIRED)])
         achieved, desired = (np.array(each) for each in zip(*goals, strict=True))
-        for name, pay in by_goals.items():
-            found, right = np.asarray(pay(achieved, desired)), np.array([one[name] for one in paid], float)
+        for (name, pay), right in zip(by_goals.items(), np.array(paid, float).T, strict=True):
+            found = np.asarray(pay(achieved, desired))
             require(found.shape == right.shape, f"'{name}' pays {STEPS} steps by goals with shape {found.shape}")
             off = int(np.argmax(np.abs(found - right)))
             same = np.allclose(found, right, rtol=1e-5, atol=1e-6)
@@ -134,58 +152,85 @@ def episodes_end(environment: Environment) -> None:
         require(any(step.ended for step in _steps(env, 0, LONGEST)), f"no episode ended within {LONGEST:,} steps")
 
 
-class _Step:
-    """One step of an env, and what was before it."""
+class _Step(NamedTuple):
+    """One step of an env.
 
-    def __init__(self, space: Any, before: Any, action: Any, told: tuple[Any, ...]) -> None:
-        self._before, self._action = before, action
-        self.after, self.paid, terminated, truncated, self._info = told
-        self.ended = bool(terminated or truncated)
-        self.numbers: Row = [*flat_observation(space, self.after).tolist(), float(self.paid)]
+    Attributes:
+        done: Steps up to and with this one, in all episodes.
+        number: Of this step in its episode, from 1.
+        after: The observation.
+        ended: Whether the episode ended with it.
+        numbers: The observation in one row, and what the env paid.
+        told: What the rewards and measures say of it; None of a key that info does not have.
+    """
 
-    def values(self, measures: Mapping[str, Measure]) -> dict[str, float | None]:
-        """By name; None of a key that info does not have."""
-        return {name: self._value(measure) for name, measure in measures.items()}
-
-    def _value(self, measure: Measure) -> float | None:
-        if isinstance(measure, str):
-            told = self.paid if measure == OWN else self._info.get(measure)
-            return None if told is None else float(told)
-        return float(measure(self._before, self._action, self.after, self._info))
+    done: int
+    number: int
+    after: Any
+    ended: bool
+    numbers: Row
+    told: list[tuple[Column, Any]]
 
 
-def _steps(
-    env: AnyEnv, seed: int, count: int, on_start: Callable[[], None] = lambda: None, cut_at: int = 0
-) -> Iterator[_Step]:
-    """So many steps of random actions, in as many episodes as that takes; after `cut_at` steps another one begins."""
-    before, _ = env.reset(seed=seed)
-    on_start()
+def _columns(environment: Environment, env: AnyEnv) -> list[Column]:
+    return columns_of(env, environment.rewards(env), environment.behaviour(env), 1, frozenset())
+
+
+def _steps(env: AnyEnv, seed: int, count: int, columns: Sequence[Column] = (), cut_at: int = 0) -> Iterator[_Step]:
+    """So many steps of random actions, in as many episodes as that takes.
+
+    Rewards and measures are begun with each episode and called as `harness.RecordRewards` does it.
+
+    Args:
+        env: Makes the steps.
+        seed: Of the first episode and of the actions.
+        count: How many steps.
+        columns: The rewards and measures.
+        cut_at: After so many steps another episode begins.
+    """
+    before, number = _begin(env, columns, seed), 0
     env.action_space.seed(seed)
     for done in range(1, count + 1):
-        action = env.action_space.sample()
-        told = env.step(action)
-        step = _Step(env.observation_space, before, action, told)
-        yield step
-        before = told[0]
-        if step.ended or done == cut_at:
-            before, _ = env.reset()
-            on_start()
+        action, number = env.action_space.sample(), number + 1
+        observation, paid, terminated, truncated, info = env.step(action)
+        after, ended = kept(observation), bool(terminated or truncated)
+        told = [(column, _value(column, paid, before, action, after, info)) for column in columns]
+        numbers = [*flat_observation(env.observation_space, after).tolist(), float(paid)]
+        yield _Step(done, number, after, ended, numbers, told)
+        before = after
+        if ended or done == cut_at:
+            before, number = _begin(env, columns), 0
+
+
+def _begin(env: AnyEnv, columns: Sequence[Column], seed: int | None = None) -> Any:
+    """Begin an episode; returns the first observation."""
+    observation, _ = env.reset(seed=seed)
+    for column in columns:
+        if column.remembers:
+            column.measures[0].reset()  # type: ignore[attr-defined] # it remembers
+    return kept(observation)
+
+
+def _value(column: Column, paid: Any, *step: Any) -> Any:
+    """What a reward or a measure says of a step, as it says it."""
+    if column.is_own:
+        return paid
+    return step[-1].get(column.key) if column.key is not None else column.measures[0](*step)
 
 
 def _rollout(environment: Environment, env: AnyEnv) -> list[Row]:
-    """All numbers of some steps; NaN for what is not told."""
-    measures = {f"reward {name}": it for name, it in environment.rewards(env).items()}
-    measures |= {f"measure {name}": it for name, it in environment.behaviour(env).items()}
-
-    def start() -> None:
-        for measure in measures.values():
-            if callable(reset := getattr(measure, "reset", None)):
-                reset()
-
+    """All numbers of some steps; NaN for what is not told, or is no number."""
     return [
-        [*step.numbers, *(math.nan if value is None else value for value in step.values(measures).values())]
-        for step in _steps(env, 0, STEPS, start, cut_at=STEPS // 2)
+        [*step.numbers, *(_number_or_nan(value) for _, value in step.told)]
+        for step in _steps(env, 0, STEPS, _columns(environment, env), cut_at=STEPS // 2)
     ]
+
+
+def _number_or_nan(value: Any) -> float:
+    try:
+        return as_number(value)
+    except (TypeError, ValueError):  # another check says so
+        return math.nan
 
 
 ENVIRONMENT_CHECKS: tuple[Check, ...] = (

@@ -12,10 +12,7 @@ from harness.testing.metrics.checks import METRIC_CHECKS
 from harness.testing.rewards.checks import REWARD_CHECKS
 from harness.testing.robots import ROBOT_CHECKS, ROBOT_WARNINGS
 from harness.testing.simulators.checks import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
-from harness.testing.simulators.long_runs import (
-    a_long_episode_is_paid_without_growing,
-    a_long_simulation_neither_drifts_nor_leaks,
-)
+from harness.testing.simulators.long_runs import a_long_simulation_neither_drifts_nor_leaks
 from harness.testing.speed import (
     a_metric_is_quick,
     a_reward_is_quick,
@@ -27,6 +24,9 @@ from harness.testing.tasks.checks import TASK_CHECKS, TASK_WARNINGS
 from harness.testing.trackers import TRACKER_CHECKS
 from harness.testing.violations import Check
 
+LONG_SECONDS = 900.0
+"""How long ``harness check`` waits for a check that takes minutes."""
+
 
 @dataclass(frozen=True)
 class Kit:
@@ -36,16 +36,22 @@ class Kit:
         contract: What has to hold.
         advice: Warnings: what is slow, or was not tried.
         long: What takes minutes, and is run on demand.
+        seconds: How long ``harness check`` waits for a check that is not `long`: many times what a sound plugin takes.
     """
 
     contract: tuple[Check, ...]
     advice: tuple[Check, ...] = ()
     long: tuple[Check, ...] = ()
+    seconds: float = 60.0
 
     @property
     def checks(self) -> tuple[Check, ...]:
         """All of them."""
         return (*self.contract, *self.advice, *self.long)
+
+    def seconds_of(self, check: Check) -> float:
+        """How long ``harness check`` waits for one of its checks."""
+        return LONG_SECONDS if check in self.long else self.seconds
 
 
 KITS: Mapping[str, Kit] = MappingProxyType(
@@ -55,13 +61,13 @@ KITS: Mapping[str, Kit] = MappingProxyType(
             (*SIMULATOR_WARNINGS, a_simulation_is_quick),
             (a_long_simulation_neither_drifts_nor_leaks,),
         ),
-        "algorithms": Kit(ALGORITHM_CHECKS, (*ALGORITHM_WARNINGS, a_training_is_quick)),
-        "rewards": Kit(REWARD_CHECKS, (a_reward_is_quick,), (a_long_episode_is_paid_without_growing,)),
-        "metrics": Kit(METRIC_CHECKS, (a_metric_is_quick,)),
+        "algorithms": Kit(ALGORITHM_CHECKS, (*ALGORITHM_WARNINGS, a_training_is_quick), seconds=300.0),
+        "rewards": Kit(REWARD_CHECKS, (a_reward_is_quick,), seconds=15.0),
+        "metrics": Kit(METRIC_CHECKS, (a_metric_is_quick,), seconds=15.0),
         "tasks": Kit(TASK_CHECKS, (*TASK_WARNINGS, an_episode_is_drawn_quickly)),
         "robots": Kit(ROBOT_CHECKS, ROBOT_WARNINGS),
         "environments": Kit(ENVIRONMENT_CHECKS),
-        "executors": Kit(EXECUTOR_CHECKS),
+        "executors": Kit(EXECUTOR_CHECKS, seconds=120.0),
         "trackers": Kit(TRACKER_CHECKS),
     }
 )

@@ -117,3 +117,19 @@ def test_a_robots_drives_are_described(harness, tmp_path):
     assert "latency 0.01 s, weight compensated" in out
     shutil.copy(Path(harness_robots.__path__[0]) / "fd100" / "fd100.urdf", tmp_path / "arm.urdf")
     assert "No drives for drive=servo" in harness("describe", str(tmp_path / "arm.urdf")).out
+
+
+def test_what_cannot_be_made_without_a_parameter_is_described(harness):
+    """The parameter says that it has to be given, and the others what they are by default."""
+    answer = harness("describe", "gymnasium")
+    assert answer.status == 0
+    (row,) = [line for line in answer.out.splitlines() if line.split()[:1] == ["id"]]
+    assert "has to be given" in row
+    assert "made_with" in answer.out
+
+
+def test_another_parameter_alone_is_not_enough(harness):
+    """Status 2, one line that names the one that is missing."""
+    answer = harness("describe", "gymnasium:pays=reward_ctrl")
+    assert (answer.status, answer.out) == (2, "")
+    assert "id has to be given" in answer.err

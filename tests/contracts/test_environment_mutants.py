@@ -114,6 +114,55 @@ class TellsNothing(Sound):
         return {"distance": "far"}
 
 
+class TellsARow(Sound):
+    """Its measure is a row of one number, which is recorded as none."""
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"distance": lambda before, action, after, info: np.abs(after)}
+
+
+class NamesANumber(Sound):
+    """What stands under the name of its reward cannot be asked."""
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"own": "own", "half": 0.5}  # type: ignore[dict-item]
+
+
+class LosesTheNumbersInTime(Sound):
+    """Late in a long episode its measure is no number."""
+
+    def make(self) -> AnyEnv:
+        env = Walk()
+        env.lasts = 150
+        return env
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"distance": lambda before, action, after, info: np.nan if env.unwrapped.steps == 120 else 0.0}
+
+
+class Farthest:
+    """A measure with a memory: how far the walk has come in this episode."""
+
+    def reset(self) -> None:
+        self.farthest = 0.0
+
+    def __call__(self, before: Any, action: Any, after: Any, info: Any) -> float:
+        self.farthest = max(self.farthest, abs(float(after[0])))
+        return self.farthest
+
+
+class Remembers(Sound):
+    """Nothing is wrong with a measure and a reward that begin with each episode."""
+
+    farthest: ClassVar[Farthest] = Farthest()
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"own": "own", "far": self.farthest}
+
+    def behaviour(self, env: AnyEnv) -> Mapping[str, Measure]:
+        return {"distance": self.farthest}
+
+
 class Unseeded(Sound):
     """One env after the other begins elsewhere, whatever the seed: a counter decides."""
 
@@ -198,6 +247,23 @@ class SoundWithGoals(Sound):
         return {"near": lambda achieved, desired: -np.abs(achieved - desired)[:, 0]}
 
 
+class RemembersGoals(SoundWithGoals):
+    """Nothing is wrong with a reward of goals that begins with each episode."""
+
+    def rewards(self, env: AnyEnv) -> Mapping[str, Measure]:
+        pay = super().rewards(env)["near"]
+
+        class Counts:
+            def reset(self) -> None:
+                self.steps = 0
+
+            def __call__(self, *step: Any) -> float:
+                self.steps += 1
+                return pay(*step)  # type: ignore[operator] # a function
+
+        return {"near": Counts()}
+
+
 class PaysGoalsOtherwise(SoundWithGoals):
     """By its goals it pays the square."""
 
@@ -239,8 +305,11 @@ MUTANTS: dict[type[Any], set[str]] = {
     ActsInAMatrix: {"environment-spaces"},
     NamesNoMeasure: {"environment-names"},
     NamesNoReward: {"environment-names"},
+    NamesANumber: {"environment-names", "environment-finite", "environment-seeded", "environment-looks-on"},
     PaysNothingKnown: {"environment-finite"},
     TellsNothing: {"environment-finite"},
+    TellsARow: {"environment-finite"},
+    LosesTheNumbersInTime: {"environment-finite"},
     SeededForOneEpisode: {"environment-seeded", "environment-looks-on"},
     Unseeded: {"environment-seeded", "environment-looks-on"},
     Meddles: {"environment-looks-on"},
@@ -253,7 +322,7 @@ MUTANTS: dict[type[Any], set[str]] = {
 }
 
 
-@pytest.mark.parametrize("sound", [Sound(), SoundWithGoals()])
+@pytest.mark.parametrize("sound", [Sound(), SoundWithGoals(), Remembers(), RemembersGoals()])
 def test_the_sound_one_keeps_the_contract(sound: Any):
     """The mutants differ from it in one thing each."""
     assert [failed.check for failed in violations(ENVIRONMENT_CHECKS, sound)] == []

@@ -127,7 +127,17 @@ class SortsTheTrace(Sound):
         return share_reached(trace)
 
 
+class OverflowsInALongTrace(Sound):
+    """It multiplies something of every row."""
+
+    def __call__(self, trace: Trace) -> float | None:
+        with np.errstate(over="ignore"):
+            factor = float(np.prod(np.full(len(trace), 2.0)))
+        return share_reached(trace) if np.isfinite(factor) else factor
+
+
 MUTANTS = {
+    OverflowsInALongTrace: metrics.the_value_is_finite_or_none,
     Thawed: metrics.settings_are_frozen,
     SetUpWithASet: metrics.settings_survive_json,
     CannotDecide: metrics.unit_and_better_are_declared,

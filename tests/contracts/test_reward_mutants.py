@@ -2,8 +2,9 @@
 
 # ruff: noqa: D102 (a mutant says what is wrong with it once, on the class)
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -166,7 +167,87 @@ class DrawsItsPay(NegativeDistance):
         return carry, sample.distance * np.random.default_rng().normal()
 
 
+class LosesTheNumbersInTime(NegativeDistance):
+    """Late in an episode it pays no number."""
+
+    when: ClassVar[int]
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        late = sample.step == self.when
+        return carry, sample.distance.__array_namespace__().where(late, sample.distance * np.nan, -sample.distance)
+
+
+class LosesTheNumbersAtStep37(LosesTheNumbersInTime):
+    """In the first half of an episode."""
+
+    when = 37
+
+
+class LosesTheNumbersAtStep77(LosesTheNumbersInTime):
+    """In the second half."""
+
+    when = 77
+
+
+class Overflows(NegativeDistance):
+    """What it adds up leaves the numbers after a thousand steps."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        return begin_distance * 0.0 + 1.0
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return carry * 2.0, -sample.distance * carry
+
+
+class CarriesItsHistory(NegativeDistance):
+    """Every step adds a column to the carry."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        return begin_distance[:, None]
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        return sample.distance.__array_namespace__().concat([carry, sample.distance[:, None]], axis=1), -sample.distance
+
+
+class KeepsEverySample(NegativeDistance):
+    """A history that nobody reads."""
+
+    history: ClassVar[list[Sample]] = []
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        self.history.append(sample)
+        return carry, -sample.distance
+
+
+class KeepsAWord(NegativeDistance):
+    """Of each step it keeps no more than that there was one."""
+
+    history: ClassVar[list[bool]] = []
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        self.history.append(True)
+        return carry, -sample.distance
+
+
+class RaisesInTime(NegativeDistance):
+    """Late in an episode it raises an exception."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        return begin_distance * 0.0
+
+    def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
+        if float(np.asarray(carry).max()) >= 36:
+            raise IndexError("no more entries")
+        return carry + 1.0, -sample.distance
+
+
 MUTANTS = {
+    LosesTheNumbersAtStep37: rewards.values_are_finite,
+    LosesTheNumbersAtStep77: rewards.values_are_finite,
+    Overflows: rewards.a_long_episode_is_paid,
+    CarriesItsHistory: rewards.a_long_episode_is_paid,
+    KeepsEverySample: rewards.nothing_is_kept_of_a_step,
+    KeepsAWord: rewards.nothing_is_kept_of_a_step,
     Thawed: rewards.settings_are_frozen,
     SetUpWithASet: rewards.settings_survive_json,
     PaysWholeNumbers: rewards.values_have_one_float_per_env,
@@ -186,9 +267,18 @@ MUTANTS = {
 }
 
 COARSE_MUTANTS = {
+    RaisesInTime: rewards.values_are_finite,
     PaysTheBatch: rewards.values_have_one_float_per_env,
     DrawsItsPay: rewards.episodes_do_not_depend_on_one_another,
 }
+
+
+@pytest.fixture(autouse=True)
+def forget() -> Iterator[None]:
+    """Give back what the mutants keep."""
+    yield
+    KeepsEverySample.history.clear()
+    KeepsAWord.history.clear()
 
 
 def failing(mutant: type) -> list[str]:

@@ -423,7 +423,36 @@ class TellsWhatItWasTold(IdealSimulation):
         return super().drive(qpos, duration)._replace(qpos=qpos)
 
 
+class DivergesInTime(IdealSimulation):
+    """What it adds up overflows at the 37th period of an episode."""
+
+    periods = 0
+
+    def reset(self, qpos: np.ndarray, mask: np.ndarray) -> State:
+        self.periods = 0
+        return super().reset(qpos, mask)
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        self.periods += 1
+        state = super().drive(qpos, duration)
+        return state._replace(qvel=np.full_like(state.qvel, np.nan)) if self.periods >= 37 else state
+
+
+class KeepsEveryState(IdealSimulation):
+    """A history that nobody reads."""
+
+    def __init__(self, robot: Robot, num_envs: int) -> None:
+        super().__init__(robot, num_envs)
+        self.history: list[State] = []
+
+    def drive(self, qpos: np.ndarray, duration: float) -> State:
+        self.history.append(super().drive(qpos, duration))
+        return self.state()
+
+
 MUTANTS = {
+    DivergesInTime: simulators.states_are_finite,
+    KeepsEveryState: simulators.nothing_is_kept_of_a_period,
     NamesItsArguments: simulators.a_simulation_has_its_methods,
     KnowsOnePeriod: simulators.parts_of_a_period_add_up,
     GoesAShareOfTheWay: simulators.parts_of_a_period_add_up,

@@ -105,7 +105,7 @@ def test_texts_are_converted_to_the_type_of_their_field(key: str, given: object,
         ("point", "0x0xnan", "Thing 'x': point=(0.0, 0.0, nan): Input should be a finite number"),
         ("layers", "32x0", "Thing 'x': layers.1='0': Input should be greater than 0"),
         ("layers", "axb", "Thing 'x': layers.0='a': Input should be a valid integer"),
-        ("point", "1x2", "Thing 'x': point.2: Field required"),
+        ("point", "1x2", "Thing 'x': point.2 has to be given"),
         ("point", "1x2x3x4", "Thing 'x': point=['1', '2', '3', '4']: Tuple should have at most 3 items"),
         ("mode", "medium", "Thing 'x': mode='medium': Input should be 'fast' or 'slow'"),
         ("cuont", "1", "Thing 'x' has no parameter 'cuont'. There is: count, rate, layers, point, mode, loud, names. "),
@@ -135,7 +135,7 @@ def test_paths_keep_their_capitals():
 
 def test_missing_parameter_is_named():
     """A field without a default has to be given."""
-    with pytest.raises(UsageError, match=r"^Thing: weight: Field required$"):
+    with pytest.raises(UsageError, match=r"^Thing: weight has to be given$"):
         build(Needy, {}, "thing")
 
 

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from typing import IO, TypeAlias
 
@@ -16,6 +16,8 @@ from harness.experiment.workers.order import Order
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 GRACE_SECONDS = 5.0
 """Seconds that a process gets to end before it is killed."""
+LEAVING_SECONDS = 10.0
+"""Seconds that a process gets which has nothing more to do. A thread or an exit handler of a plugin may never end."""
 
 Told: TypeAlias = tuple["WorkerProcess", str | None]
 """The process that reports, and its line; None at the end of its output."""
@@ -29,8 +31,14 @@ class WorkerProcess:
         given: Orders that it got.
     """
 
-    def __init__(self, told: "queue.SimpleQueue[Told]") -> None:
-        self.process = _start()
+    def __init__(self, told: "queue.SimpleQueue[Told]", environment: Mapping[str, str]) -> None:
+        """Start it.
+
+        Args:
+            told: Gets its lines.
+            environment: Variables that it has beside those of this process.
+        """
+        self.process = _start(environment)
         self.given = 0
         assert self.process.stdout is not None
         threading.Thread(target=self._listen, args=(self.process.stdout, told), daemon=True).start()
@@ -67,9 +75,16 @@ class WorkerProcess:
         _close(self.process)
 
     def end(self) -> int:
-        """Wait for it to end, as it does after the last word of its output; returns its exit status."""
+        """Wait for it to end, as it does after the last word of its output; returns its exit status.
+
+        If it takes longer than `LEAVING_SECONDS`, it is killed.
+        """
         self.close()
-        return self.process.wait()
+        try:
+            return self.process.wait(LEAVING_SECONDS)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            return self.process.wait()
 
     def _listen(self, lines: IO[str], told: "queue.SimpleQueue[Told]") -> None:
         """Put each line into the queue; runs in a thread."""
@@ -79,8 +94,8 @@ class WorkerProcess:
         told.put((self, None))
 
 
-def _start() -> "subprocess.Popen[str]":
-    """Start a worker, with one thread.
+def _start(environment: Mapping[str, str]) -> "subprocess.Popen[str]":
+    """Start a worker, with one thread, and with more environment variables.
 
     It ends when its standard input is closed, as it is when this process ends (`harness.experiment.workers.lifeline`).
     """
@@ -88,7 +103,7 @@ def _start() -> "subprocess.Popen[str]":
         [sys.executable, *_path_flags(), "-m", "harness.experiment.workers.worker"],
         stdin=subprocess.PIPE,
         text=True,
-        env={**os.environ, **ONE_THREAD},
+        env={**os.environ, **ONE_THREAD, **environment},
         start_new_session=True,  # Ctrl-C reaches this process alone, which stops the others
         stdout=subprocess.PIPE,
     )

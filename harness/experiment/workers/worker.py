@@ -19,6 +19,7 @@ from harness.experiment.workers.lifeline import lines_of_parent
 from harness.experiment.workers.order import Order, read_order
 from harness.record.folder import LOG, partial_folder
 from harness.record.log import write_log
+from harness.registry.given import is_plugin_file
 
 DONE, STALE = "done", "stale"
 
@@ -41,15 +42,15 @@ def _do(order: Order, parent: IO[str]) -> bool:
     """Do an order; returns whether this process is fit for another."""
     partial = partial_folder(order.folder)
     partial.mkdir(parents=True, exist_ok=True)
-    _print_into(partial / LOG)
+    print_into(partial / LOG)
     write_log(partial / LOG, f"process {os.getpid()} on {platform.node()} begins")
     try:
         return order.work.do(order.folder, lambda word: _tell(parent, word.line()))
     finally:
-        _print_into(Path(os.devnull))  # the log is finished: a thread that still prints must not change it
+        print_into(Path(os.devnull))  # the log is finished: a thread that still prints must not change it
 
 
-def _print_into(path: Path) -> None:
+def print_into(path: Path) -> None:
     """Send standard output and standard error into a file from now on."""
     sys.stdout.flush()
     sys.stderr.flush()
@@ -71,7 +72,8 @@ def _keep_stdout() -> IO[str]:
 
 def _is_stale(begun: float) -> bool:
     """Whether a file that was imported has changed since: the manifest would name sources that did not run."""
-    files = [getattr(module, "__file__", None) for module in list(sys.modules.values())]
+    modules = [module for name, module in list(sys.modules.items()) if not is_plugin_file(name)]
+    files = [getattr(module, "__file__", None) for module in modules]
     return any(_changed(file) > begun for file in files if file)
 
 

@@ -37,6 +37,10 @@ class News(NamedTuple):
     """Why the process of an ended order left no folder; empty if it left one."""
     scalars: Mapping[str, float] = NO_SCALARS
     """The scalars of progress, see `harness.executor.Word`."""
+    status: int | None = None
+    """With a `reason`: the exit status of the process; negative: the number of the signal that ended it."""
+    over_limit: bool = False
+    """With a `reason`: whether the process was ended because it took more than the order's limits."""
 
 
 OnNews: TypeAlias = Callable[[News], None]
@@ -84,6 +88,8 @@ class _Task:
     watchdog: Watchdog
     ended_for: str = ""
     """Why its process was told to end; empty if it was not."""
+    seen_ended: bool = False
+    """Whether its process was found to have ended while its output was open."""
 
 
 @dataclass
@@ -91,8 +97,12 @@ class Pool:
     """The worker processes, and one queue of their answers. Some do an order, some wait for one, some end.
 
     They are ended when the ``with`` block of the pool ends.
+
+    Attributes:
+        environment: Variables that the processes have beside those of this process.
     """
 
+    environment: Mapping[str, str] = field(default_factory=dict)
     busy: dict[WorkerProcess, _Task] = field(default_factory=dict)
     idle: list[WorkerProcess] = field(default_factory=list)
     leaving: list[WorkerProcess] = field(default_factory=list)
@@ -128,7 +138,7 @@ class Pool:
             if process.process.poll() is None:
                 return process
             self.leaving.append(process)  # something ended it while it waited
-        return WorkerProcess(self.told)
+        return WorkerProcess(self.told, self.environment)
 
     def look(self) -> list[News]:
         """Wait a little for answers, and end processes that exceed their limits."""
@@ -137,14 +147,14 @@ class Pool:
         except queue.Empty:
             told = None
         self.clock.look()
-        news = [] if told is None else self._hear(told)
+        news = self._ended_in_silence() if told is None else self._hear(told)
         for process, task in self.busy.items():
             if not task.ended_for:
                 self._watch(process, task)
         return news
 
     def stop(self) -> None:
-        """End all processes. Those that wait for an order end by themselves."""
+        """End all processes. Those that wait for an order end by themselves, or are killed after a while."""
         for process in self.idle:
             process.close()
         stop_processes([process.process for process in self.busy])
@@ -172,6 +182,17 @@ class Pool:
         self._keep(process, task.order)
         return [News("ended", task.order.folder)]
 
+    def _ended_in_silence(self) -> list[News]:
+        """Deal with processes that have ended while others, which they started, keep their output open.
+
+        What they wrote last may still be on its way: they are given up at the second look.
+        """
+        ended = [(process, task) for process, task in self.busy.items() if process.process.poll() is not None]
+        known = [(process, task) for process, task in ended if task.seen_ended]
+        for _, task in ended:
+            task.seen_ended = True
+        return [news for process, task in known for news in self._lost(process, task, is_stale=False)]
+
     def _keep(self, process: WorkerProcess, order: Order) -> None:
         """Let a process that has done an order wait for the next one, if it may do another."""
         if order.fresh or process.given >= ORDERS_PER_PROCESS:
@@ -188,8 +209,10 @@ class Pool:
             self.give(task.order)
             return []
         folder = task.order.folder
-        is_complete = not partial_folder(folder).exists()
-        return [News("ended", folder, reason="" if is_complete else task.ended_for or _reason(status, task.order))]
+        if not partial_folder(folder).exists():
+            return [News("ended", folder)]
+        reason = task.ended_for or _reason(status, task.order)
+        return [News("ended", folder, reason=reason, status=status, over_limit=bool(task.ended_for))]
 
     def _watch(self, process: WorkerProcess, task: _Task) -> None:
         complaint = task.watchdog.complaint(process.memory)

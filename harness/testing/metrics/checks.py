@@ -11,6 +11,8 @@ from harness.record.episode_facts import EpisodeFacts
 from harness.testing.metrics.traces import REWARDS, recorded_trace
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
+LONG_HORIZON = 100
+"""Steps, as in the default task, ``fd100-reach``."""
 ALL_ENDS = ("reached", "ground", "truncated", "touched", "reached", "truncated")
 SOME_ENDS: tuple[tuple[str, ...], ...] = (
     ALL_ENDS,
@@ -41,16 +43,18 @@ def unit_and_better_are_declared(metric: Metric) -> None:
 
 @check("metric-finite")
 def the_value_is_finite_or_none(metric: Metric) -> None:
-    """The value is a finite float, or None where it is not defined, however the episodes ended.
+    """The value is a finite float, or None where it is not defined, however episodes ended, short ones and long ones.
 
     Also where the trace tells no facts of its episodes: one of an earlier version, or of another kind.
     """
     traces = [(ends, recorded_trace(0, ends)) for ends in SOME_ENDS]
+    traces.append((ALL_ENDS, recorded_trace(0, ALL_ENDS * 10, LONG_HORIZON)))
     bare = [(ends, replace(trace, facts=EpisodeFacts())) for ends, trace in traces]
     for ends, trace in traces + bare:
         value = metric(trace)
         require(value is None or isinstance(value, float), f"the value is a {type(value).__name__}, not a float")
-        require(value is None or math.isfinite(value), f"the value is {value} for episodes that ended {ends}")
+        told = f"the value is {value} for a trace of {len(trace):,} rows, whose episodes ended {ends}"
+        require(value is None or math.isfinite(value), told)
 
 
 @check("metric-empty")

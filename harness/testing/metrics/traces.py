@@ -1,5 +1,6 @@
 """What the metric checks hand to a metric."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,24 +11,27 @@ from harness.record.trace import FLAGS, INTEGERS, NUMBERS, OBSTACLE, Trace
 
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2
-FACTS = EpisodeFacts(horizon=9, control_period=0.1, ik_steps=(3,), work=(2.5,))
+HORIZON = 9
+"""Of short episodes, which are enough for most checks."""
+FACTS = EpisodeFacts(horizon=HORIZON, control_period=0.1, ik_steps=(3,), work=(2.5,))
 """Of the one env that there is."""
 
 
-def recorded_trace(seed: int, ends: tuple[str, ...]) -> Trace:
+def recorded_trace(seed: int, ends: tuple[str, ...], horizon: int = HORIZON) -> Trace:
     """One env's episodes, one per item of `ends`.
 
     ``ground``, ``obstacle``, ``reached``, ``truncated``; ``touched``: the target was reached on the way, the horizon at
-    the end; or ``""``: left unfinished. The numbers are random; an episode has 3 to 9 steps after its start row.
+    the end; or ``""``: left unfinished. The numbers are random. After its start row an episode has 3 to `horizon`
+    steps.
     """
     rng = np.random.default_rng(seed)
-    parts = [_episode(rng, number, end) for number, end in enumerate(ends)]
+    parts = [_episode(rng, number, end, horizon) for number, end in enumerate(ends)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else _rows(rng, 0)
-    return Trace(columns, FACTS)
+    return Trace(columns, replace(FACTS, horizon=horizon))
 
 
-def _episode(rng: np.random.Generator, number: int, end: str) -> dict[str, NDArray[Any]]:
-    columns = _rows(rng, int(rng.integers(4, 10)))
+def _episode(rng: np.random.Generator, number: int, end: str, horizon: int) -> dict[str, NDArray[Any]]:
+    columns = _rows(rng, int(rng.integers(4, horizon + 1)))
     columns["episode"][:] = number
     columns["step"][:] = np.arange(len(columns["step"]))
     if end == "touched":

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from harness.reward import Array, Carry, Reward, Sample
-from harness.testing.rewards.samples import NUM_ENVS, edge_samples, pay, play, random_samples, sample_of
+from harness.testing.rewards.long_episodes import a_long_episode_is_paid, nothing_is_kept_of_a_step
+from harness.testing.rewards.samples import HORIZON, NUM_ENVS, edge_samples, pay, play, random_samples, sample_of
 from harness.testing.rewards.standard_array import StandardArray
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -34,9 +35,9 @@ def values_have_one_float_per_env(reward: Reward) -> None:
 
 @check("reward-finite")
 def values_are_finite(reward: Reward) -> None:
-    """No value is NaN or infinite on random episodes."""
+    """No value is NaN or infinite in random episodes of 100 steps, which is as long as the default task's may be."""
     for seed in range(10):
-        _require_finite(reward, random_samples(seed))
+        _require_finite(reward, random_samples(seed, steps=HORIZON))
 
 
 @check("reward-finite-edges")
@@ -145,12 +146,14 @@ REWARD_CHECKS: tuple[Check, ...] = (
     a_batch_is_paid_as_its_envs_alone,
     any_array_library_will_do,
     no_event_is_paid,
+    a_long_episode_is_paid,
+    nothing_is_kept_of_a_step,
 )
 
 
 def _require_finite(reward: Reward, samples: list[Sample]) -> None:
-    for sample, value in zip(samples, play(reward, samples)[1], strict=True):
-        require(np.isfinite(value).all(), "the value is {} at distances {} m", value, sample.distance)
+    for step, (sample, value) in enumerate(zip(samples, play(reward, samples)[1], strict=True), 1):
+        require(np.isfinite(value).all(), "the value is {} at distances {} m, step {}", value, sample.distance, step)
 
 
 def _values_at(reward: Reward, distances: Array) -> Array:

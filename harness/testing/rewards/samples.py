@@ -5,6 +5,8 @@ import numpy as np
 from harness.reward import Array, Carry, Reward, Sample
 
 STEPS, NUM_ENVS = 20, 4
+HORIZON = 100
+"""Steps of a whole episode of the default task, ``fd100-reach``."""
 
 
 def random_samples(seed: int, num_envs: int = NUM_ENVS, steps: int = STEPS) -> list[Sample]:

@@ -26,6 +26,7 @@ from harness.testing.simulators.frames import (
     frames_were_tried,
     render_gives_a_frame_or_says_why_not,
 )
+from harness.testing.simulators.long_runs import nothing_is_kept_of_a_period
 from harness.testing.simulators.partial_periods import parts_of_a_period_add_up
 from harness.testing.simulators.placing import (
     place_puts_the_arm_there_at_rest,
@@ -103,6 +104,7 @@ SIMULATOR_CHECKS: tuple[Check, ...] = (
     resting_arms_change_nothing,
     render_gives_a_frame_or_says_why_not,
     frames_show_the_target,
+    nothing_is_kept_of_a_period,
     close_can_be_called_twice,
     SERVO_CONTRACT,
     *SERVO_CHECKS,

@@ -1,19 +1,26 @@
 """What a state tells: shapes, types, finite numbers, and an end effector that fits the joints."""
 
+from itertools import cycle, islice
+
 import numpy as np
 
 from harness.robot import Robot
 from harness.simulator import Simulator, State
 from harness.testing.simulators.simulations import (
     NUM_ENVS,
+    PERIOD,
     copied,
     dive_into_the_ground,
     drive_out_and_back,
     opened,
     poses_near_home,
+    ramps,
+    start_at_home,
 )
 from harness.testing.violations import check, require
 
+HORIZON = 100
+"""Control periods of a whole episode of the default task, ``fd100-reach``."""
 MAX_OFFSET = 1e-6
 """Of the end effector from where the kinematics put it, [m]."""
 
@@ -40,11 +47,12 @@ def states_are_float64_and_bool(simulator: Simulator, robot: Robot) -> None:
 
 @check("sim-finite")
 def states_are_finite(simulator: Simulator, robot: Robot) -> None:
-    """No number is NaN or infinite, neither in free motion nor against the ground."""
+    """No number is NaN or infinite in an episode of 100 periods, neither in free motion nor against the ground."""
     with opened(simulator, robot) as simulation:
-        for state in [*drive_out_and_back(simulation, robot), *dive_into_the_ground(simulation, robot)]:
-            for name, array in zip(State._fields, state, strict=True):
-                require(np.isfinite(array).all(), "{} is {}", name, array)
+        _require_finite([start_at_home(simulation, robot)])
+        for targets in islice(cycle(ramps(robot, NUM_ENVS)), HORIZON):
+            _require_finite([simulation.drive(targets, PERIOD)])
+        _require_finite(dive_into_the_ground(simulation, robot))
 
 
 @check("sim-end-effector")
@@ -55,3 +63,9 @@ def end_effector_is_that_of_the_robot(simulator: Simulator, robot: Robot) -> Non
         for state in [*driven, copied(simulation.place(poses_near_home(robot, NUM_ENVS)))]:
             error = np.linalg.norm(state.end_effector - robot.end_effector(state.qpos), axis=-1).max()
             require(error < MAX_OFFSET, f"the end effector is {error:.2g} m from the robot's kinematics")
+
+
+def _require_finite(states: list[State]) -> None:
+    for state in states:
+        for name, array in zip(State._fields, state, strict=True):
+            require(np.isfinite(array).all(), "{} is {}", name, array)

@@ -12,7 +12,7 @@ from harness.robot.inverse_kinematics import reach_position
 from harness.robot.load import load_robot
 from harness.task import Situation, Task, goal_of, varies
 from harness.testing.ideal import IdealSimulator
-from harness.testing.tasks.goals import GOAL_CHECKS, are_met
+from harness.testing.tasks.goals import GOAL_CHECKS, are_met, decisions_of
 from harness.testing.trainings import NegativeDistance
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
@@ -25,7 +25,6 @@ SEARCHES = 8
 UNLIKELY = 1e-6
 """So seldom two draws of one distribution look as different."""
 NUM_ENVS = 3
-DECISIONS = 150
 
 
 def check_task(task: Task, robot: Robot | None = None) -> None:
@@ -183,7 +182,7 @@ def observations_are_in_their_bounds(task: Task, robot: Robot) -> None:
     """In random episodes, ends included, every observation is float32, has the bounds' size, and lies within them."""
     observation = task.observation(robot)
     low, high = observation.low, observation.high
-    for seen in _episodes(_env(task, robot)):
+    for seen in _episodes(_env(task, robot), decisions_of(task)):
         shape = (NUM_ENVS, len(low))
         require(seen.shape == shape and seen.dtype == np.float32, f"observations are {seen.dtype} {seen.shape}")
         require((seen >= low).all() and (seen <= high).all(), "an observation leaves its bounds: {}", seen)
@@ -299,11 +298,11 @@ def _env(task: Task, robot: Robot) -> ReachVectorEnv:
     return ReachVectorEnv(IdealSimulator(), robot, task, NegativeDistance(), NUM_ENVS)
 
 
-def _episodes(env: ReachVectorEnv) -> list[Float32]:
+def _episodes(env: ReachVectorEnv, decisions: int) -> list[Float32]:
     """What is seen under random actions, the last observations of ended episodes included."""
     env.action_space.seed(0)
     seen = [env.reset(seed=0)[0]]
-    for _ in range(DECISIONS):
+    for _ in range(decisions):
         observations, _, _, _, infos = env.step(env.action_space.sample())
         seen += [observations, infos.get("final_obs", observations)]
     return seen

@@ -1,5 +1,6 @@
 """What the goal of a task must satisfy. Each check takes the task and a robot; a task without a goal passes all."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,8 @@ POLISHED = 8
 EXACT = 1e-5
 """Of an error in its unit: rounding, and what is left of a search."""
 AIMS = ("position", "pose", None)
-DECISIONS = 60
+DECISIONS, LONGEST = 150, 1_200
+"""That are made in random episodes at least, and at most: a whole episode of any built-in task has no more."""
 
 
 @check("task-goal-words")
@@ -110,7 +112,7 @@ def goals_show_numbers_in_their_bounds(task: Task, robot: Robot) -> None:
     env = ReachVectorEnv(IdealSimulator(), robot, task, NegativeDistance(), 3)
     env.action_space.seed(0)
     env.reset(seed=0)
-    for _ in range(DECISIONS):
+    for _ in range(decisions_of(task)):
         env.step(env.action_space.sample())
         seen = goal.observe(env.episodes.situation)
         require(seen.shape == (3, len(low)), f"observe gives {seen.shape} for 3 arms and {len(low)} bounds")
@@ -125,6 +127,11 @@ GOAL_CHECKS: tuple[Check, ...] = (
     targets_move_from_where_they_are_set,
     goals_show_numbers_in_their_bounds,
 )
+
+
+def decisions_of(task: Task) -> int:
+    """The decisions of the longest episode and a fifth more, so that its end is seen; at least 150, at most 1,200."""
+    return min(max(DECISIONS, math.ceil(1.2 * task.horizon / task.decision_period)), LONGEST)
 
 
 def situations(task: Task, robot: Robot, goal: Goal, count: int = COUNT) -> Situation:

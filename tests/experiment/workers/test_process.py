@@ -28,12 +28,12 @@ def test_worker_imports_nothing_from_the_working_directory(
 ):
     """A folder there may be called as a package that a cell needs."""
     monkeypatch.chdir(tmp_path)
-    worker_process._start()
+    worker_process._start({})
     assert started == [[sys.executable, "-P", "-m", "harness.experiment.workers.worker"]]
 
 
 def test_worker_imports_from_where_its_parent_does(started: list[list[str]], monkeypatch: pytest.MonkeyPatch):
     """As ``python -m harness`` does it in a checkout that is not installed."""
     monkeypatch.setattr(sys, "path", [os.getcwd(), *sys.path])
-    worker_process._start()
+    worker_process._start({})
     assert started == [[sys.executable, "-m", "harness.experiment.workers.worker"]]
