@@ -6,9 +6,9 @@ reward may be computed again. Steps may come in several recordings: of each it i
 see `Line`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 
@@ -43,6 +43,16 @@ class Line:
     precision: float
     steps: int
     payments: frozenset[float]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        return {**asdict(self), "payments": sorted(self.payments)}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """What `to_json` told, also after a way through JSON."""
+        near, far = ((float(one), float(other)) for one, other in (data["near"], data["far"]))
+        return cls(near, far, data["precision"], data["steps"], frozenset(data["payments"]))
 
 
 @dataclass(frozen=True)

@@ -141,8 +141,8 @@ def _of_made(folder: Path) -> Iterator[Problem]:
     for parent in (folder, *_folders(folder / CELLS, "[!.]*")):
         for name in changed_since_made(parent):
             yield Problem((parent / name).relative_to(folder), f"it is not what {SUMS} beside it says", MADE_REMEDY)
-    for path in sorted((folder / DERIVED).glob("*/*")):
-        if not is_partial(path) and not is_whole(path, DERIVED_BYTES):
+    for path in sorted((folder / DERIVED).rglob("*")):
+        if not (path.is_dir() or is_partial(path)) and not is_whole(path, DERIVED_BYTES):
             yield Problem(path.relative_to(folder), "it is not what was made", MADE_REMEDY)
 
 

@@ -76,7 +76,7 @@ class CellResults:
     def recorded(self) -> Float:
         """What the cell's own reward paid, every row of the training, (rows,)."""
         what, made_of = f"{TRACE} reward", [self._kept.digest(TRACE)]
-        return self._kept.rewards(what, made_of, lambda: self._training_with_reward()["reward"])
+        return self._kept.array(what, made_of, lambda: self._training_with_reward()["reward"])
 
     def paid_by(self, payer: Payer) -> Float:
         """What another reward pays for every row of the training, (rows,).
@@ -85,7 +85,7 @@ class CellResults:
             Unscored: It cannot.
         """
         made_of = [self._kept.digest(TRACE), payer.fingerprint]
-        return self._kept.rewards(payer.choice.label, made_of, lambda: payer.pay(self._trace(TRACE, whole=False)))
+        return self._kept.array(payer.choice.label, made_of, lambda: payer.pay(self._trace(TRACE, whole=False)))
 
     def pays_recorded(self, payer: Payer, file: str = TRACE) -> bool:
         """Whether the cell's own reward still pays what is recorded; see `Payer.pays_recorded`."""

@@ -44,7 +44,8 @@ class DoneCells:
     def of(self, done: Manifest) -> CellResults:
         """The results of a done cell."""
         files = self._store.cell_folder(done.cell)
-        return CellResults(done.cell, files, self._fingerprinted, Kept(self._store.folder, files, done.files))
+        kept = Kept(self._store.folder, done.cell.id, files, done.files)
+        return CellResults(done.cell, files, self._fingerprinted, kept)
 
     def payer(self, choice: Choice) -> Payer:
         """What pays recorded runs again by a reward."""

@@ -1,9 +1,11 @@
-"""Results of a cell's files, which are computed once and kept beside them.
+"""Results of a cell's files, or of a recording's, which are computed once and kept beside them.
 
 ::
 
     derived/<cell id>/values                 numbers: metrics, returns, how many rows there are
-    derived/<cell id>/<what>-<key>.rewards   what a reward pays every row of the training trace
+    derived/<cell id>/<what>-<key>.array     what a reward pays every row of the training trace
+    derived/<cell id>/training/              the same of a recording of the cell, and its episodes
+    derived/<path of the recording>/         the same of a recording of no cell
 
 Whatever is kept has a key, a hash of all that it follows from: the SHA-256 of the files, the sources and parameters of
 the plugins, the code that puts them together. Nothing is believed under another key, nor what is not whole. The folder
@@ -16,6 +18,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,28 +32,39 @@ from harness.registry.sources import digest_of_modules
 
 VALUES = "values"
 FORMAT = 1
+NO_DIGESTS: Mapping[str, str] = MappingProxyType({})
 LARGEST = 2**31
-"""The most bytes of rewards that are kept, which is 268 million rows."""
+"""The most bytes of an array that are kept, which is 268 million rows."""
 MOST_VALUES = 64 * 2**20
 """The most bytes that are read of the numbers of one cell."""
-CODE = ("harness.metric", "harness.reward", "harness.record", "harness.score", "harness.results.cell_results")
+CODE = (
+    "harness.eta.rescaling",
+    "harness.metric",
+    "harness.record",
+    "harness.results.cell_results",
+    "harness.results.recordings",
+    "harness.reward",
+    "harness.score",
+)
 """Modules and packages that change the kept results, besides the plugins."""
 
 Number: TypeAlias = float | int | bool | None
 
 
 class Kept:
-    """The kept results of one cell."""
+    """The kept results of one cell, or of one recording."""
 
-    def __init__(self, experiment: Path, files: Path, digests: Mapping[str, str]) -> None:
-        """Read the numbers; rewards are read when they are asked for.
+    def __init__(self, folder: Path, name: str, files: Path, digests: Mapping[str, str] = NO_DIGESTS) -> None:
+        """Read the numbers; arrays are read when they are asked for.
 
         Args:
-            experiment: The experiment's folder.
-            files: The folder of the cell whose results they are.
+            folder: The experiment's folder, or another one in which recordings lie.
+            name: The cell's id, or the path of the recording in that folder.
+            files: The folder of the files whose results they are.
             digests: SHA-256 of its files by name, as its manifest names them; in cells of version 0.1 none.
         """
-        self._folder, self._files, self._owner = experiment / DERIVED / files.name, files, f"{FORMAT} {files.name}"
+        self._derived = folder / DERIVED
+        self._folder, self._files, self._owner = self._derived / name, files, f"{FORMAT} {name}"
         self._digests = dict(digests)
         self._values: dict[str, list[Any]] = {}
         self._changed = False
@@ -71,27 +85,31 @@ class Kept:
             made_of: Digests of everything that the number follows from.
             make: Computes the number. An error that it raises is passed on.
         """
+        number: Number = self.told(what, made_of, lambda: _plain(make()))
+        return number
+
+    def told(self, what: str, made_of: Sequence[str], make: Callable[[], Any]) -> Any:
+        """The plain data, as JSON has it, that `make` computes; see `number`."""
         key = _key(what, made_of)
         found = self._values.get(what)
         if found is not None and found[0] == key:
-            number: Number = found[1]
-            return number
-        made = _plain(make())
+            return found[1]
+        made = make()
         self._values[what] = [key, made]
         self._changed = True
         return made
 
-    def rewards(self, what: str, made_of: Sequence[str], make: Callable[[], Float]) -> Float:
-        """The array, (rows,), that `make` computes; see `number`."""
+    def array(self, what: str, made_of: Sequence[str], make: Callable[[], Float]) -> Float:
+        """The array, (numbers,), that `make` computes; see `number`."""
         key = _key(what, made_of)
         name = hashlib.sha256(what.encode()).hexdigest()[:8]
-        path = self._folder / f"{name}-{key}.rewards"
+        path = self._folder / f"{name}-{key}.array"
         content = read_keyed(path, f"{self._owner} {key}", LARGEST)
         if content is not None:
             return _unpack(content)
         made = make()
         self._write(path, f"{self._owner} {key}", _pack(made))
-        self._discard(old for old in self._folder.glob(f"{name}-*.rewards") if old != path)
+        self._discard(old for old in self._folder.glob(f"{name}-*") if old != path)
         return made
 
     def save(self) -> None:
@@ -104,7 +122,8 @@ class Kept:
 
     def _write(self, path: Path, key: str, content: bytes) -> None:
         """Write a file of kept results. If that fails, nothing is kept, since no report needs it."""
-        if self._folder.is_symlink() or self._folder.parent.is_symlink():
+        way = (place for place in (self._folder, *self._folder.parents) if place.is_relative_to(self._derived))
+        if any(place.is_symlink() for place in way):
             return  # a stranger's folder may point anywhere
         with suppress(OSError):
             self._folder.mkdir(parents=True, exist_ok=True)
@@ -137,9 +156,9 @@ def _code() -> str:
     return f"{FORMAT} {np.__version__} {digest_of_modules(CODE)}"
 
 
-def _pack(rewards: Float) -> bytes:
-    content: bytes = pa.compress(np.ascontiguousarray(rewards), codec="zstd", asbytes=True)
-    return len(rewards).to_bytes(8, "little") + content
+def _pack(numbers: Float) -> bytes:
+    content: bytes = pa.compress(np.ascontiguousarray(numbers), codec="zstd", asbytes=True)
+    return len(numbers).to_bytes(8, "little") + content
 
 
 def _unpack(content: bytes) -> Float:

@@ -9,6 +9,7 @@
 """
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,12 @@ HERE = Path(__file__).parent / "recordings_1"
 TOLD = json.loads((HERE / "returns.json").read_text())
 
 
+@pytest.fixture
+def here(tmp_path: Path) -> Path:
+    """A copy: what a report keeps is left in the folder."""
+    return Path(shutil.copytree(HERE, tmp_path / "here"))
+
+
 def _returns(study: Study) -> dict[str, Any]:
     return {
         manner: {f"{payer} pays {trained}": mean.mean for (payer, trained), mean in table.items()}
@@ -30,18 +37,18 @@ def _returns(study: Study) -> dict[str, Any]:
     }
 
 
-def test_loose_recordings_are_reported_as_before():
+def test_loose_recordings_are_reported_as_before(here: Path):
     """The same trainings, and the same mean returns."""
-    study = load_study(HERE / "loose")
+    study = load_study(here / "loose")
     assert sorted(study.runs.members) == [(reward, seed) for reward in ("own", "slow") for seed in (0, 1)]
     assert _returns(study) == TOLD["loose"]
 
 
-def test_experiment_in_an_environment_is_reported_as_before():
+def test_experiment_in_an_environment_is_reported_as_before(here: Path):
     """Its cells are done, and their returns are the same."""
-    (told,) = load_results(HERE / "experiment").studies
+    (told,) = load_results(here / "experiment").studies
     assert told.study is not None
-    assert len(told.study.runs.members) == len(Store.open(HERE / "experiment").read_plan().cells) == 4
+    assert len(told.study.runs.members) == len(Store.open(here / "experiment").read_plan().cells) == 4
     assert _returns(told.study) == TOLD["experiment"]
 
 

@@ -31,7 +31,7 @@ def _open_kept(tmp_path: Path) -> Callable[[], Kept]:
     """Opens what is kept of one cell, as a new process does."""
     (tmp_path / "cell").mkdir()
     (tmp_path / "cell" / "file").write_text("content")
-    return lambda: Kept(tmp_path, tmp_path / "cell", {})
+    return lambda: Kept(tmp_path, "cell", tmp_path / "cell", {})
 
 
 @pytest.fixture(name="folder")
@@ -44,7 +44,7 @@ def made_again(open_kept: Callable[[], Kept], made_of: str = "x") -> list[int]:
     number, rewards = Maker(0.5), Maker(REWARDS)
     kept = open_kept()
     assert kept.number("number", [made_of], number) == 0.5
-    np.testing.assert_array_equal(kept.rewards("rewards", [made_of], rewards), REWARDS)
+    np.testing.assert_array_equal(kept.array("rewards", [made_of], rewards), REWARDS)
     kept.save()
     return [number.calls, rewards.calls]
 
@@ -66,7 +66,7 @@ def test_rewards_of_before_are_removed(open_kept: Callable[[], Kept], folder: Pa
     """A folder does not fill with what nobody asks for any more."""
     made_again(open_kept, "x")
     made_again(open_kept, "y")
-    assert len(list(folder.glob("*.rewards"))) == 1
+    assert len(list(folder.glob("*.array"))) == 1
 
 
 def test_other_code_makes_all_again(open_kept: Callable[[], Kept], monkeypatch: pytest.MonkeyPatch):
@@ -91,7 +91,7 @@ def test_files_of_another_cell_are_not_believed(open_kept: Callable[[], Kept], f
     """Whole as they are."""
     made_again(open_kept)
     folder.rename(folder.with_name("other"))
-    assert made_again(lambda: Kept(tmp_path, tmp_path / "other", {})) == [1, 1]
+    assert made_again(lambda: Kept(tmp_path, "other", tmp_path / "other", {})) == [1, 1]
 
 
 def test_folder_that_allows_no_writing_keeps_nothing(open_kept: Callable[[], Kept], tmp_path: Path):
@@ -133,7 +133,7 @@ def test_error_passes(open_kept: Callable[[], Kept]):
 
 def test_digest_is_the_manifest_s(open_kept: Callable[[], Kept], tmp_path: Path):
     """Who opens a cell has compared it with the file."""
-    assert Kept(tmp_path, tmp_path / "cell", {"file": "abc"}).digest("file") == "abc"
+    assert Kept(tmp_path, "cell", tmp_path / "cell", {"file": "abc"}).digest("file") == "abc"
 
 
 def test_digest_of_a_cell_without_any_is_taken(open_kept: Callable[[], Kept], tmp_path: Path):

@@ -141,18 +141,22 @@ class TrainingFacts:
             f"{BEHAVIOUR}{name}" for name in self.behaviour
         )
 
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        told = {name: value for name, value in asdict(self).items() if not (name in LATER and value == LATER[name])}
+        if self.bounds:  # JSON has no infinite numbers
+            told["bounds"] = {
+                name: [end if math.isfinite(end) else None for end in of] for name, of in self.bounds.items()
+            }
+        return told
+
     def write(self, path: Path) -> None:
         """Write them into a file of their own; the writer of the recording puts it in its place whole.
 
         Raises:
             OSError: The file cannot be written.
         """
-        told = {name: value for name, value in asdict(self).items() if not (name in LATER and value == LATER[name])}
-        if self.bounds:  # JSON has no infinite numbers
-            told["bounds"] = {
-                name: [end if math.isfinite(end) else None for end in of] for name, of in self.bounds.items()
-            }
-        path.write_bytes(seal({"format": FORMAT, **told}))
+        path.write_bytes(seal({"format": FORMAT, **self.to_json()}))
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -165,10 +169,15 @@ class TrainingFacts:
         data = read_sealed(path, "recording", newest=FORMAT, since=1)
         with reading(path, "recording"):
             require_form(FORM, data)
-            return cls._of(data)
+            return cls.from_json(data)
 
     @classmethod
-    def _of(cls, data: Mapping[str, Any]) -> Self:
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """What `to_json` told, also after a way through JSON.
+
+        Raises:
+            ValueError: Names stand twice, or actions have too many numbers.
+        """
         rewards, behaviour, seed = tuple(data["rewards"]), tuple(data["behaviour"]), data["seed"]
         if data["trained_with"] not in rewards:
             raise ValueError(f"it was trained with {data['trained_with']!r}, which is none of its rewards")

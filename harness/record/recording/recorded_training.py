@@ -1,7 +1,7 @@
 """Reads the folder of a recorded training."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,8 @@ CALLS = ("seed", "resets", ANSWER)
 STEPS = "steps-"
 """What the names of the parts begin with."""
 
+FILES = ("recording-*.json", f"{STEPS}*.parquet", "scores-*.parquet")
+"""Patterns of the files that a recording is read from."""
 _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
 
 
@@ -77,11 +79,15 @@ def recordings_in(folder: Path) -> Iterator[Path]:
     return (path.parent for path in folder.rglob(facts_name(0)))
 
 
-def read_recording(folder: Path) -> RecordedTraining:
+def read_recording(folder: Path, only: Collection[str] | None = None) -> RecordedTraining:
     """Read a recorded training, one that is still going on too: as far as it was written.
 
     Rewards that were written later and have paid its steps again (`harness.record.recording.scores`) are among its own.
     Where several recorders wrote it, their envs are numbered on: those of recorder 1 follow those of recorder 0.
+
+    Args:
+        folder: Of the training.
+        only: Columns of rewards and measures that are read; None for all of them.
 
     Raises:
         SchemaError: It is damaged, is no recording, or its recorders were given different rewards.
@@ -95,7 +101,7 @@ def read_recording(folder: Path) -> RecordedTraining:
             )
         facts = [TrainingFacts.read(folder / facts_name(number)) for number in numbers]
         _require_alike(folder, numbers, facts)
-        tables = [read_steps(folder, number, one) for number, one in zip(numbers, facts, strict=True)]
+        tables = [read_steps(folder, number, one, only=only) for number, one in zip(numbers, facts, strict=True)]
         scores = [
             read_scores(folder / scores_name(number), len(table["time"]))
             for number, table in zip(numbers, tables, strict=True)
@@ -115,6 +121,11 @@ def recorder_numbers(folder: Path) -> list[int]:
     if len(numbers) > MOST_RECORDERS:
         raise SchemaError(f"{folder} has {len(numbers):,} recorders, {MOST_RECORDERS:,} are allowed")
     return numbers
+
+
+def recording_files(folder: Path) -> list[str]:
+    """Names of the files in a folder that a recording is read from."""
+    return sorted(path.name for pattern in FILES for path in folder.glob(pattern))
 
 
 def facts_name(number: int) -> str:
@@ -142,7 +153,9 @@ def action_columns(facts: TrainingFacts) -> list[str]:
     return [f"action_{number}" for number in range(facts.actions.size if facts.actions else 0)]
 
 
-def read_steps(folder: Path, number: int, facts: TrainingFacts, with_calls: bool = False) -> dict[str, NDArray[Any]]:
+def read_steps(
+    folder: Path, number: int, facts: TrainingFacts, with_calls: bool = False, only: Collection[str] | None = None
+) -> dict[str, NDArray[Any]]:
     """All steps of one recorder, by column.
 
     Args:
@@ -150,12 +163,14 @@ def read_steps(folder: Path, number: int, facts: TrainingFacts, with_calls: bool
         number: Of the recorder.
         facts: What it tells of itself.
         with_calls: Whether to read the actions too, and what else a new env has to be told.
+        only: Columns of rewards and measures that are read; None for all of them.
 
     Raises:
         SchemaError: A part is damaged or missing.
     """
     schema = part_schema(facts)
     names = schema.names if with_calls else schema.names[: schema.get_field_index(FLAGS[-1]) + 1]
+    names = [name for name in names if only is None or name in only or name not in facts.numbers]
     parts = [read_part(folder / part_name(number, part), schema, names) for part in range(part_count(folder, number))]
     for part, table in enumerate(parts[:-1]):
         if len(table) != PART_ROWS:
@@ -204,7 +219,7 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Mapping[str, NDA
         raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
     if min(columns["episode"].min(), columns["step"].min()) < 0:
         raise SchemaError(f"{folder} has a step or an episode below 0")
-    for name in facts.numbers:
+    for name in columns.keys() & {*facts.numbers}:
         if np.isinf(columns[name]).any():
             raise SchemaError(f"{folder}: {name} is infinite")
 
@@ -241,7 +256,7 @@ def _united(facts: Sequence[TrainingFacts], tables: Sequence[Mapping[str, NDArra
             cut=sum(one.cut for one in facts),
         ),
         env=env,
-        rewards={name: columns[f"{REWARD}{name}"] for name in first.rewards},
-        behaviour={name: columns[f"{BEHAVIOUR}{name}"] for name in first.behaviour},
+        rewards={name: columns[f"{REWARD}{name}"] for name in first.rewards if f"{REWARD}{name}" in columns},
+        behaviour={name: columns[f"{BEHAVIOUR}{name}"] for name in first.behaviour if f"{BEHAVIOUR}{name}" in columns},
         **{name: columns[name] for name in ("time", "episode", "step", *FLAGS)},
     )

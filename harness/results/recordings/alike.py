@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import permutations
+from typing import Any, Self
 
 import numpy as np
 
@@ -26,6 +27,17 @@ class Likeness:
     digest: str
     lines: Mapping[tuple[str, str], Line | None]
     paid_alike: frozenset[tuple[str, str]]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; `from_json` gives the same back."""
+        lines = [[*names, line and line.to_json()] for names, line in self.lines.items()]
+        return {"digest": self.digest, "lines": lines, "paid_alike": sorted(self.paid_alike)}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """What `to_json` told, also after a way through JSON."""
+        lines = {(one, other): line and Line.from_json(line) for one, other, line in data["lines"]}
+        return cls(data["digest"], lines, frozenset((name, other) for name, other in data["paid_alike"]))
 
 
 def likeness_of(recording: RecordedTraining) -> Likeness:

@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.eta.interval import Bounds, are_within
-from harness.record.recording.facts import BEHAVIOUR, REWARD
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
 from harness.record.recording.recorded_training import RecordedTraining
 
 UNKNOWN = "not a number in some episodes"
@@ -42,6 +42,30 @@ class Episodes:
     returns: Mapping[str, Float]
     behaviour: Mapping[str, Float]
     reasons: Mapping[str, str]
+
+    @property
+    def numbers(self) -> Float:
+        """All of its arrays, a row each, (1 + rewards + measures, episodes); `of` makes the same of them again."""
+        return np.array([self.last, *self.returns.values(), *self.behaviour.values()], dtype=np.float64)
+
+    @classmethod
+    def of(cls, facts: TrainingFacts, numbers: Float) -> Self:
+        """The episodes of a recording.
+
+        Args:
+            facts: What is known of it beside its steps.
+            numbers: What `numbers` told of its episodes.
+        """
+        last, returns, behaviour = np.split(numbers, [1, 1 + len(facts.rewards)])
+        return cls(
+            last[0].astype(np.int64),
+            dict(zip(facts.rewards, returns, strict=True)),
+            dict(zip(facts.behaviour, behaviour, strict=True)),
+            {
+                failure.column: f"given up in step {failure.step:,} of episode {failure.episode:,}: {failure.reason}"
+                for failure in facts.failures
+            },
+        )
 
     def part(self, begin: int, end: int) -> Part:
         """The episodes that ended in the rows from `begin` to `end`, the latter not included."""
@@ -86,12 +110,9 @@ def episodes_of(recording: RecordedTraining) -> Episodes:
     ended = np.flatnonzero(recording.terminated | recording.truncated)
     most = int(recording.episode.max(initial=0)) + 1
     _, numbers = np.unique(recording.env.astype(np.int64) * most + recording.episode, return_inverse=True)
-    returns = {name: np.bincount(numbers, values)[numbers[ended]] for name, values in recording.rewards.items()}
-    given_up = {
-        failure.column: f"given up in step {failure.step:,} of episode {failure.episode:,}: {failure.reason}"
-        for failure in recording.facts.failures
-    }
-    return Episodes(ended, returns, {name: values[ended] for name, values in recording.behaviour.items()}, given_up)
+    returns = [np.bincount(numbers, values)[numbers[ended]] for values in recording.rewards.values()]
+    behaviour = [values[ended] for values in recording.behaviour.values()]
+    return Episodes.of(recording.facts, np.array([ended, *returns, *behaviour], dtype=np.float64))
 
 
 def cut_text(cut: int, episodes: int, horizon: int) -> str:

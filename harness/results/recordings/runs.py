@@ -13,11 +13,12 @@ from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.record.cell import NO_ROBOT
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
-from harness.record.recording.recorded_training import read_recording, recordings_in
+from harness.record.recording.recorded_training import recordings_in
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
-from harness.results.recordings.alike import Likeness, likeness_of
-from harness.results.recordings.episodes import Episodes, Part, cut_text, episodes_of
+from harness.results.recordings.alike import Likeness
+from harness.results.recordings.episodes import Episodes, Part, cut_text
+from harness.results.recordings.recording_results import RecordingResults
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
@@ -37,7 +38,7 @@ class Run:
     """One recorded training, its steps left in their files.
 
     Attributes:
-        path: Its folder.
+        recorded: What follows from its files.
         facts: What is known beside its steps.
         seed: Of the training, or the number that it was given.
         steps: How many environment steps are recorded.
@@ -46,13 +47,18 @@ class Run:
         evaluation: Those of its final policy, where they were recorded.
     """
 
-    path: Path
+    recorded: RecordingResults
     facts: TrainingFacts
     seed: int
     steps: int
     episodes: Episodes
     likeness: Likeness
     evaluation: "Run | None" = None
+
+    @property
+    def path(self) -> Path:
+        """Its folder."""
+        return self.recorded.path
 
     @property
     def reward(self) -> str:
@@ -71,7 +77,7 @@ class Run:
 
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, read from the files, (steps,)."""
-        return read_recording(self.path).rewards[reward]
+        return self.recorded.paid_by(reward)
 
 
 class Runs(NamedTuple):
@@ -221,15 +227,20 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
     runs, damaged = [], []
     for path in sorted(recordings_in(folder)) if only is None else only:
         try:
-            recording = read_recording(path)
+            runs.append(_read(folder, path))
         except SchemaError as error:
             damaged.append(str(error))
-            continue
-        seed = _seed_of(recording.facts)
-        number, whole = -1 if seed is None else seed, episodes_of(recording)
-        runs.append(Run(path, recording.facts, number, len(recording), whole, likeness_of(recording)))
     paid = {(run.reward, run.seed) for run in runs if run.facts.pay}
     return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
+
+
+def _read(folder: Path, path: Path) -> Run:
+    recorded = RecordingResults(folder, path)
+    facts = recorded.facts
+    seed = _seed_of(facts)
+    run = Run(recorded, facts, -1 if seed is None else seed, recorded.steps, recorded.episodes, recorded.likeness)
+    recorded.keep()
+    return run
 
 
 def _without_mistaken(run: Run) -> Run:

@@ -22,7 +22,7 @@ GIVEN: dict[str, Any] = {
 def paid_trainings(results: Results) -> dict[str, int]:
     """By the reward of a cell, how many rewards paid its training, its own among them."""
     folders = {cell.reward.label: results.folder / DERIVED / cell.id for cell in results.done_cells}
-    return {label: len(list(folder.glob("*.rewards"))) for label, folder in folders.items()}
+    return {label: len(list(folder.glob("*.array"))) for label, folder in folders.items()}
 
 
 def test_trainings_are_paid_by_what_they_are_compared_with(

@@ -1,0 +1,108 @@
+"""What follows from the files of one recording, each thing computed once; see `harness.results.kept`."""
+
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from harness.arrays import Float
+from harness.files.bounded import reading
+from harness.record.recording.facts import REWARD, TrainingFacts
+from harness.record.recording.recorded_training import RecordedTraining, read_recording, recording_files
+from harness.record.store import CELLS
+from harness.results.kept import Kept
+from harness.results.recordings.alike import Likeness, likeness_of
+from harness.results.recordings.episodes import Episodes, episodes_of
+
+WHAT = "recording"
+
+
+class RecordingResults:
+    """The results of one recording. Every method raises SchemaError if it has to read a file that is damaged.
+
+    The recording is held from the first method that needs its steps until `finish`.
+
+    Attributes:
+        path: Its folder.
+    """
+
+    def __init__(self, folder: Path, path: Path) -> None:
+        """Read nothing yet but what is kept.
+
+        Args:
+            folder: The folder that holds recordings: what is kept lies there.
+            path: The folder of this one.
+        """
+        self.path = path
+        self._kept = Kept(folder, _name_of(folder, path), path)
+        self._held: RecordedTraining | None = None
+
+    @cached_property
+    def facts(self) -> TrainingFacts:
+        """What is known of it beside its steps, rewards that were paid later included."""
+        return TrainingFacts.from_json(self._told["facts"])
+
+    @property
+    def steps(self) -> int:
+        """How many are recorded."""
+        steps: int = self._told["steps"]
+        return steps
+
+    @property
+    def likeness(self) -> Likeness:
+        """What its columns have in common."""
+        return Likeness.from_json(self._told["likeness"])
+
+    @property
+    def episodes(self) -> Episodes:
+        """All that ended."""
+        numbers = self._kept.array("episodes", self._made_of, self._numbers_of_episodes)
+        return Episodes.of(self.facts, numbers.reshape(1 + len(self.facts.numbers), -1))
+
+    def paid_by(self, reward: str) -> Float:
+        """What a reward pays for each step, (steps,)."""
+        return self._kept.array(f"paid by {reward}", self._made_of, lambda: self._column(reward))
+
+    def keep(self) -> None:
+        """Compute all of it, and keep it."""
+        for reward in self.facts.rewards:
+            self.paid_by(reward)
+        self.finish()
+
+    def finish(self) -> None:
+        """Keep what is new, and drop the recording."""
+        self._held = None
+        self._kept.save()
+
+    @cached_property
+    def _told(self) -> dict[str, Any]:
+        told: dict[str, Any] = self._kept.told(WHAT, self._made_of, self._tell)
+        return told
+
+    def _tell(self) -> dict[str, Any]:
+        recording = self._recording
+        likeness = likeness_of(recording).to_json()
+        return {"facts": recording.facts.to_json(), "steps": len(recording), "likeness": likeness}
+
+    @cached_property
+    def _made_of(self) -> list[str]:
+        with reading(self.path, "recording of a training"):
+            return [f"{name} {self._kept.digest(name)}" for name in recording_files(self.path)]
+
+    @property
+    def _recording(self) -> RecordedTraining:
+        if self._held is None:
+            self._held = read_recording(self.path)
+        return self._held
+
+    def _numbers_of_episodes(self) -> Float:
+        return episodes_of(self._recording).numbers.ravel()
+
+    def _column(self, reward: str) -> Float:
+        held = self._held or read_recording(self.path, only=[f"{REWARD}{reward}"])
+        return held.rewards[reward]
+
+
+def _name_of(folder: Path, path: Path) -> str:
+    """What the results of a recording are kept as: a cell's are with those of the cell."""
+    place = path.relative_to(folder)
+    return (place.relative_to(CELLS) if place.is_relative_to(CELLS) else place).as_posix()

@@ -1,0 +1,113 @@
+"""What follows from a recording's files: read once, and kept."""
+
+import json
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from harness.errors import SchemaError
+from harness.record.folder import DERIVED
+from harness.record.recording.recorded_training import read_recording
+from harness.results.recordings import load_study
+from harness.results.recordings.recording_results import RecordingResults
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """How often each Parquet file is opened."""
+    counts: Counter[str] = Counter()
+    real = pq.ParquetFile
+
+    def open_file(path: Path, **options: object) -> pq.ParquetFile:
+        counts[str(path)] += 1
+        return real(path, **options)
+
+    monkeypatch.setattr(pq, "ParquetFile", open_file)
+    return counts
+
+
+def _told(folder: Path) -> str:
+    return json.dumps(load_study(folder).to_json())
+
+
+def test_first_report_opens_each_file_once(study_folder: Path, opened: Counter[str]):
+    """For its episodes, and for what each reward paid."""
+    load_study(study_folder)
+    files = [str(path) for path in study_folder.rglob("steps-*.parquet")]
+    assert opened == dict.fromkeys(files, 1)
+
+
+def test_second_report_opens_no_file_and_says_the_same(study_folder: Path, opened: Counter[str]):
+    """All of it is kept."""
+    first = _told(study_folder)
+    opened.clear()
+    assert _told(study_folder) == first
+    assert not opened
+
+
+def test_report_says_the_same_without_what_is_kept(study_folder: Path):
+    """The folder may be removed at any time."""
+    first = _told(study_folder)
+    shutil.rmtree(study_folder / DERIVED)
+    assert _told(study_folder) == first
+
+
+def test_only_the_recording_that_changed_is_read_again(study_folder: Path, opened: Counter[str]):
+    """The digests of its files are not the same."""
+    load_study(study_folder)
+    opened.clear()
+    facts = study_folder / "plain-0" / "recording-0.json"
+    shutil.copyfile(study_folder / "plain-1" / "recording-0.json", facts)
+    with pytest.raises(Exception, match="plain-0"):  # two trainings of one seed now
+        load_study(study_folder)
+    assert {Path(path).parent.name for path in opened} == {"plain-0"}
+
+
+def test_damaged_file_is_found_although_everything_is_kept(study_folder: Path):
+    """It is one line of the report."""
+    load_study(study_folder)
+    (part,) = (study_folder / "plain-0").glob("steps-*.parquet")
+    content = bytearray(part.read_bytes())
+    content[len(content) // 2] ^= 1
+    part.write_bytes(content)
+    assert "plain-0" in "".join(load_study(study_folder).runs.damaged)
+
+
+def test_folder_that_allows_no_writing_is_read_all_the_same(study_folder: Path, opened: Counter[str]):
+    """Of a reward that is asked for later, its column alone is read."""
+    (study_folder / DERIVED).write_text("a file in the place of the folder")
+    results = RecordingResults(study_folder, study_folder / "plain-0")
+    results.keep()
+    opened.clear()
+    whole = read_recording(study_folder / "plain-0")
+    np.testing.assert_array_equal(results.paid_by("thrice"), whole.rewards["thrice"])
+    assert sum(opened.values()) == 2
+
+
+def test_columns_that_are_not_asked_for_are_not_read(study_folder: Path):
+    """The facts tell of all."""
+    read = read_recording(study_folder / "plain-0", only=["reward_thrice"])
+    assert [*read.rewards] == ["thrice"]
+    assert not read.behaviour
+    assert read.facts == read_recording(study_folder / "plain-0").facts
+
+
+def test_what_is_kept_is_what_was_recorded(study_folder: Path):
+    """Facts, episodes and likeness, also after a way through files."""
+    fresh = RecordingResults(study_folder, study_folder / "plain-0")
+    numbers = fresh.episodes.numbers
+    fresh.keep()
+    kept = RecordingResults(study_folder, study_folder / "plain-0")
+    assert kept.facts == fresh.facts == read_recording(study_folder / "plain-0").facts
+    assert (kept.steps, kept.likeness) == (fresh.steps, fresh.likeness)
+    np.testing.assert_array_equal(kept.episodes.numbers, numbers)
+
+
+def test_folder_without_a_recording_is_refused(tmp_path: Path):
+    """As by the reader."""
+    with pytest.raises(SchemaError, match="is no recording of a training"):
+        _ = RecordingResults(tmp_path, tmp_path / "nothing").facts
