@@ -47,7 +47,7 @@ def eta(
                 "--proposed-reward": proposed_reward, "--plugin": plugin,
             }
         )  # fmt: skip
-        return show_study(folder, curve, as_json=as_json, html=plot, details=True)
+        return show_study(folder, curve, None, as_json=as_json, html=plot, details=True)
     if baseline is None or proposed is None:
         missing = next(flag for flag, given in groups.items() if given is None)
         raise UsageError(

@@ -42,8 +42,8 @@ def report(
     if any(map(is_committed, folders)):
         return _show_committed(folders, as_json, [name for name, value in beside.items() if value])
     if holds_recordings(folders):
-        refuse_flags({"--summary": summary, "--metric": metric, "--plugin": plugin})
-        return show_study(folders[0], curve, as_json=as_json, html=html, details=details)
+        refuse_flags({"--summary": summary, "--plugin": plugin})
+        return show_study(folders[0], curve, metric, as_json=as_json, html=html, details=details)
     if len(folders) == 1:
         results = load_results(folders[0], curve, metric, plugin or ())
         _leave(results, folders, as_json, html, details, summary)

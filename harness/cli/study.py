@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from harness.cli.flags.shared import Names
 from harness.cli.lines import complain, say
 from harness.errors import UsageError
 
@@ -39,7 +40,7 @@ def refuse_flags(flags: Mapping[str, object]) -> None:
             raise UsageError(f"{flag} does not go with a folder of recorded trainings: leave it out")
 
 
-def show_study(folder: Path, kind: "Kind", *, as_json: bool, html: Path | None, details: bool) -> int:
+def show_study(folder: Path, kind: "Kind", metric: Names, *, as_json: bool, html: Path | None, details: bool) -> int:
     """Write and print what is asked for; the exit status, 1 where a recording is damaged.
 
     Raises:
@@ -51,7 +52,7 @@ def show_study(folder: Path, kind: "Kind", *, as_json: bool, html: Path | None, 
     from harness.report.trainings.table import study_overview, study_table
     from harness.results.recordings import load_study
 
-    study = load_study(folder, kind)
+    study = load_study(folder, kind, metric)
     if html is not None:
         write_study_page(study, html)
         say(f"Report: {html}", err=True)

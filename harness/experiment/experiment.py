@@ -28,12 +28,12 @@ from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
-from harness.registry.choice import choose
+from harness.registry.choice import choose, split_list
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
-from harness.results.metrics import load_metrics
+from harness.results.metrics import load_metrics, require_measures
 from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
@@ -74,7 +74,8 @@ class RunOptions:
         cell_time: Seconds that a cell may take; 0 for any number.
         cell_memory: GiB of memory that a cell may use; 0 for any number.
         fresh: Whether each cell gets a process of its own, instead of one that does several cells.
-        metrics: Which metrics the results tell, ``"work"``, several with commas; every registered one if None.
+        metrics: Which metrics the results tell, ``"work"``, several with commas; every registered one if None. In an
+            environment: which of its measures.
 
     Raises:
         UsageError: A number is out of range, or there is no such curve or choice.
@@ -268,7 +269,8 @@ class BegunRun:
         store, options, waiting = self.asked.store, self.asked.options, self.waiting
         # What else was begun stays too: run_cell says what becomes of it.
         store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-        ended = EndedCells(store, self.asked.registry, self.asked.plan, options.metrics)
+        metrics = None if self.asked.plan.is_in_environment else options.metrics
+        ended = EndedCells(store, self.asked.registry, self.asked.plan, metrics)
         trackers = Trackers(self.asked.trackers, on_trouble)
         tracking = Tracking(trackers, store.folder, read_left(store.folder))
         followed = Followed(store, ended, tracking, on_event, self.again)
@@ -328,12 +330,12 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
     require_given(experiment.plugins, given)
     registry = load_registry(given=given)
     executor, trackers = options.build_executor(registry), build_trackers(options.tracker, registry)
-    if options.metrics is not None:
-        load_metrics(registry, options.metrics)
     plan = expand(experiment, registry)
     if not plan.cells:
         reasons = dict.fromkeys(reason for _, reason in plan.skipped)
         raise UsageError(f"Nothing can be run: {'; '.join(reasons)}")
+    if options.metrics is not None:
+        _require_metrics(options.metrics, plan, registry)
     if options.only:
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))
@@ -342,6 +344,14 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
             f"--out '{store.folder}'", store.read_plan().cells, (*plan.cells, *(cell for cell, _ in plan.skipped))
         )
     return ExperimentRun(plan, store, registry, executor, options, trackers)
+
+
+def _require_metrics(names: str | Sequence[str], plan: Plan, registry: Registry) -> None:
+    """Raise UsageError unless there are these metrics, or these measures of the environment."""
+    if plan.is_in_environment:
+        require_measures(split_list(names), plan.measures)
+    else:
+        load_metrics(registry, names)
 
 
 def default_folder(plan: Plan) -> Path:

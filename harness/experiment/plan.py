@@ -132,6 +132,7 @@ class Plan:
         control: Where the baseline is compared with itself, the null control: by each seed the other seed that it is
             trained with again.
         warnings: What to know before anything is trained, a line each.
+        measures: If the task is an environment: what it measures, by name; the first one decides.
     """
 
     baseline: str
@@ -140,6 +141,12 @@ class Plan:
     resolved: dict[str, Any]
     control: Mapping[int, int] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    measures: tuple[str, ...] = ()
+
+    @property
+    def is_in_environment(self) -> bool:
+        """Whether the task is an environment."""
+        return any(cell.is_in_environment for cell in self.cells)
 
     @property
     def id(self) -> str:
@@ -274,6 +281,7 @@ def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
             "evaluation_horizon": horizon,
         },
         warnings=(*registry.broken_files(), *([] if looked.measures else [UNMEASURED])),
+        measures=looked.measures,
     )
 
 

@@ -23,7 +23,7 @@ from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
 from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
 from harness.eta.swaps import corrected_where_known, smallest_p
-from harness.record.cell import EVALUATION_HORIZON, Cell
+from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, Cell
 from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.results.mixture import Mixture
@@ -56,10 +56,11 @@ class Group(NamedTuple):
 
     @property
     def labels(self) -> dict[str, str]:
-        """The labels of what was chosen, by kind, without what is compared."""
+        """The labels of what was chosen, by kind, without what is compared; an environment has no robot."""
         chosen = {"simulator": self.simulator, "algorithm": self.algorithm, "reward": self.reward}
-        labels = {kind: choice.label for kind, choice in chosen.items() if choice is not None}
-        return {**labels, "robot": self.robot, "task": self.task.label}
+        labels = {kind: choice.label for kind, choice in chosen.items() if choice not in (None, NO_SIMULATOR)}
+        robot = {} if self.robot == NO_ROBOT else {"robot": self.robot}
+        return {**labels, **robot, "task": self.task.label}
 
     @property
     def title(self) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from harness.errors import Unmeasured, one_line
+from harness.errors import Unmeasured, UsageError, one_line
 from harness.eta.behaviour_change import Measure
 from harness.eta.headline import DECIDING
 from harness.eta.interval import are_bounds
@@ -12,6 +12,7 @@ from harness.metric import Metric, bounds_of, is_error, is_share
 from harness.record.manifest import Manifest
 from harness.record.trace import Trace
 from harness.registry.choice import Choice, choose, split_list
+from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.results.measured import unmeasured_if_it_raises
@@ -49,6 +50,18 @@ def load_metrics(registry: Registry, names: Iterable[str] | None = None) -> dict
     deciding = [name for name in DECIDING if name in registry.names("metrics")]
     chosen = dict.fromkeys(choose(registry, "metrics", name) for name in [*deciding, *split_list(names)])
     return {choice.label: choice.build(registry, "metrics") for choice in chosen}
+
+
+def require_measures(names: Iterable[str], there: Iterable[str]) -> None:
+    """See that an environment has these measures of behaviour.
+
+    Raises:
+        UsageError: It lacks one; says which there are.
+    """
+    known = list(there)
+    for name in names:
+        if name not in known:
+            raise UsageError(unknown_name("measure", name, known))
 
 
 def measure_of(name: str, metric: Metric, manner: str, episodes: int, manifest: Manifest) -> Measure:

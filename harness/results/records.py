@@ -16,7 +16,7 @@ from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
 from harness.record.trace import Trace
-from harness.registry.choice import Choice
+from harness.registry.choice import Choice, split_list
 from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
 from harness.results.cell_results import CellResults
@@ -66,12 +66,18 @@ class Records:
         self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
         self._found: dict[str, CellResults] = {}
         self._curves: dict[tuple[str, ...], GroupCurve] = {}
-        self._cells = DoneCells(self.store, registry, metrics)
+        self._cells = DoneCells(self.store, registry, None if self.is_in_environment else metrics)
+        self._shown = None if metrics is None else tuple(split_list(metrics))
 
     @property
     def metrics(self) -> dict[str, Metric]:
         """Every registered metric, or those that were chosen, by name; empty if the task is an environment."""
         return {} if self.is_in_environment else self._cells.metrics
+
+    @property
+    def shown_measures(self) -> tuple[str, ...] | None:
+        """In an environment: the measures that were chosen, beside the one that decides; None for all of them."""
+        return self._shown if self.is_in_environment else None
 
     @property
     def is_in_environment(self) -> bool:

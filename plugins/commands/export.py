@@ -1,6 +1,8 @@
 """``harness export``: trained policies and their trainings for other programs."""
 
 import importlib
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -12,6 +14,7 @@ from harness.policy import CARD, Network, load_policy
 from harness.policy.folder import read_folder
 from harness.record.folder import POLICY
 from harness.record.out_folder import make_folder, storage_errors
+from harness.record.store import Store
 
 
 class Form(NamedTuple):
@@ -30,7 +33,10 @@ TORCHSCRIPT = Form("harness_plugins.exporters.torch_script", "torch", "sb3")
 def export(
     folder: Annotated[
         Path,
-        typer.Argument(help="A cell's folder, or the folder of a policy; for --csv an experiment's.", metavar="DIR"),
+        typer.Argument(
+            help="A cell's folder, or that of a policy; for --csv an experiment's, or one with recordings.",
+            metavar="DIR",
+        ),
     ],
     onnx: Annotated[Path | None, typer.Option(help="Write an ONNX model to this file.", metavar="FILE")] = None,
     torchscript: Annotated[
@@ -72,20 +78,31 @@ def _write_models(folder: Path, files: dict[Path, Form]) -> None:
 def _write_runs(folder: Path, out: Path) -> int:
     """Write the trainings as CSV files; the exit status, 1 if a cell is damaged."""
     from harness.results import load_results
+    from harness.results.recordings.runs import has_recordings
 
-    from ..exporters.csv_runs import write_runs
+    from ..exporters.csv_runs import write_recordings, write_runs
 
+    if folder.is_dir() and not Store.is_experiment(folder) and has_recordings(folder):
+        _tell(_written(out, partial(write_recordings, folder)))
+        return 0
     results = load_results(folder)
     if not results.done:
         raise UsageError(f"'{folder}' has no finished cell to export")
-    make_folder(out)
-    with storage_errors(out):
-        written = write_runs(results, out)
-    for place, count in written.items():
-        typer.echo(f"{place}: {count} {'run' if count == 1 else 'runs'}", err=True)
+    _tell(_written(out, partial(write_runs, results)))
     if results.damaged:
         typer.echo(f"Left out, damaged: {len(results.damaged)} cells; harness verify '{folder}' names them", err=True)
     return 1 if results.damaged else 0
+
+
+def _written(out: Path, write: Callable[[Path], dict[Path, int]]) -> dict[Path, int]:
+    make_folder(out)
+    with storage_errors(out):
+        return write(out)
+
+
+def _tell(written: dict[Path, int]) -> None:
+    for place, count in written.items():
+        typer.echo(f"{place}: {count} {'run' if count == 1 else 'runs'}", err=True)
 
 
 def _network_in(folder: Path) -> tuple[Network, dict[str, Any]]:

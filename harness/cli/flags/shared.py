@@ -63,7 +63,7 @@ MetricNames = Annotated[
     Names,
     typer.Option(
         "--metric",
-        help="Metrics to show. Success and time to the target are always shown: they decide the verdict.",
+        help="Metrics to show, or measures of an environment. What decides the verdict is always shown.",
         show_default="all",
         metavar="NAME,...",
         autocompletion=names_of("metrics"),

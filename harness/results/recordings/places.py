@@ -8,6 +8,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
 from harness.record.store import REPORT
 from harness.results.comparison import Group
+from harness.results.metrics import require_measures
 from harness.results.recordings.runs import Runs, read_runs
 from harness.results.recordings.study import Study, compare_all
 from harness.results.records import Records
@@ -36,11 +37,17 @@ def studies_of(results: Records) -> tuple[PlaceStudy, ...]:
     """The studies of an experiment whose task is an environment. A group without a done cell is left out.
 
     The claims of all studies are corrected together.
+
+    Raises:
+        UsageError: A measure was chosen that no environment has.
     """
     told = results.plan.experiment.get("measure")  # a folder of anybody: whatever stands there
     deciding = [name for name in told if isinstance(name, str)] if isinstance(told, list) else []
     read = {group: _runs_of(results, cells, deciding) for group, cells in results.groups.items()}
     compared = {group: runs for group, runs in read.items() if not isinstance(runs, str)}
+    if compared and results.shown_measures is not None:
+        require_measures(results.shown_measures, {name for runs in compared.values() for name in runs.measures})
+        compared = {group: runs.showing(results.shown_measures) for group, runs in compared.items()}
     studies = dict(zip(compared, compare_all(results.folder, list(compared.values()), results.kind), strict=True))
     return tuple(
         PlaceStudy(group, tuple(cells), studies[group], "")

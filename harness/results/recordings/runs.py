@@ -1,10 +1,10 @@
 """The recorded trainings below a folder, read once, and what makes them one study."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
@@ -109,6 +109,10 @@ class Runs(NamedTuple):
     def env(self) -> str:
         """The name of the env."""
         return self.group.task.label
+
+    def showing(self, names: Collection[str]) -> Self:
+        """The same with these measures alone, and the one that decides."""
+        return self._replace(measures=self.measures[:1] + tuple(it for it in self.measures[1:] if it in names))
 
     def of(self, reward: str) -> list[Run]:
         """Trainings with a reward, by seed."""

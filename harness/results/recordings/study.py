@@ -1,6 +1,6 @@
 """All recorded trainings of a folder, compared."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, islice
 from pathlib import Path
@@ -10,7 +10,9 @@ from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.swaps import smallest_p, swaps_of
+from harness.registry.choice import split_list
 from harness.results.comparison import Comparison, correct
+from harness.results.metrics import require_measures
 from harness.results.recordings.compare import compare
 from harness.results.recordings.runs import EVALUATION, MANNERS, Runs, read_runs
 
@@ -70,17 +72,23 @@ class Study:
         }
 
 
-def load_study(folder: str | Path, kind: Kind = "accumulated") -> Study:
+def load_study(folder: str | Path, kind: Kind = "accumulated", metrics: Iterable[str] | str | None = None) -> Study:
     """The recorded trainings in a folder, at any depth, compared.
 
     Args:
         folder: Where they lie.
         kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
+        metrics: Which measures of behaviour, beside the one that decides, several with commas; all of them if None.
 
     Raises:
-        UsageError: There are none, or none that can be compared.
+        UsageError: There are none, or none that can be compared, or a measure is not recorded.
     """
-    (study,) = compare_all(Path(folder), [read_runs(Path(folder))], kind)
+    runs = read_runs(Path(folder))
+    if metrics is not None:
+        shown = split_list(metrics)
+        require_measures(shown, runs.measures)
+        runs = runs.showing(shown)
+    (study,) = compare_all(Path(folder), [runs], kind)
     return study
 
 

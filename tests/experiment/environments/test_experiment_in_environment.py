@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow.csv
 import pytest
 
 from harness.cli import main
@@ -32,6 +33,7 @@ from harness.record.verify import verify
 from harness.registry.given import Given, read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
+from harness_plugins.exporters.csv_runs import write_runs
 
 TOY = Path(__file__).with_name("toy.py")
 STEPS = 32
@@ -386,6 +388,44 @@ def test_a_study_compares_the_cells(results: Results):
     assert results.combinations == told.study.comparisons
     assert results.combinations[0].group.task.label == "toy"
     assert all(run.evaluation is not None for run in told.study.runs.members.values())
+
+
+@pytest.mark.parametrize(("asked", "shown"), [("distance", ("success", "distance")), ("success", ("success",))])
+def test_chosen_measures_are_shown_beside_the_one_that_decides(folder: Path, asked: str, shown: tuple[str, ...]):
+    """No other claim is made."""
+    (told,) = load_results(folder, metrics=asked, plugins=[TOY]).studies
+    assert told.study is not None
+    (comparison,) = told.study.comparisons
+    assert told.study.runs.measures == tuple(dict.fromkeys(change.name for change in comparison.changes)) == shown
+
+
+def test_measure_that_no_environment_has_is_refused(folder: Path):
+    """With those that there are."""
+    results = load_results(folder, metrics="distence", plugins=[TOY])
+    with pytest.raises(UsageError, match=r"No measure 'distence'\. There is: distance, success\. Did you mean"):
+        _ = results.studies
+
+
+def test_measure_that_no_environment_has_is_refused_before_a_run(registry: Registry, tmp_path: Path):
+    """Nothing is written."""
+    asked = {"task": "toy", "algo": "random", "steps": STEPS}
+    options = RunOptions(out=tmp_path / "new", metrics="work")
+    with pytest.raises(UsageError, match="No measure 'work'"):
+        prepare(check_experiment(asked), options, read_given([TOY]))
+    assert not (tmp_path / "new").exists()
+
+
+def test_trainings_are_exported_as_csv(results: Results, tmp_path: Path):
+    """A row for each step, every number as it was recorded."""
+    written = write_runs(results, tmp_path)
+    assert written == {tmp_path / "random-toy" / reward: 2 for reward in ("near", "right")}
+    cell = next(cell for cell in results.done_cells if (cell.reward.name, cell.seed) == ("near", 1))
+    recorded = read_recording(results.store.cell_folder(cell) / "training")
+    table = pyarrow.csv.read_csv(tmp_path / "random-toy" / "near" / "seed-1.csv")
+    assert table.column_names[:4] == ["time", "env", "episode", "step"]
+    np.testing.assert_array_equal(table["reward_right"], recorded.rewards["right"])
+    np.testing.assert_array_equal(table["behaviour_distance"], recorded.behaviour["distance"])
+    np.testing.assert_array_equal(table["truncated"], recorded.truncated)
 
 
 def test_commands_that_need_an_arm_say_so(results: Results):

@@ -194,6 +194,14 @@ def test_damaged_cell_is_left_out_of_the_trainings(call, experiment: Path, tmp_p
     assert "Left out, damaged: 1 cells" in told
 
 
+def test_recordings_of_no_experiment_are_written(call, tmp_path: Path):
+    """Each under its own path, and those of final policies too."""
+    loose = Path(__file__).parents[2] / "compatibility" / "recordings_1" / "loose"
+    assert call(loose, "--csv", "--out", "runs")[0] == 0
+    files = {path.relative_to(tmp_path / "runs").as_posix() for path in (tmp_path / "runs").rglob("*.csv")}
+    assert {"own-0.csv", "own-0/evaluation.csv", "slow-1.csv"} <= files
+
+
 @pytest.mark.parametrize("flags", [["--csv"], ["--out", "runs"], ["--csv", "--out", "runs", "--onnx", "model.onnx"]])
 def test_flags_that_do_not_go_together_are_refused(call, cell: Path, flags: list[str]):
     """Before anything is written."""

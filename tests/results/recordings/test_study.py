@@ -69,6 +69,18 @@ def test_an_evaluation_without_its_training_is_left_out(tmp_path):
     assert "it evaluates plain of seed 7, whose training is not in" in note
 
 
+def test_chosen_measures_are_compared_alone(study_folder):
+    """Beside the one that decides."""
+    assert load_study(study_folder, metrics="success").runs.measures == ("success",)
+    assert load_study(study_folder, metrics=["arm"]).runs.measures == ("success", "arm")
+
+
+def test_measure_that_is_not_recorded_is_refused(study_folder):
+    """With those that are."""
+    with pytest.raises(UsageError, match=r"No measure 'leg'\. There is: arm, success"):
+        load_study(study_folder, metrics="leg")
+
+
 def test_returns_are_means_over_episodes_then_over_seeds(study_folder):
     """Of the last fifth: those of its episodes alone."""
     split = load_study(study_folder).comparisons[0].returns[LAST]

@@ -1,0 +1,45 @@
+"""How the kit tells memory that grows from caches that fill and empty."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from harness.testing.memory import PLAYS, require_nothing_kept
+
+STEPS = 100
+KEPT: list[bytes] = []
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> Iterator[None]:
+    KEPT.clear()
+    yield
+    KEPT.clear()
+
+
+def test_what_keeps_something_in_every_play_is_told():
+    """With its size."""
+    with pytest.raises(AssertionError, match=r"bytes were kept of 100 steps, .* memory grows without bound"):
+        require_nothing_kept(lambda: KEPT.extend(bytes(200) for _ in range(STEPS)), STEPS, "steps")
+
+
+def test_cache_that_fills_now_and_then_is_allowed():
+    """As those of libraries: in the next play nothing is added."""
+    sizes = iter([0, 50_000, 50_000, 0])
+    require_nothing_kept(lambda: KEPT.append(bytes(next(sizes))), STEPS, "steps")
+
+
+def test_cache_that_was_filled_at_the_beginning_is_allowed():
+    """By the first play."""
+    sizes = iter([1_000_000, 0])
+    require_nothing_kept(lambda: KEPT.append(bytes(next(sizes))), STEPS, "steps")
+
+
+def test_it_is_played_no_more_than_it_takes():
+    """Twice if nothing is kept, else until the end."""
+    calls: list[int] = []
+    require_nothing_kept(lambda: calls.append(0), STEPS, "steps")
+    assert len(calls) == 2
+    with pytest.raises(AssertionError):
+        require_nothing_kept(lambda: calls.append(KEPT.append(bytes(10_000)) or 0), STEPS, "steps")
+    assert len(calls) == 2 + 1 + PLAYS
