@@ -2,14 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
-from harness.arrays import Float
+from harness.arrays import Float, Float32, Mask
 from harness.policy import Policy
 from harness.progress import Progress
 
 if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
+    from gymnasium import Space
+
     from harness.robot import Robot
     from harness.task import Task
 
@@ -30,6 +31,53 @@ class Goals:
     achieved: slice
     desired: slice
     pay: Callable[[Float, Float], Float]
+
+
+class TrainingEnv(Protocol):
+    """The vector env that an algorithm trains on: many arms of a task, or many copies of somebody's environment.
+
+    It has the members of a `gymnasium.vector.VectorEnv` that are named here, and begins the next episode of an env in
+    the step that ends one (`gymnasium.vector.AutoresetMode.SAME_STEP`). The arm's env is `harness.env.ReachVectorEnv`.
+    """
+
+    @property
+    def num_envs(self) -> int:
+        """How many envs it has."""
+
+    @property
+    def environment_steps(self) -> int:
+        """Steps taken so far, counted over all envs."""
+
+    @property
+    def observation_space(self) -> "Space[Any]":
+        """Of all envs together: a box of shape (num_envs, observation_size), float32."""
+
+    @property
+    def single_observation_space(self) -> "Space[Any]":
+        """Of one env: a box of shape (observation_size,), float32."""
+
+    @property
+    def action_space(self) -> "Space[Any]":
+        """Of all envs together."""
+
+    @property
+    def single_action_space(self) -> "Space[Any]":
+        """Of one env: a box, or a `gymnasium.spaces.Discrete`."""
+
+    def reset(self, *, seed: int | None = None) -> tuple[Float32, dict[str, Any]]:
+        """Begin an episode in every env; returns the observations, (num_envs, observation_size), and infos."""
+
+    def step(self, actions: Any) -> tuple[Float32, Float, Mask, Mask, dict[str, Any]]:
+        """A decision in every env.
+
+        Args:
+            actions: As `action_space` has them, (num_envs, action_size), or (num_envs,) where they are discrete.
+
+        Returns:
+            Observations, (num_envs, observation_size); what was paid, terminations and truncations, (num_envs,) each;
+            infos. These hold ``is_success``, (num_envs,), and where an episode ended ``final_obs``, its last
+            observation, with ``_final_obs``, the envs that have one.
+        """
 
 
 class Algorithm(Protocol):
@@ -60,12 +108,11 @@ class Algorithm(Protocol):
     def num_envs(self) -> int:
         """How many envs it trains on at once."""
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """Learn for `steps` environment steps, counted over all envs, and yield the policy.
 
         Args:
-            env: It is seeded already: reset it without a seed. It starts new episodes by itself
-                (`gymnasium.vector.AutoresetMode.SAME_STEP`).
+            env: It is seeded already: reset it without a seed.
             steps: Environment steps to take, a multiple of `num_envs`. Go on deciding until `env.environment_steps` has
                 grown by this number. The last decision is not cut short.
             seed: The seed of everything random in the algorithm. The same seed gives the same policy, bit for bit.

@@ -14,7 +14,7 @@ class Metric(Protocol):
     episode gives 0.
 
     If the value is a distance from the trace's column ``distance``, set ``is_error = True``. In a task with a goal of
-    its own, see `harness.task.Goal`, reports then show the metric with the name and the unit of the task's error.
+    its own, see `harness.goal.Goal`, reports then show the metric with the name and the unit of the task's error.
 
     If the value cannot be below or above a number, say so by the class attribute ``bounds``, as
     ``bounds = (0.0, math.inf)`` for a length. No interval then leaves these bounds. Those of a share are known.

@@ -14,10 +14,11 @@ from harness.conditions.obstacles import distance_from, parse_obstacles
 from harness.env.arm_observation import ArmObservation
 from harness.env.goal_observation import GoalObservation
 from harness.errors import UsageError
+from harness.goal import Situation
 from harness.motion import Motion, Setting, build_motion
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
-from harness.task import Situation, Targets, goal_of
+from harness.task import Targets, goal_of
 
 Positive = Annotated[float, Field(gt=0)]
 Metres3 = tuple[float, float, float]

@@ -1,21 +1,17 @@
 """Acting for a budget of steps without learning: the training of algorithms such as ``random`` and ``ik``."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from harness.algorithm import TrainingEnv
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Policy
 from harness.progress import Progress, TrainingState, as_state
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 TELL_EVERY, RESTART_EVERY = 100, 500
 """Decisions from one word of progress to the next, and from one start of new episodes in all envs to the next."""
 
 
-def act_for(env: "ReachVectorEnv", steps: int, policy: Policy, seed: int, progress: Progress) -> None:
+def act_for(env: TrainingEnv, steps: int, policy: Policy, seed: int, progress: Progress) -> None:
     """Let `policy` draw actions for `steps` environment steps. Now and then all envs start new episodes."""
     rng, state = np.random.default_rng(seed), progress.restored()
     if state is None:

@@ -91,12 +91,12 @@ def _audit_reward(
     from harness.audit.audit import audit_reward
     from harness.audit.rollout import record_rollouts
     from harness.audit.score import score_rollout
+    from harness.env.ideal import IdealSimulator
     from harness.registry.choice import choose
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
     from harness.registry.spec import blamed_on
     from harness.robot.load import load_robot
-    from harness.testing import IdealSimulator
 
     if episodes < 1:
         raise UsageError(f"--episodes {episodes}: must be at least 1")

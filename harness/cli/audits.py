@@ -35,9 +35,9 @@ def audits_of(results: "Results") -> "Audits":
 def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":
     """What the scripted policies do; or why they cannot."""
     from harness.audit.rollout import record_rollouts
+    from harness.env.ideal import IdealSimulator
     from harness.errors import reason_of
     from harness.robot.load import load_robot
-    from harness.testing import IdealSimulator
 
     try:
         task = cell.task.build(registry, "tasks")

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.errors import SimulationDiverged
+from harness.goal import Goal, Situation
 from harness.record.trace import COLUMN, NO_EXTRAS, SCALARS
 from harness.reward import Sample
 from harness.simulator import State
-from harness.task import Goal, Situation
 
 
 class Episodes:

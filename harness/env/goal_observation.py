@@ -5,12 +5,12 @@ import numpy as np
 from harness.arrays import Float, Float32
 from harness.env.arm_observation import ArmObservation
 from harness.env.episodes import Episodes
+from harness.goal import Goal
 from harness.robot import Robot
-from harness.task import Goal
 
 
 class GoalObservation(ArmObservation):
-    """`ArmObservation` with the goal's error in place of the distance, then what `harness.task.Goal.observe` tells.
+    """`ArmObservation` with the goal's error in place of the distance, then what `harness.goal.Goal.observe` tells.
 
     Obstacles, where they are seen, come after that. The target is where it is now, the offset target - end effector.
     Every number is cut off at its bounds: the error at twice the arm's extent, whatever its unit.

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.goal import Situation
 from harness.robot import Robot
-from harness.task import Situation, Task, goal_of
+from harness.task import Task, goal_of
 
 Seed: TypeAlias = int | list[int] | None
 

@@ -33,7 +33,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
     the reward or the actions.
 
     `infos` holds, for every env, ``distance`` [m], to the target that the step was made for (of a task with a
-    `harness.task.Goal` its error), ``reward_shaped`` and
+    `harness.goal.Goal` its error), ``reward_shaped`` and
     ``is_success``, whether that target was reached; in the autoreset mode SAME_STEP also ``final_obs``, (num_envs,
     observation_size), whose rows hold where ``_final_obs`` is True.
 

@@ -24,7 +24,7 @@ Things: TypeAlias = Thing | Sequence[Thing]
 class RunArguments(TypedDict, total=False):
     """The fields of `harness.experiment.plan.Experiment`, then those of `harness.experiment.experiment.RunOptions`."""
 
-    sim: Required[Things]
+    sim: Things
     algo: Required[Things]
     reward: Things
     baseline: Thing

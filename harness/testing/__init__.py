@@ -12,11 +12,11 @@ is also a function of its own, so that a test can be parametrised over ``REWARD_
 the first check that fails. `IdealSimulator` is a simulator for tests that need no engine.
 """
 
+from harness.env.ideal import IdealSimulator
 from harness.testing.algorithms.checks import ALGORITHM_CHECKS, check_algorithm
 from harness.testing.environments import ENVIRONMENT_CHECKS, check_environment
 from harness.testing.executors.checks import EXECUTOR_CHECKS, check_executor
 from harness.testing.exports import EXPORT_CHECKS, check_export
-from harness.testing.ideal import IdealSimulator
 from harness.testing.metrics.checks import METRIC_CHECKS, check_metric
 from harness.testing.rewards.checks import REWARD_CHECKS, check_reward
 from harness.testing.robots import ROBOT_CHECKS, check_robot

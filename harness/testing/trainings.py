@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from harness.algorithm import ActionSpace, Algorithm, Goals, needs_goals
 from harness.arrays import Float, Float32, Mask
 from harness.env import ReachVectorEnv
+from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import Actions, Infos
 from harness.policy import Policy
 from harness.progress import Progress
@@ -18,7 +19,6 @@ from harness.reach import ReachTask
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.robot.load import load_robot
-from harness.testing.ideal import IdealSimulator
 
 EASY = ReachTask(epsilon=0.2, horizon=20, target_center=(0.6, 0.6, 0.6), target_half_extent=(0.0, 0.0, 0.0))
 """One target, about 0.7 m from home: the arm gets there in 10 steps and more."""

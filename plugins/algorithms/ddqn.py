@@ -1,17 +1,15 @@
 """Double deep Q-learning, by stable-baselines3 with another target."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic.dataclasses import dataclass
 
+from harness.algorithm import TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress
 
 from ..sb3.q_learning import QLearning
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 
 @dataclass(frozen=True)
@@ -22,7 +20,7 @@ class Ddqn(QLearning):
     terminated. Everything else is as in `dqn`.
     """
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         from ..sb3.double import DoubleDQN
 

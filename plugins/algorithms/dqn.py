@@ -1,17 +1,15 @@
 """Deep Q-learning, by stable-baselines3."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic.dataclasses import dataclass
 
+from harness.algorithm import TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress
 
 from ..sb3.q_learning import QLearning
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 
 @dataclass(frozen=True)
@@ -21,7 +19,7 @@ class Dqn(QLearning):
     Q(s, a) is moved towards r + gamma max_a' Q_target(s', a'), or towards r alone if the episode is terminated.
     """
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         from stable_baselines3 import DQN
 

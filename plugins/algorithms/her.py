@@ -1,18 +1,16 @@
 """Soft actor-critic with hindsight experience replay, by stable-baselines3."""
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.algorithm import TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress
 
 from ..sb3 import SOURCES
 from ..soft_actor_critic import SoftActorCritic
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 
 @dataclass(frozen=True)
@@ -36,7 +34,7 @@ class Her(SoftActorCritic):
     needs_goals: ClassVar[bool] = True
     sources: ClassVar[tuple[str, ...]] = SOURCES
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from stable_baselines3 import HerReplayBuffer

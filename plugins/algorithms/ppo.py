@@ -1,21 +1,18 @@
 """Proximal policy optimisation, by stable-baselines3."""
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 from pydantic_core import ArgsKwargs
 
-from harness.algorithm import ActionSpace
+from harness.algorithm import ActionSpace, TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress
 
 from ..hyperparameters import Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
 from ..sb3 import SOURCES
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 Share = Annotated[float, Field(ge=0, le=1)]
 Positive = Annotated[float, Field(gt=0)]
@@ -112,7 +109,7 @@ class Ppo:
             if self.rollout % getattr(self, name):
                 raise ValueError(f"rollout={self.rollout} is not a multiple of {name}={getattr(self, name)}")
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from gymnasium.spaces import Discrete

@@ -1,18 +1,15 @@
 """Random actions in place of learning: the floor that learners are compared with."""
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from gymnasium.spaces import Discrete
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace
+from harness.algorithm import ActionSpace, TrainingEnv
 from harness.authoring.act_without_learning import act_for
 from harness.policy import Policy, Uniform, UniformChoice
 from harness.progress import Progress
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 
 @dataclass(frozen=True)
@@ -27,7 +24,7 @@ class Random:
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous", "discrete"})
     learns: ClassVar[bool] = False
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         policy = _uniform(env.single_action_space)
         act_for(env, steps, policy, seed, progress)

@@ -1,18 +1,16 @@
 """Soft actor-critic, by stable-baselines3."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from pydantic.dataclasses import dataclass
 
+from harness.algorithm import TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress
 
 from ..sb3 import SOURCES
 from ..soft_actor_critic import SoftActorCritic
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 
 @dataclass(frozen=True)
@@ -21,7 +19,7 @@ class Sac(SoftActorCritic):
 
     sources: ClassVar[tuple[str, ...]] = SOURCES
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from stable_baselines3 import SAC

@@ -1,17 +1,15 @@
 """Soft actor-critic with numpy alone."""
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from pydantic.dataclasses import dataclass
 
+from harness.algorithm import TrainingEnv
 from harness.policy import SquashedGaussian
 from harness.progress import Progress
 
 from ..soft_actor_critic import SoftActorCritic
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 
 @dataclass(frozen=True)
@@ -23,7 +21,7 @@ class SacFast(SoftActorCritic):
 
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.fast_sac", "harness_plugins.episode_means")
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> SquashedGaussian:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> SquashedGaussian:
         """See `harness.algorithm.Algorithm`."""
         from threadpoolctl import threadpool_limits
 

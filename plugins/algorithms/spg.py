@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace
+from harness.algorithm import ActionSpace, TrainingEnv
 from harness.arrays import Float32, Mask
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Gaussian
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from torch import Tensor
     from torch.optim import Optimizer
 
-    from harness.env import ReachVectorEnv
 
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(gt=0)]
@@ -184,7 +183,7 @@ class Spg:
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.torch_state",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Gaussian:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Gaussian:
         """See `harness.algorithm.Algorithm`."""
         import torch  # here: the settings are checked before anything runs, and torch takes seconds
 
@@ -208,7 +207,7 @@ class Learner:
 
     _observation: Float32
 
-    def __init__(self, settings: Spg, env: "ReachVectorEnv", seed: int) -> None:
+    def __init__(self, settings: Spg, env: TrainingEnv, seed: int) -> None:
         import torch
 
         self._settings, self._env, self._rng = settings, env, np.random.default_rng(seed)

@@ -1,20 +1,17 @@
 """Twin delayed deep deterministic policy gradient, by stable-baselines3."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace
+from harness.algorithm import ActionSpace, TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress
 
 from ..off_policy import OffPolicy
 from ..sb3 import SOURCES
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 NotNegative = Annotated[float, Field(ge=0)]
 
@@ -38,7 +35,7 @@ class Td3(OffPolicy):
     sources: ClassVar[tuple[str, ...]] = SOURCES
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         """See `harness.algorithm.Algorithm`."""
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from stable_baselines3 import TD3

@@ -1,10 +1,11 @@
 """A training: the learner, its replay buffer, and the env that fills it."""
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from harness.algorithm import TrainingEnv
 from harness.arrays import Float32
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import SquashedGaussian
@@ -17,9 +18,6 @@ from .learner import Learner, Losses
 from .network import Networks, Room, forward
 from .replay import Replay
 
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
-
 COUNTERS = ("rounds", "decisions", "told", "scalars_told")
 """The counters of a training, which a checkpoint holds."""
 
@@ -27,9 +25,7 @@ COUNTERS = ("rounds", "decisions", "told", "scalars_told")
 class Training:
     """One training; see `harness.algorithm.Algorithm.train`."""
 
-    def __init__(
-        self, settings: SoftActorCritic, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress
-    ) -> None:
+    def __init__(self, settings: SoftActorCritic, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> None:
         """Make the learner, the replay buffer and what else the training needs."""
         self._settings, self._env, self._steps, self._progress = settings, env, steps, progress
         self._rng = np.random.default_rng(seed)
@@ -145,7 +141,7 @@ class Training:
         return SquashedGaussian(_weights(self._learner.actor), self._settings.activation, *box, algorithm="sac-fast")
 
 
-def _sizes(env: "ReachVectorEnv") -> tuple[int, int]:
+def _sizes(env: TrainingEnv) -> tuple[int, int]:
     observation, action = env.single_observation_space.shape, env.single_action_space.shape
     assert observation is not None
     assert action is not None

@@ -5,7 +5,7 @@ from typing import Any
 
 from stable_baselines3.common.callbacks import BaseCallback
 
-from harness.env import ReachVectorEnv
+from harness.algorithm import TrainingEnv
 from harness.policy import Policy
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, TrainingState, as_state, prefixed, under
 
@@ -29,7 +29,7 @@ class ProgressCallback(BaseCallback):
 
     def __init__(
         self,
-        env: ReachVectorEnv,
+        env: TrainingEnv,
         progress: Progress,
         budget: int,
         policy_of: Callable[[Any], Policy],

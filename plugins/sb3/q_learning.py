@@ -1,20 +1,17 @@
 """What deep Q-learning and double deep Q-learning share: the settings and the training."""
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace
+from harness.algorithm import ActionSpace, TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress
 
 from ..hyperparameters import BatchSize, Tau
 from ..off_policy import OffPolicy
 from . import SOURCES
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 Share = Annotated[float, Field(ge=0, le=1)]
 
@@ -41,7 +38,7 @@ class QLearning(OffPolicy):
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"discrete"})
 
     def train_with(
-        self, library: Any, name: str, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress
+        self, library: Any, name: str, env: TrainingEnv, steps: int, seed: int, progress: Progress
     ) -> Policy:
         """Train the library's class; `name` is the algorithm's name in the policy's card.
 

@@ -6,7 +6,7 @@ from typing import Any
 import torch
 from gymnasium.spaces import Dict
 
-from harness.env import ReachVectorEnv
+from harness.algorithm import TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress, under
 
@@ -19,7 +19,7 @@ ACTIVATIONS = {"relu": torch.nn.ReLU, "tanh": torch.nn.Tanh}
 
 def train(
     library: Any,
-    env: ReachVectorEnv,
+    env: TrainingEnv,
     steps: int,
     seed: int,
     progress: Progress,

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.vec_env import VecEnv
 
-from harness.env import ReachVectorEnv
+from harness.algorithm import TrainingEnv
 
 
 class VecEnvAdapter(VecEnv):
@@ -15,7 +15,7 @@ class VecEnvAdapter(VecEnv):
     Both start the next episode in the step that ends one. They differ in how they report the end.
     """
 
-    def __init__(self, env: ReachVectorEnv) -> None:
+    def __init__(self, env: TrainingEnv) -> None:
         self.env = env
         self._actions: Any = None
         super().__init__(env.num_envs, self._space(), env.single_action_space)

@@ -8,9 +8,9 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
+from harness.goal import Goal, Situation
 from harness.reach import ReachTask
 from harness.robot import Robot
-from harness.task import Goal, Situation
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class MovingGoal(Goal):
         robot: The arm.
         speed: Speed of the target, [m/s].
         period: Duration of an environment step, [s].
-        steps_within: See `harness.task.Goal`.
+        steps_within: See `harness.goal.Goal`.
     """
 
     task: ReachTask
@@ -68,7 +68,7 @@ class MovingGoal(Goal):
         return np.asarray(ends - position)
 
     def displacement(self, numbers: Float, step: Float) -> Float:
-        """See `harness.task.Goal`."""
+        """See `harness.goal.Goal`."""
         length = np.linalg.norm(numbers, axis=1)
         gone = self.speed * self.period * step
         along = length - np.abs(np.mod(gone, 2.0 * np.maximum(length, SHORTEST)) - length)

@@ -9,12 +9,12 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
+from harness.goal import Goal, Situation
 from harness.reach import Positive, ReachTask
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
 from harness.robot.kinematics import forward
 from harness.robot.rotations import axes_of_rotation, rotation_between, rotation_of_axes
-from harness.task import Goal, Situation
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ WRONG = """
 import harness
 from dataclasses import dataclass
 from harness.testing import IdealSimulator
-from harness.testing.ideal import IdealSimulation
+from harness.env.ideal import IdealSimulation
 
 @harness.hookimpl
 def register_simulators(register):

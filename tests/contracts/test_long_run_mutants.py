@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import harness
+from harness.env.ideal import IdealSimulation
 from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.simulator import State
 from harness.testing import IdealSimulator, violations
-from harness.testing.ideal import IdealSimulation
 from harness.testing.simulators import long_runs
 
 REGISTRY = load_registry()

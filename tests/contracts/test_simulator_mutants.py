@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import harness
+from harness.env.ideal import IdealSimulation
 from harness.robot import Robot
 from harness.simulator import State
 from harness.testing import SIMULATOR_CHECKS, IdealSimulator, violations
-from harness.testing.ideal import IdealSimulation
 from harness.testing.simulators import checks as simulators
 from harness.testing.simulators import simulations
 from harness.testing.simulators.servos import SERVO_CHECKS

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import harness
+from harness.env.ideal import IdealSimulation
 from harness.policy import Policy, Uniform
 from harness.reach import ReachTask
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
 from harness.simulator import State
 from harness.testing import Check, IdealSimulator, speed, violations
-from harness.testing.ideal import IdealSimulation
 from harness.testing.trainings import NegativeDistance
 
 ROBOT = harness.load_robot("fd100")

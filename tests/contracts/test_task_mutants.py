@@ -13,10 +13,11 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 import harness
 from harness.env.arm_observation import ArmObservation
 from harness.env.episodes import Episodes
+from harness.goal import Goal, Situation
 from harness.motion import Move, MoveJ
 from harness.reach import ReachTask
 from harness.robot import Robot
-from harness.task import Goal, Situation, Targets
+from harness.task import Targets
 from harness.testing import TASK_CHECKS, violations
 from harness.testing.tasks import checks as tasks
 from harness.testing.tasks import goals

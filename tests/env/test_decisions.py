@@ -9,12 +9,12 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from harness.env import ReachVectorEnv
+from harness.env.ideal import IdealSimulation
 from harness.reach import ReachTask
 from harness.record.trace import Trace, TraceWriter, read_trace
 from harness.robot.inverse_kinematics import reach_position
 from harness.score.scorer import score_trace
 from harness.simulator import State
-from harness.testing.ideal import IdealSimulation
 
 Call = Callable[..., Any]
 PERIOD = 5

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.env.ideal import IdealSimulation
 from harness.errors import SimulationDiverged
 from harness.record.trace import TraceWriter
 from harness.robot import Robot
 from harness.simulator import State
 from harness.testing import IdealSimulator
-from harness.testing.ideal import IdealSimulation
 
 Call = Callable[..., Any]
 

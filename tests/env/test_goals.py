@@ -12,13 +12,14 @@ import harness
 from harness.arrays import Float
 from harness.env.make import make_env
 from harness.errors import UsageError
+from harness.goal import Goal, Situation
 from harness.reach import ReachTask
 from harness.record.trace import TraceWriter, read_trace
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.robot import Robot
 from harness.score.scorer import score_trace
-from harness.task import Goal, Situation, goal_of
+from harness.task import goal_of
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
 

@@ -7,6 +7,7 @@ import pytest
 
 import harness
 from harness.env import ReachVectorEnv
+from harness.env.ideal import IdealSimulation
 from harness.env.make import World
 from harness.errors import SchemaError, UsageError
 from harness.reach import ReachTask
@@ -14,7 +15,6 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.simulator import State
 from harness.testing import IdealSimulator
-from harness.testing.ideal import IdealSimulation
 from harness.testing.trainings import NegativeDistance
 
 REGISTRY = load_registry()

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 import harness
+from harness.env.ideal import IdealSimulation
 from harness.env.varied_simulation import MOST_IDLE, VariedSimulation
 from harness.robot import Robot
 from harness.testing import IdealSimulator
-from harness.testing.ideal import IdealSimulation
 
 ROBOT = harness.load_robot("fd100")
 

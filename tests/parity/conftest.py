@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from harness.env.ideal import IdealSimulation
 from harness.parity.contenders import Contenders
 from harness.parity.orders import Setting
 from harness.parity.parity import compare_simulators
 from harness.robot.load import load_robot
 from harness.testing import IdealSimulator
-from harness.testing.ideal import IdealSimulation
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,14 @@
 """Soft actor-critic by sbx, which is stable-baselines3's interface on JAX."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
 
-from harness.algorithm import ActionSpace
+from harness.algorithm import ActionSpace, TrainingEnv
 from harness.policy import SquashedGaussian
 from harness.progress import Progress
-
-if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
 
 Count = Annotated[int, Field(gt=0)]
 Positive = Annotated[float, Field(gt=0)]
@@ -32,7 +29,7 @@ class SbxSac:
     # The manifest has a hash of all modules that can change a result.
     sources: ClassVar[tuple[str, ...]] = ("sbx_sac", "harness_plugins.sb3")
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> SquashedGaussian:
+    def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> SquashedGaussian:
         """See `harness.algorithm.Algorithm`."""
         # Imported here: JAX takes seconds, and settings are checked before anything runs.
         from sbx import SAC

@@ -12,14 +12,15 @@ from gymnasium.wrappers import TimeLimit
 
 from harness.audit.recorded.earned import Earned
 from harness.audit.recorded.paid import Paid, compare_paid, paid_in, pairs_of
-from harness.audit.recorded.pair import Pair, mean_json, mean_within, pair_of
+from harness.audit.recorded.pair import mean_within, pair_of
 from harness.audit.recorded.recordings import RANDOM
 from harness.audit.transitions.asked import pays_of
 from harness.audit.transitions.form_distances import FORMS, FormVector, draw_coverages, form_distance, form_vector
+from harness.audit.transitions.reward_audit import FormsOfPair, RewardAudit
 from harness.audit.transitions.walk import KeepWalks, Walk
 from harness.errors import UsageError
 from harness.eta.rescaling import line_of
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.seed_mean import mean_over_seeds
 from harness.record.recording.recorded_training import read_recording
 from harness.recorder.column import OWN, Given
 from harness.recorder.record_rewards import RecordRewards
@@ -30,74 +31,6 @@ MEASUREMENTS = 5
 
 Policy = Callable[[Any], Any]
 Env = gymnasium.Env[Any, Any]
-
-
-@dataclass(frozen=True)
-class FormsOfPair:
-    """Two rewards beside one another.
-
-    Attributes:
-        pair: In the steps that were taken.
-        distances: By canonical form, in [0, 1]: means over the measurements. Without a value where it is not defined.
-        reasons: By canonical form without a value: why.
-    """
-
-    pair: Pair
-    distances: Mapping[str, SeedMean]
-    reasons: Mapping[str, str]
-
-
-@dataclass(frozen=True)
-class RewardAudit:
-    """What `audit_rewards` found; ``print`` shows it.
-
-    Attributes:
-        env: Its id.
-        policies: Who acted.
-        gamma: Discount per step.
-        measurements: How many, each with episodes and samples of its own.
-        episodes: Of each policy in a measurement.
-        steps: That were taken in all.
-        rewards: Names, ``own`` among them.
-        pairs: Every two of them.
-        earned: What each policy earned under each reward, means and intervals over all of its episodes.
-    """
-
-    env: str
-    policies: tuple[str, ...]
-    gamma: float
-    measurements: int
-    episodes: int
-    steps: int
-    rewards: tuple[str, ...]
-    pairs: tuple[FormsOfPair, ...]
-    earned: tuple[Earned, ...]
-
-    def __str__(self) -> str:
-        from harness.audit.transitions.forms_table import forms_text
-
-        return forms_text(self)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, finite numbers only."""
-        return {
-            "env": self.env,
-            "policies": list(self.policies),
-            "gamma": self.gamma,
-            "measurements": self.measurements,
-            "episodes": self.episodes,
-            "steps": self.steps,
-            "rewards": list(self.rewards),
-            "pairs": [
-                {
-                    **it.pair.to_json(),
-                    **{form: mean_json(mean) for form, mean in it.distances.items()},
-                    "reasons": dict(it.reasons),
-                }
-                for it in self.pairs
-            ],
-            "earned": [row.to_json() for row in self.earned],
-        }
 
 
 def audit_rewards(

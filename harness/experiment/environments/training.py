@@ -114,7 +114,7 @@ class EnvironmentTraining:
         if attempt.checkpoint is None:
             batch.reset(seed=env_seed)
         progress = TrainingProgress(self.report, batch, attempt, self.options.tracked)
-        policy = algorithm.train(batch, self.cell.steps, algorithm_seed, progress)  # type: ignore[arg-type] # see there
+        policy = algorithm.train(batch, self.cell.steps, algorithm_seed, progress)
         self.report(Word(min(batch.environment_steps, self.cell.steps), progress.learned()))
         return policy
 

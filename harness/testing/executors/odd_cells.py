@@ -42,7 +42,7 @@ STOP = "stop"
 @hookimpl
 def register_simulators(register: Register) -> None:
     """Announce the simulator of the kit."""
-    register(NAME, "harness.testing.ideal:IdealSimulator", summary="no dynamics, for the checks of executors")
+    register(NAME, "harness.env.ideal:IdealSimulator", summary="no dynamics, for the checks of executors")
 
 
 @hookimpl

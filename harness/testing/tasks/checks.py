@@ -7,11 +7,12 @@ import numpy as np
 
 from harness.arrays import Float, Float32, Mask
 from harness.env import ReachVectorEnv
+from harness.env.ideal import IdealSimulator
+from harness.goal import Situation
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
 from harness.robot.load import load_robot
-from harness.task import Situation, Task, goal_of, varies
-from harness.testing.ideal import IdealSimulator
+from harness.task import Task, goal_of, varies
 from harness.testing.tasks.goals import GOAL_CHECKS, are_met, decisions_of
 from harness.testing.trainings import NegativeDistance
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json

@@ -7,11 +7,12 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.env import ReachVectorEnv
+from harness.env.ideal import IdealSimulator
+from harness.goal import Goal, Situation
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_pose, reach_position
 from harness.robot.rotations import rotation_of_axes
-from harness.task import Goal, Situation, Task, goal_of
-from harness.testing.ideal import IdealSimulator
+from harness.task import Task, goal_of
 from harness.testing.trainings import NegativeDistance
 from harness.testing.violations import Check, check, require
 

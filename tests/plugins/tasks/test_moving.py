@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import harness
 from harness.env import ReachVectorEnv
 from harness.env.known_arm import kinematics_policy
-from harness.task import Situation
+from harness.goal import Situation
 from harness.testing import IdealSimulator
 from harness.testing.trainings import NegativeDistance
 from harness_plugins.tasks.moving import Moving, MovingGoal

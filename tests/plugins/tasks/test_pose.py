@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import harness
+from harness.goal import Situation
 from harness.robot.kinematics import forward
 from harness.robot.rotations import axes_of_rotation, rotation_between
-from harness.task import Situation
 from harness_plugins.tasks.pose import Pose, PoseGoal
 
 ROBOT = harness.load_robot("fd100")

@@ -1,4 +1,4 @@
-"""A simulator without an engine, for tests: joints are where they are told to be, exactly."""
+"""A simulator without an engine: joints are where they are told to be, exactly."""
 
 from dataclasses import dataclass
 
