@@ -71,7 +71,7 @@ class Headline:
         """Plain data."""
         return {
             "answer": self.answer.value,
-            "robot": self.robot,
+            "behaviour": self.robot,
             "number": self.number,
             "decided_by": self.decided_by,
             "seeds_to_decide": self.seeds_to_decide and list(self.seeds_to_decide),

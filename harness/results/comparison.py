@@ -270,7 +270,10 @@ class Comparison:
         return number_sentence(self.names, self.splits)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data, without the curves."""
+        """Plain data, without the curves; docs/json.md explains it."""
+        headline = self.headline.to_json()
+        if self.group.robot != NO_ROBOT:
+            headline["robot"] = headline["behaviour"]  # its name in version 0.1; leaves with the next format
         return {
             **self.group.to_json(),
             "baseline": self.baseline,
@@ -278,7 +281,11 @@ class Comparison:
             "is_control": self.is_control,
             "seeds": list(self.seeds),
             "mixtures": [mixture.to_json() for mixture in self.mixtures],
-            "headline": self.headline.to_json(),
+            "headline": headline,
+            "deciding": list(self.deciding),
+            "decided_in": self.manner,
+            "returns": {manner: split.to_json() for manner, split in self.returns.items()},
+            "returns_missing": dict(self.missing),
             **splits_to_json(self.splits),
             "total": self.decomposition and self.decomposition.total.to_json(),
             "baseline_index": self.baseline_index and self.baseline_index.to_json(),

@@ -21,6 +21,9 @@ from harness.results.recordings.places import PlaceStudy, studies_of
 from harness.results.records import Records
 from harness.results.table import Row, cell_to_json, row_of, table_of, write_table
 
+FORMAT = 1
+"""Of what reports say as JSON; docs/json.md explains it."""
+
 
 class Results(Records):
     """An experiment, as its folder records it."""
@@ -43,9 +46,11 @@ class Results(Records):
     def to_json(self) -> dict[str, Any]:
         """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""
         return {
+            "format": FORMAT,
+            "baseline": self.baseline,
             "curve": self.kind,
             "combinations": [combination.to_json() for combination in self.combinations],
-            "cells": [cell_to_json(manifest) for manifest in self.manifests],
+            "cells": [{**cell_to_json(it), "task": it.cell.task.label} for it in self.manifests],
             "not_measured": self.not_measured,
             "equal_trainings": [
                 {**group.to_json(), "trainings": [key_to_json(key) for key in keys]}

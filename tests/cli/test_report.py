@@ -14,6 +14,8 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
     answer = harness("report", experiment, "--json")
     data = json.loads(answer.out)
     assert set(data) == {
+        "format",
+        "baseline",
         "curve",
         "combinations",
         "cells",

@@ -48,6 +48,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, recorded, command):
     data = json.loads(answer.out)
     assert (answer.status, answer.err) == (0, "")
     assert (data["env"], data["trained"], data["steps"]) == ("Bandit-v0", ["plain", "thrice"], 50)
+    assert (data["format"], len(data["combinations"])) == (1, 1)
     (comparison,) = data["comparisons"]
     ratio = comparison["returns"]["over the training"]["ratio"]
     assert ratio["ruler"]["value"] * ratio["behaviour"]["value"] == pytest.approx(ratio["eta"]["value"])

@@ -94,6 +94,8 @@ def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
     assert "Transfer between simulators" in harness("report", experiment).out
     data = json.loads(harness("report", experiment, "--json").out)
     assert set(data) == {
+        "format",
+        "baseline",
         "curve",
         "combinations",
         "cells",

@@ -306,7 +306,7 @@ def test_json_is_plain():
     """Both answers."""
     found = told(change(about(0.5, width=0.1), about(0.52, width=0.2)), claims=28)
     data = json.loads(json.dumps(found.to_json()))
-    assert set(data) == {"answer", "robot", "number", "decided_by", "seeds_to_decide"}
+    assert set(data) == {"answer", "behaviour", "number", "decided_by", "seeds_to_decide"}
     assert (data["answer"], data["seeds_to_decide"]) == ("cannot tell", list(found.seeds_to_decide))
 
 

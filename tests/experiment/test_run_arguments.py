@@ -13,9 +13,9 @@ def test_arguments_are_all_fields_in_their_order():
     assert list(RunArguments.__annotations__) == [field.name for field in (*fields(Experiment), *fields(RunOptions))]
 
 
-def test_only_simulators_and_algorithms_have_to_be_given():
-    """As the experiment says."""
-    assert RunArguments.__required_keys__ == {"sim", "algo"}
+def test_only_algorithms_have_to_be_given():
+    """An environment takes no simulator; with an arm the experiment asks for one."""
+    assert RunArguments.__required_keys__ == {"algo"}
 
 
 def test_options_have_their_types():

@@ -26,6 +26,8 @@ def test_document_has_the_returns_of_each_group(build):
     data = report_to_json(build(simulators=("mujoco", "pybullet")))
     assert [matrix["simulator"] for matrix in data["evaluation_returns"]] == ["mujoco", "pybullet"]
     assert set(data) == {
+        "format",
+        "baseline",
         "curve",
         "combinations",
         "cells",

@@ -3,19 +3,18 @@
 import json
 from typing import Any
 
-from harness.report.trainings.document import study_to_json
+from harness.report.trainings.document import combinations_to_json, study_to_json
 from harness.results import Results
 from harness.results.recordings.places import PlaceStudy
-from harness.results.table import cell_to_json
 
 
 def environments_text(results: Results) -> str:
     """What ``harness report --json`` prints, and what ``results.json`` of a summary holds."""
+    compared = [study for told in results.studies if (study := told.study) is not None]
     data = {
-        "baseline": results.baseline,
-        "curve": results.kind,
+        **results.to_json(),
+        "combinations": [told for study in compared for told in combinations_to_json(study)],
         "studies": [_to_json(told) for told in results.studies],
-        "cells": [{**cell_to_json(it), "task": it.cell.task.label} for it in results.manifests],
     }
     return json.dumps(data, indent=1, allow_nan=False)
 

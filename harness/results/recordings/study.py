@@ -148,7 +148,7 @@ def basis_text(comparison: Comparison) -> str:
 
 
 def _pair_to_json(comparison: Comparison) -> dict[str, Any]:
-    headline = {"agent" if name == "robot" else name: told for name, told in comparison.headline.to_json().items()}
+    headline = {"agent" if name == "behaviour" else name: told for name, told in comparison.headline.to_json().items()}
     return {
         "baseline": comparison.baseline,
         "proposed": comparison.proposed,

@@ -518,6 +518,20 @@ def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[...
     assert "right against near" in (tmp_path / "page.html").read_text()
 
 
+def test_json_has_the_form_of_an_arms(folder: Path, report: Callable[..., str]):
+    """Comparisons and cells under the same names; an environment has no robot."""
+    told = json.loads(report(folder, "--json"))
+    assert told["format"] == 1
+    (combination,) = told["combinations"]
+    assert (combination["task"], combination["algorithm"], combination["proposed"]) == ("toy", "random", "right")
+    assert not {"robot", "simulator"} & combination.keys()
+    assert combination["headline"]["behaviour"]
+    assert combination["deciding"] == ["success"]
+    assert {change["manner"] for change in combination["behaviour"]} >= {combination["decided_in"]}
+    assert set(combination["returns"]) | set(combination["returns_missing"]) >= {"in evaluations"}
+    assert {cell["task"] for cell in told["cells"]} == {"toy"}
+
+
 def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report: Callable[..., str]):
     """JSON, a row for each cell, and the comparisons as a table; they are read without any cell."""
     target = tmp_path / "records"
