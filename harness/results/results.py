@@ -5,21 +5,23 @@ import importlib.util
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from functools import cached_property
-from itertools import repeat
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
+from harness.record.cell import Cell
+from harness.record.manifest import Manifest
 from harness.registry.given import read_given
 from harness.registry.registry import load_registry
 from harness.results.combine import combine
 from harness.results.comparison import Comparison
 from harness.results.overview import overview_html
 from harness.results.recordings.places import PlaceStudy, studies_of
+from harness.results.recordings.recording_results import numbers_in_environment
 from harness.results.records import Records
-from harness.results.table import Row, cell_to_json, row_of, table_of, write_table
+from harness.results.table import Numbers, cell_to_json, metric_columns, numbers_of, table_of, write_table
 
 FORMAT = 1
 """Of what reports say as JSON; docs/json.md explains it."""
@@ -60,18 +62,22 @@ class Results(Records):
         }
 
     def write_table(self) -> Path:
-        """Write ``results.parquet``, one row per cell: every metric of its policy and of random actions."""
-        return write_table(self.folder, self._rows(), self.metrics)
+        """Write ``results.parquet``, one row per cell: every metric of its policy and of random actions.
+
+        In an environment: what the policy did in its evaluation (``behaviour_success``), and what every reward paid for
+        it (``return_own``), means over episodes.
+        """
+        return write_table(self.folder, self._rows(), metric_columns(self.metrics))
 
     def to_pandas(self) -> Any:
-        """The same table as a `pandas.DataFrame`: one row per cell, every metric of its policy and of random actions.
+        """The table of `write_table` as a `pandas.DataFrame`, one row per cell.
 
         Raises:
             UsageError: pandas is not installed.
         """
         if importlib.util.find_spec("pandas") is None:
             raise UsageError("to_pandas needs pandas: pip install pandas")
-        return table_of(self._rows(), self.metrics).to_pandas()
+        return table_of(self._rows(), metric_columns(self.metrics)).to_pandas()
 
     def __repr__(self) -> str:
         counts = Counter(manifest.status for manifest in self.manifests)
@@ -82,11 +88,13 @@ class Results(Records):
         """What a notebook shows: a line per comparison."""
         return overview_html(self.combinations) + f"<p>{html.escape(repr(self))}</p>"
 
-    def _rows(self) -> Iterator[Row]:
-        if self.is_in_environment:
-            return (row_of(it, None, self.metrics) for it in self.manifests)
-        measured = [self.measured(it.cell) if it.status == "done" else None for it in self.manifests]
-        return map(row_of, self.manifests, measured, repeat(self.metrics))
+    def _rows(self) -> Iterator[tuple[Manifest, Numbers | None]]:
+        return ((it, self._numbers(it.cell) if it.status == "done" else None) for it in self.manifests)
+
+    def _numbers(self, cell: Cell) -> Numbers:
+        if cell.is_in_environment:
+            return numbers_in_environment(self.folder, self.store.cell_folder(cell))
+        return numbers_of(self.measured(cell), self.metrics)
 
 
 def load_results(

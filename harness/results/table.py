@@ -1,8 +1,8 @@
-"""``results.parquet``: one row per cell, every metric of its policy and of random actions."""
+"""``results.parquet``: one row per cell, with what its policy did, and what random actions do."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -13,61 +13,78 @@ from harness.record.manifest import Manifest
 from harness.record.store import RESULTS
 from harness.results.measured import Measured
 
-Row: TypeAlias = dict[str, Any]
+RANDOM = "random_"
+"""What the columns of random actions begin with."""
 
 
-def row_of(manifest: Manifest, measured: Measured | None, metrics: Iterable[str]) -> Row:
-    """The row of a cell.
+class Numbers(NamedTuple):
+    """The numbers of one cell."""
+
+    values: Mapping[str, float | None]
+    """By column."""
+    reasons: Mapping[str, str] = {}
+    """Why there is no number, by the name of what has none."""
+
+
+Rows: TypeAlias = Iterable[tuple[Manifest, Numbers | None]]
+"""Cells, each with its numbers; None of a cell that is not done."""
+
+
+def metric_columns(metrics: Iterable[str]) -> list[str]:
+    """The columns of metrics: those of the policy, then those of random actions."""
+    names = list(metrics)
+    return [*names, *(f"{RANDOM}{name}" for name in names)]
+
+
+def numbers_of(measured: Measured, metrics: Iterable[str]) -> Numbers:
+    """What metrics say of a cell, in the columns of `metric_columns`."""
+    names = list(metrics)
+    at_random = {f"{RANDOM}{name}": measured.random.get(name) for name in names}
+    return Numbers({**{name: measured.own[name] for name in names}, **at_random}, measured.reasons)
+
+
+def table_of(rows: Rows, columns: Iterable[str] = ()) -> pa.Table:
+    """One row for each cell: what is known of it, why a number is missing, and its numbers.
 
     Args:
-        manifest: The manifest of the cell.
-        measured: The values of the metrics; None if the cell is not done.
-        metrics: The names of the metrics.
+        rows: The cells.
+        columns: Columns that come first among those of numbers, although no cell may have a number in them.
     """
-    names = list(metrics)
-    return {
-        **cell_to_json(manifest),
-        "robot": manifest.cell.robot,
-        "task": manifest.cell.task.label,
-        "not_measured": "; ".join(f"{name}: {why}" for name, why in measured.reasons.items()) if measured else "",
-        **{name: measured and measured.own[name] for name in names},
-        **{f"random_{name}": measured and measured.random.get(name) for name in names},
-    }
-
-
-def table_of(rows: Iterable[Row], metrics: Iterable[str]) -> pa.Table:
-    """Rows as a table; see `row_of`.
-
-    Args:
-        rows: The rows of the cells.
-        metrics: The names of all metrics.
-    """
-    names = list(metrics)
-    table = pa.Table.from_pylist(list(rows))
-    for name in (prefix + name for prefix in ("", "random_") for name in names):
-        # a column without a value would have no type
-        table = table.set_column(table.schema.get_field_index(name), name, table.column(name).cast(pa.float64()))
+    known = list(rows)
+    table = pa.Table.from_pylist([_facts(manifest, numbers) for manifest, numbers in known])
+    for name in dict.fromkeys([*columns, *(name for _, numbers in known if numbers for name in numbers.values)]):
+        values = [numbers and numbers.values.get(name) for _, numbers in known]
+        table = table.append_column(name, pa.array(values, pa.float64()))
     return table
 
 
-def write_table(folder: Path, rows: Iterable[Row], metrics: Iterable[str]) -> Path:
+def write_table(folder: Path, rows: Rows, columns: Iterable[str] = ()) -> Path:
     """Write the table of an experiment in place of an earlier one. A reader finds one of them, whole.
 
     Args:
         folder: The folder of the experiment.
-        rows: See `row_of`.
-        metrics: The names of all metrics.
+        rows: See `table_of`.
+        columns: See `table_of`.
 
     Raises:
         OSError: It cannot be written.
     """
-    table, path = table_of(rows, metrics), folder / RESULTS
+    table, path = table_of(rows, columns), folder / RESULTS
     with making(path), whole_file(path) as partial:
         pq.write_table(table, partial)
     return path
 
 
-def cell_to_json(manifest: Manifest) -> Row:
+def _facts(manifest: Manifest, numbers: Numbers | None) -> dict[str, Any]:
+    return {
+        **cell_to_json(manifest),
+        "robot": manifest.cell.robot,
+        "task": manifest.cell.task.label,
+        "not_measured": "; ".join(f"{name}: {why}" for name, why in numbers.reasons.items()) if numbers else "",
+    }
+
+
+def cell_to_json(manifest: Manifest) -> dict[str, Any]:
     """The facts about a cell as plain data."""
     cell = manifest.cell
     return {

@@ -10,7 +10,8 @@ from harness.record.store import Store
 from harness.results.done_cells import DoneCells
 from harness.results.floors import Floors
 from harness.results.measured import Measured
-from harness.results.table import Row, row_of, write_table
+from harness.results.recordings.recording_results import numbers_in_environment
+from harness.results.table import Numbers, metric_columns, numbers_of, write_table
 
 EVERY = 30.0
 """The least seconds between two tables. With many cells a table takes longer to write."""
@@ -28,7 +29,7 @@ class TableSoFar:
             clock: Tells seconds.
         """
         self._store, self._cells, self._clock = store, cells, clock
-        self._measured: dict[str, tuple[Manifest, Measured | None]] = {}
+        self._measured: dict[str, tuple[Manifest, Measured | Numbers | None]] = {}
         self._missing: dict[str, Manifest] = {}
         self._due = -math.inf
 
@@ -50,7 +51,7 @@ class TableSoFar:
         if not self._missing:
             return
         if self._can_be_read():
-            write_table(self._store.folder, self._rows(), self._metrics)
+            write_table(self._store.folder, self._rows(), metric_columns(self._metrics))
         self._due = self._clock() + EVERY
 
     @property
@@ -71,19 +72,24 @@ class TableSoFar:
         self._missing.clear()
         return True
 
-    def _measure(self, manifest: Manifest) -> Measured | None:
+    def _measure(self, manifest: Manifest) -> Measured | Numbers | None:
         """All but random actions: the cell that does them may not have ended. Metrics know the arm alone."""
-        if manifest.status != "done" or manifest.cell.is_in_environment:
+        if manifest.status != "done":
             return None
+        if manifest.cell.is_in_environment:
+            return numbers_in_environment(self._store.folder, self._store.cell_folder(manifest.cell))
         found = self._cells.of(manifest)
         measured = found.measured({})
         found.finish()
         return measured
 
-    def _rows(self) -> list[Row]:
+    def _rows(self) -> list[tuple[Manifest, Numbers | None]]:
         ended = {manifest.cell: manifest for manifest, _ in self._measured.values()}
         floors = Floors(self._store, ended.values(), lambda cell: self._cells.of(ended[cell]))
-        return [
-            row_of(manifest, measured and measured._replace(random=floors.of(manifest.cell)), self._metrics)
-            for manifest, measured in self._measured.values()
-        ]
+
+        def numbers(manifest: Manifest, measured: Measured | Numbers | None) -> Numbers | None:
+            if not isinstance(measured, Measured):
+                return measured
+            return numbers_of(measured._replace(random=floors.of(manifest.cell)), self._metrics)
+
+        return [(manifest, numbers(manifest, measured)) for manifest, measured in self._measured.values()]

@@ -6,14 +6,18 @@ from typing import Any
 
 from harness.arrays import Float
 from harness.files.bounded import reading
-from harness.record.recording.facts import REWARD, TrainingFacts
+from harness.record.folder import EVALUATION_RECORDING
+from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
 from harness.record.recording.recorded_training import RecordedTraining, read_recording, recording_files
 from harness.record.store import CELLS
 from harness.results.kept import Kept
 from harness.results.recordings.alike import Likeness, likeness_of
 from harness.results.recordings.episodes import Episodes, episodes_of
+from harness.results.table import Numbers
 
 WHAT = "recording"
+RETURN = "return_"
+"""What the columns of mean returns begin with."""
 
 
 class RecordingResults:
@@ -100,6 +104,23 @@ class RecordingResults:
     def _column(self, reward: str) -> Float:
         held = self._held or read_recording(self.path, only=[f"{REWARD}{reward}"])
         return held.rewards[reward]
+
+
+def numbers_in_environment(folder: Path, files: Path) -> Numbers:
+    """What the final policy of a cell in an environment did, and what every reward paid for it: means over episodes.
+
+    Args:
+        folder: The experiment's.
+        files: The cell's.
+
+    Raises:
+        SchemaError: The recording of its evaluation is damaged.
+    """
+    found = RecordingResults(folder, files / EVALUATION_RECORDING)
+    part = found.episodes.part(0, found.steps)
+    found.keep()
+    did = {f"{BEHAVIOUR}{name}": value for name, value in part.behaviour.items()}
+    return Numbers({**did, **{f"{RETURN}{name}": value for name, value in part.returns.items()}}, part.reasons)
 
 
 def _name_of(folder: Path, path: Path) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow.csv
+import pyarrow.parquet as pq
 import pytest
 
 from harness.cli import main
@@ -516,6 +517,18 @@ def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[...
     """That of recorded trainings."""
     report(folder, "--html", tmp_path / "page.html")
     assert "right against near" in (tmp_path / "page.html").read_text()
+
+
+def test_table_has_what_the_policies_did(results: Results):
+    """A row for each cell: measures of the evaluation, and what every reward paid for it."""
+    rows = pq.read_table(results.write_table()).to_pylist()
+    assert len(rows) == 4
+    for row, cell in zip(rows, results.done_cells, strict=True):
+        recorded = read_recording(results.store.cell_folder(cell) / EVALUATION_RECORDING)
+        ended = recorded.terminated | recorded.truncated
+        assert row["behaviour_distance"] == pytest.approx(recorded.behaviour["distance"][ended].mean())
+        assert row["return_near"] == pytest.approx(recorded.rewards["near"].sum() / ended.sum())
+        assert row["not_measured"] == ""
 
 
 def test_json_has_the_form_of_an_arms(folder: Path, report: Callable[..., str]):
