@@ -88,8 +88,9 @@ def test_nothing_is_found_where_nothing_is_wrong():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", REGISTRY.names("simulators"))
-def test_simulators_last(name: str):
-    """10,000 periods of every registered simulator."""
-    built = REGISTRY.get("simulators", name).load()()
+@pytest.mark.usefixtures("installed")
+@pytest.mark.parametrize("simulator", REGISTRY.names("simulators"))
+def test_simulators_last(simulator: str):
+    """10,000 periods of every installed simulator."""
+    built = REGISTRY.get("simulators", simulator).load()()
     assert not list(violations([long_runs.a_long_simulation_neither_drifts_nor_leaks], built, ROBOT))
