@@ -65,7 +65,7 @@ def write_pages(results: "Results", path: Path, err: bool = False) -> None:
         say(f"No {path.name}: {reasons}", err)
     for study, name in zip(compared, page_names(results.studies, path.name), strict=True):
         page = path.with_name(name)
-        write_study_page(study, page)
+        write_study_page(study, page, results)
         if page.absolute().parent == results.folder.absolute():
             note_made(page)
         say(f"Report:  {page}", err)

@@ -2,9 +2,11 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from harness.record.manifest import Manifest
+from harness.report.rows.comparison import again_text
+from harness.results import Results
 
 
 class Fact(NamedTuple):
@@ -26,6 +28,18 @@ def shared_facts(manifests: Iterable[Manifest]) -> list[Fact]:
         for name, values in counts.items()
         for value, count in values.items()
     ]
+
+
+def repeat_of(results: Results | None) -> dict[str, Any]:
+    """What a page says of how to repeat an experiment: the command, the experiment's text, what all cells share.
+
+    Args:
+        results: The experiment; None where no experiment made what the page shows.
+    """
+    if results is None:
+        return {"again": "", "facts": [], "experiment": ""}
+    facts = shared_facts(results.manifests)
+    return {"again": again_text(results), "facts": facts, "experiment": results.experiment_text}
 
 
 def _facts(manifest: Manifest) -> dict[str, str]:

@@ -22,5 +22,5 @@ def environments_table(results: Results, command: str, details: bool = False) ->
         if told.study is None:
             parts += [Text(f"{line}.") for line in (told.reason, *told.notes)]
         else:
-            parts.append(study_table(told.study) if details else study_overview(told.study, command))
+            parts.append(study_table(told.study, results) if details else study_overview(told.study, command, results))
     return Group(*parts)

@@ -5,9 +5,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from harness.record.plan_file import EXPERIMENT
 from harness.report.document import report_text
-from harness.report.facts import shared_facts
+from harness.report.facts import repeat_of
 from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
 from harness.report.page.comparison import comparison_section, title_of
@@ -17,7 +16,15 @@ from harness.report.page.page import render_page, write_page
 from harness.report.page.question import question
 from harness.report.replay.links import links_of
 from harness.report.replay.section import replay_of
-from harness.report.rows.comparison import PATHS, SPLIT, TESTS, TOTAL, count_cells, remarks_on_cells, rewards_text
+from harness.report.rows.comparison import (
+    PATHS,
+    SPLIT,
+    TESTS,
+    TOTAL,
+    count_cells,
+    remarks_on_cells,
+    rewards_text,
+)
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS
 from harness.report.rows.payoff import TITLE as PAYOFF_TITLE
 from harness.report.rows.payoff import Audits
@@ -102,9 +109,7 @@ def _render(results: Results, audits: Audits) -> str:
         transfer=_transfer(load_transfers(results)),
         manifests=results.manifests,
         recordings=None,
-        facts=shared_facts(results.manifests),
-        again=f"harness run {results.folder / EXPERIMENT} --out NEW",
-        experiment=results.experiment_text,
+        **repeat_of(results),
         downloads=_downloads(results, matrices),
     )
 

@@ -1,6 +1,7 @@
 """What a comparison says, as text: sentences and small grids that the terminal and the page share."""
 
 import math
+import shlex
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
@@ -72,8 +73,16 @@ def advice(results: Results, combination: Comparison) -> str:
     if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control or results.is_temporary:
         return ""
     more = next(count for count in needed if count > len(seeds))
-    folder = results.folder
-    return f"More seeds: harness run {folder / EXPERIMENT} --out {folder} --seeds {more}{results.plugin_flags}"
+    return f"More seeds: {_run_text(results, str(results.folder))} --seeds {more}{results.plugin_flags}"
+
+
+def again_text(results: Results) -> str:
+    """The command that trains an experiment again, in a new folder."""
+    return f"{_run_text(results, 'NEW')}{results.plugin_flags}"
+
+
+def _run_text(results: Results, out: str) -> str:
+    return f"harness run {shlex.quote(str(results.folder / EXPERIMENT))} --out {shlex.quote(out)}"
 
 
 def claims_text(combination: Comparison) -> str:

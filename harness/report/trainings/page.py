@@ -7,6 +7,7 @@ from harness.eta.behaviour_change import Change
 from harness.eta.headline import Answer
 from harness.eta.index import Ratio
 from harness.eta.scored_sums import BB, KK
+from harness.report.facts import repeat_of
 from harness.report.figures.accumulated import draw_panels
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
@@ -26,6 +27,7 @@ from harness.report.rows.comparison import (
     SPLIT,
     TOTAL,
     Grid,
+    advice,
     answer_text,
     claims_text,
     format_number,
@@ -55,6 +57,7 @@ from harness.report.trainings.rows import (
     study_title,
     text_of,
 )
+from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING
 from harness.results.recordings.learning import learning_of
@@ -65,16 +68,21 @@ LEARNING = "Lines: mean over seeds of the episodes that ended in each twentieth 
 CROSSOVER = "The cross-over is the first step after the first negative one at which the mean is not negative again."
 
 
-def write_study_page(study: Study, path: Path) -> None:
+def write_study_page(study: Study, path: Path, results: Results | None = None) -> None:
     """Write the page to `path`, in one go: a reader finds the old file or the new one, whole.
+
+    Args:
+        study: The study to show.
+        path: An HTML file.
+        results: The experiment whose trainings these are; None if no experiment made them.
 
     Raises:
         UsageError: The extra ``report`` is missing, or `path` cannot be written.
     """
-    write_page(_render(study), path, "The report")
+    write_page(_render(study, results), path, "The report")
 
 
-def _render(study: Study) -> str:
+def _render(study: Study, results: Results | None) -> str:
     matrix = _matrix(study)
     deciding = study.runs.measures[0].replace("_", " ") if study.runs.measures else "behaviour"
     unit = " [pp]" if study.runs.measures and study.runs.is_flag(study.runs.measures[0]) else ""
@@ -86,7 +94,7 @@ def _render(study: Study) -> str:
         shared=matrix.shared,
         headings=(*HEADINGS, f"{deciding}, baseline", f"{deciding}, proposed", f"difference{unit}"),
         success=[{} for _ in study.comparisons],
-        comparisons=[_section(study, comparison) for comparison in study.comparisons],
+        comparisons=[_section(study, comparison, results) for comparison in study.comparisons],
         is_open=len(study.comparisons) <= OPEN,
         told={
             "subject": "agent",
@@ -116,12 +124,12 @@ def _render(study: Study) -> str:
         replay=None,
         transfer=None,
         recordings=recordings_grid(study),
-        again="",
+        **repeat_of(results),
         downloads=[pack("report.json", "application/json", study_json(study))],
     )
 
 
-def _section(study: Study, comparison: Comparison) -> dict[str, Any]:
+def _section(study: Study, comparison: Comparison, results: Results | None) -> dict[str, Any]:
     """What the template shows of a comparison."""
     headline = comparison.headline
     changes = comparison.changes_of(comparison.manner)
@@ -136,7 +144,7 @@ def _section(study: Study, comparison: Comparison) -> dict[str, Any]:
         "number": headline.number,
         "returns": returns_grid(comparison) if comparison.seeds else None,
         "mixtures": [],
-        "advice": "",
+        "advice": advice(results, comparison) if results else "",
         "tests": claims_text(comparison),
         "summary": _summary(study, comparison),
         "behaviour": behaviour[0] if behaviour else None,

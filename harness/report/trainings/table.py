@@ -7,6 +7,7 @@ from harness.eta.scored_sums import BB, KK
 from harness.report.rows.comparison import (
     SPLIT,
     Grid,
+    advice,
     answer_text,
     claims_text,
     format_number,
@@ -33,6 +34,7 @@ from harness.report.trainings.rows import (
     study_text,
     text_of,
 )
+from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING
 from harness.results.recordings.study import Study, basis_text
@@ -47,12 +49,13 @@ RATIO_IS = "eta = ruler x behaviour is the ratio of both"
 DIFFERENCE_IS = "difference = ruler + behaviour, because a ratio needs returns above 0"
 
 
-def study_overview(study: Study, details: str) -> RenderableType:
+def study_overview(study: Study, details: str, results: Results | None = None) -> RenderableType:
     """A line per comparison, and the full table of returns. A single comparison has its answers in sentences.
 
     Args:
         study: The study to show.
         details: The command that shows everything behind the overview.
+        results: The experiment whose trainings these are; None if no experiment made them.
     """
     comparisons = study.comparisons
     parts: list[RenderableType] = [Text(study_text(study), style="bold"), *_notes(study)]
@@ -63,7 +66,7 @@ def study_overview(study: Study, details: str) -> RenderableType:
     parts += show_grid(Grid(headings, [_line(it, is_ratio) for it in comparisons], []), STYLES)
     parts += [Text(), Text(OVERVIEW.format(whole=RATIO_IS if is_ratio else DIFFERENCE_IS), style="dim")]
     if len(comparisons) == 1:
-        parts += [part for line in _sentences(comparisons[0]) for part in (Text(), Text(line))]
+        parts += [part for line in _sentences(comparisons[0], results) for part in (Text(), Text(line))]
     else:
         parts += [
             Text(),
@@ -72,18 +75,18 @@ def study_overview(study: Study, details: str) -> RenderableType:
     return Group(*parts, Text(), Text(f"All numbers behind this: {details}"))
 
 
-def study_table(study: Study) -> RenderableType:
+def study_table(study: Study, results: Results | None = None) -> RenderableType:
     """Everything about each comparison: returns first, then how they split, then what the agent did."""
     parts: list[RenderableType] = [Text(study_text(study), style="bold"), *_notes(study), Text()]
     for comparison in study.comparisons:
-        parts += _block(study, comparison)
+        parts += _block(study, comparison, results)
     parts.append(Text(" ".join([SCALES, SPLIT, READING, TESTS])))
     for manner in study.tables:
         parts += show_grid(paid_grid(study, manner))
     return Group(*parts, Text(TABLE))
 
 
-def _block(study: Study, comparison: Comparison) -> list[RenderableType]:
+def _block(study: Study, comparison: Comparison, results: Results | None) -> list[RenderableType]:
     headline = comparison.headline
     parts: list[RenderableType] = [Text(rewards_text(comparison), style="bold")]
     if not comparison.seeds:
@@ -106,7 +109,8 @@ def _block(study: Study, comparison: Comparison) -> list[RenderableType]:
     for grid in grids:
         parts += show_grid(grid)
     parts += [Text(), Text(f"The agent: {answer_text(headline)}", style="bold"), Text(headline.robot)]
-    parts += [Text(basis_text(comparison)), Text(claims_text(comparison))]
+    told = (basis_text(comparison), claims_text(comparison), _advice(comparison, results))
+    parts += [Text(line) for line in told if line]
     for manner in comparison.episodes:
         parts += show_grid(behaviour_grid(comparison, manner))
     return [*parts, Text()]
@@ -137,6 +141,11 @@ def _line(comparison: Comparison, is_ratio: bool) -> tuple[str, ...]:
     return (rewards_text(comparison), answer_text(comparison.headline), returns, *whole, *measures)
 
 
-def _sentences(comparison: Comparison) -> list[str]:
+def _sentences(comparison: Comparison, results: Results | None) -> list[str]:
     headline = comparison.headline
-    return [line for line in (headline.robot, basis_text(comparison), headline.number) if line]
+    told = (headline.robot, basis_text(comparison), headline.number, _advice(comparison, results))
+    return [line for line in told if line]
+
+
+def _advice(comparison: Comparison, results: Results | None) -> str:
+    return advice(results, comparison) if results else ""
