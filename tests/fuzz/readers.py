@@ -205,7 +205,7 @@ def _mutate_sealed(content: bytes, rng: Random) -> bytes:
         return mutate_bytes(content, rng)
     try:
         return seal(json.loads(mutate_json(json.dumps(unseal(content)).encode(), rng)))
-    except (ValueError, TypeError):  # no JSON object any more
+    except (ValueError, TypeError, RecursionError):  # no JSON object any more, or one too deep to be made
         return mutate_bytes(content, rng)
 
 
