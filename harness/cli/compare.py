@@ -18,7 +18,7 @@ def compare(
 ) -> int:
     """Compare two experiments that trained the same cells, for example before and after a plugin was edited.
 
-    Ends with status 1 if a statistical test finds that policies of a proposed reward succeed less often than before.
+    Ends with status 1 if a statistical test finds that policies of a proposed reward do worse than before.
     """
     from harness.cli.terminal import show
     from harness.report.committed import refuse_committed
@@ -29,13 +29,11 @@ def compare(
     for folder in (before, after):
         refuse_committed(folder, "harness compare")
     both = load_results(before), load_results(after)
-    for results in both:
-        results.require_arm("harness compare")
     found = between(*both)
     if as_json:
         say_json(found.to_json())
     else:
         show(between_table(found))
     if found.regressions:
-        complain(f"regressions: {len(found.regressions)}; these policies succeed less often than before")
+        complain(f"regressions: {len(found.regressions)}; these policies do worse than before")
     return REGRESSION if found.regressions else 0

@@ -4,24 +4,22 @@ A seed is trained in both, so its two trainings are a pair: the tests are those 
 ``docs/statistics.md``.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, NamedTuple
 
 from harness.errors import UsageError
 from harness.eta.behaviour_change import Change, change_of
-from harness.eta.headline import SUCCESS, margin_of
+from harness.eta.headline import margin_of
 from harness.eta.swaps import Swaps, corrected_p, swaps_of
-from harness.record.cell import Cell
 from harness.results.comparison import Comparison, Group
-from harness.results.measured import Measured
-from harness.results.metrics import measure_of
+from harness.results.policies import Policies, policies_of
 from harness.results.results import Results
 
 
 class Verdict(StrEnum):
-    """How the success of the proposed reward's policies changed."""
+    """How the measure that decides changed for the proposed reward's policies: success, or that of an environment."""
 
     SAME = "the same"
     BETTER = "better"
@@ -39,16 +37,19 @@ class Pair:
         after: The combination in the second experiment.
         changes: How the proposed reward's policies changed, by measure. The baseline and proposed values of a `Change`
             are those before and after.
+        other_code: Measures of an environment whose code is not the same in both experiments.
     """
 
     before: Comparison
     after: Comparison
     changes: tuple[Change, ...]
+    other_code: tuple[str, ...] = ()
 
     @property
-    def success(self) -> Change | None:
-        """The change of the success rate; None if no seed is done in both."""
-        return next((change for change in self.changes if change.name == SUCCESS and change.seeds), None)
+    def decisive(self) -> Change | None:
+        """The change of the first measure that decides; None if no seed is done in both."""
+        deciding = self.before.deciding[:1]
+        return next((change for change in self.changes if change.name in deciding and change.seeds), None)
 
     @property
     def moved(self) -> tuple[Change, ...]:
@@ -57,14 +58,14 @@ class Pair:
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict on the policies' success. It is "the same" only if every value of every measure is the same."""
-        if self.success is None:
+        """The verdict on what decides. It is "the same" only if every value of every measure is the same."""
+        if self.decisive is None:
             return Verdict.CANNOT_TELL
         if all(one == other for change in self.changes for one, other in change.values):
             return Verdict.SAME
-        if self.success.direction:
-            return Verdict(self.success.direction)
-        return Verdict.NO_DIFFERENCE if self.success.is_within(margin_of(self.success)) else Verdict.CANNOT_TELL
+        if self.decisive.direction:
+            return Verdict(self.decisive.direction)
+        return Verdict.NO_DIFFERENCE if self.decisive.is_within(margin_of(self.decisive)) else Verdict.CANNOT_TELL
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -75,6 +76,7 @@ class Pair:
             "before": _side_to_json(self.before),
             "after": _side_to_json(self.after),
             "behaviour": [change.to_json() for change in self.changes],
+            "other_code": list(self.other_code),
         }
 
 
@@ -88,7 +90,7 @@ class Between(NamedTuple):
 
     @property
     def regressions(self) -> tuple[Pair, ...]:
-        """The pairs in which a test finds that the proposed reward's policies succeed less often."""
+        """The pairs in which a test finds that the proposed reward's policies do worse in what decides."""
         return tuple(pair for pair in self.pairs if pair.verdict == Verdict.WORSE)
 
     def to_json(self) -> dict[str, Any]:
@@ -108,21 +110,22 @@ def between(before: Results, after: Results) -> Between:
     Raises:
         UsageError: The experiments share no combination.
     """
-    one, other = ({_key(it): it for it in results.combinations if not it.is_control} for results in (before, after))
+    one, other = (_compared(results) for results in (before, after))
     shared = [key for key in one if key in other]
     if not shared:
         raise UsageError(
             f"'{before.folder}' and '{after.folder}' have no comparison in common: name two experiments that trained "
-            "the same simulators, algorithms and rewards on the same task for as many steps"
+            "the same algorithms and rewards in the same places on the same task for as many steps"
         )
-    trained = [(_policies(before, one[key]), _policies(after, other[key])) for key in shared]
-    swaps = swaps_of(sorted({seed for first, second in trained for seed in first.keys() & second.keys()}))
-    changes = [
-        _changes(before, one[key], first, second, swaps) for key, (first, second) in zip(shared, trained, strict=True)
+    manners = {key: one[key].manner for key in shared}
+    trained = [
+        (policies_of(before, one[key], manners[key]), policies_of(after, other[key], manners[key])) for key in shared
     ]
-    pairs = zip(shared, _correct(changes), strict=True)
+    swaps = swaps_of(sorted({seed for first, second in trained for seed in first.did.keys() & second.did.keys()}))
+    changes = [_changes(first, second, swaps) for first, second in trained]
+    pairs = zip(shared, _correct(changes), trained, strict=True)
     return Between(
-        tuple(Pair(one[key], other[key], found) for key, found in pairs),
+        tuple(Pair(one[key], other[key], found, _other_code(*both)) for key, found, both in pairs),
         tuple(it for key, it in one.items() if key not in other),
         tuple(it for key, it in other.items() if key not in one),
     )
@@ -135,33 +138,30 @@ def _key(combination: Comparison) -> Key:
     return combination.group, combination.baseline, combination.proposed
 
 
-def _policies(results: Results, combination: Comparison) -> dict[int, Measured]:
-    """The values of every metric for the proposed reward's cells, by seed."""
-    cells: Iterable[Cell] = results.groups.get(combination.group, [])
-    return {cell.seed: results.measured(cell) for cell in cells if cell.reward.label == combination.proposed}
+def _compared(results: Results) -> dict[Key, Comparison]:
+    """Comparisons with the experiment's baseline. An environment has others too, of the same policies."""
+    found = (it for it in results.combinations if it.baseline == results.baseline and not it.is_control)
+    return {_key(it): it for it in found}
 
 
-def _changes(
-    results: Results, combination: Comparison, before: dict[int, Measured], after: dict[int, Measured], swaps: Swaps
-) -> tuple[Change, ...]:
-    """The change of every metric in the combination's manner, over the seeds that both experiments measured so."""
-    manner = combination.manner
-    seeds = [seed for seed in sorted(before) if seed in after and _has(manner, before[seed], after[seed])]
+def _changes(before: Policies, after: Policies, swaps: Swaps) -> tuple[Change, ...]:
+    """The change of every measure that both experiments have, over the seeds that are done in both."""
+    seeds = sorted(before.did.keys() & after.did.keys())
     if not seeds:
         return ()
-    episodes = min(it[seed].episodes[manner] for it in (before, after) for seed in seeds)
-    manifest = results.manifest(results.groups[combination.group][0])
+    did = (before.did, after.did)
+    episodes = min(it[seed].episodes for it in did for seed in seeds)
     found = []
-    for name, metric in results.metrics.items():
-        measure = measure_of(name, metric, manner, episodes, manifest)
-        one, other = ({seed: it[seed].manners[manner][name] for seed in seeds} for it in (before, after))
-        reasons = [it[seed].reasons[name] for it in (before, after) for seed in seeds if name in it[seed].reasons]
-        found.append(replace(change_of(measure, one, other, swaps), reason=next(iter(reasons), "")))
+    for name in (name for name in before.names if name in after.names):
+        one, other = ({seed: it[seed].values.get(name) for seed in seeds} for it in did)
+        reasons = [it[seed].reasons[name] for it in did for seed in seeds if name in it[seed].reasons]
+        change = change_of(before.measure(name, episodes), one, other, swaps)
+        found.append(replace(change, reason=next(iter(reasons), "")))
     return tuple(found)
 
 
-def _has(manner: str, *measured: Measured) -> bool:
-    return all(manner in it.manners for it in measured)
+def _other_code(before: Policies, after: Policies) -> tuple[str, ...]:
+    return tuple(name for name in before.names if name in after.names and before.code.get(name) != after.code.get(name))
 
 
 def _correct(families: Sequence[tuple[Change, ...]]) -> list[tuple[Change, ...]]:

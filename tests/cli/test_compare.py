@@ -23,7 +23,7 @@ def test_a_regression_ends_with_status_1(harness, finished, monkeypatch):
     monkeypatch.setattr(Between, "regressions", property(lambda found: found.pairs))
     answer = harness("compare", mine, mine)
     assert (answer.status, answer.err.count("\n")) == (1, 1)
-    assert "regressions: 1; these policies succeed less often than before" in answer.err
+    assert "regressions: 1; these policies do worse than before" in answer.err
 
 
 def test_a_folder_that_is_no_experiment_is_refused(harness, finished):

@@ -4,18 +4,18 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import count_seeds
-from harness.report.rows.behaviour import behaviour_row
+from harness.eta.headline import SHORT, count_seeds
+from harness.report.rows.behaviour import behaviour_row, value_text
 from harness.report.rows.comparison import Grid, answer_text
 from harness.report.tables.grid import show_grid
 from harness.results.between import Between, Pair, Verdict
+from harness.results.comparison import Comparison
 from harness.results.overview import line_names, shared_text, short_value, success_text
 
-HEADINGS = ("", "the policy", "success", "seeds", "the robot", "eta_N", "eta_P")
 STYLES = {Verdict.BETTER.value.upper(): "bold green", Verdict.WORSE.value.upper(): "bold red"}
 READING = (
-    "before > after. the policy: whether the proposed reward's policies succeed more or less often than before, by a "
-    "test over the seeds that are in both. the robot: whether the proposed reward helps beside the baseline."
+    "before > after. the policy: whether the proposed reward's policies do better or worse than before, by a test over "
+    "the seeds that are in both. {subject}: whether the proposed reward helps beside the baseline."
 )
 
 
@@ -25,9 +25,14 @@ def between_table(found: Between) -> RenderableType:
     names = line_names(combinations)
     rows = [_row(name, pair) for name, pair in zip(names, found.pairs, strict=True)]
     parts: list[RenderableType] = [Text(shared_text(combinations, with_seeds=False), style="bold")]
-    parts += [*show_grid(Grid(HEADINGS, rows, []), STYLES), Text(), Text(READING, style="dim"), Text()]
+    subject = "the robot" if "robot" in combinations[0].group.labels else "the agent"
+    decides = " / ".join(dict.fromkeys(_measure_text(it) for it in combinations))
+    headings = ("", "the policy", decides, "seeds", subject, "eta_N", "eta_P")
+    reading = Text(READING.format(subject=subject), style="dim")
+    parts += [*show_grid(Grid(headings, rows, []), STYLES), Text(), reading, Text()]
     moved = [_moved(name, change) for name, pair in zip(names, found.pairs, strict=True) for change in pair.moved]
     parts += map(Text, moved or ["No measure moved by more than chance allows, all of them tested together."])
+    parts += map(Text, dict.fromkeys(line for pair in found.pairs for line in _notes(pair)))
     for where, alone in (("first", found.only_before), ("second", found.only_after)):
         parts += [Text(f"only in the {where}: {it.group.title} · {it.proposed}") for it in alone]
     return Group(*parts)
@@ -36,8 +41,31 @@ def between_table(found: Between) -> RenderableType:
 def _row(name: str, pair: Pair) -> tuple[str, ...]:
     answers = [answer_text(it.headline) for it in (pair.before, pair.after)]
     etas = [[short_value(it.splits[name].eta) for it in (pair.before, pair.after)] for name in ("eta_N", "eta_P")]
-    seeds = str(pair.success.seeds) if pair.success else "0"
-    return (name, pair.verdict.value.upper(), success_text(pair.success), seeds, _change(answers), *map(_change, etas))
+    seeds = str(pair.decisive.seeds) if pair.decisive else "0"
+    return (name, pair.verdict.value.upper(), _decisive(pair), seeds, _change(answers), *map(_change, etas))
+
+
+def _measure_text(combination: Comparison) -> str:
+    """The measure that decides, for a heading."""
+    return next((SHORT.get(name, name.replace("_", " ")) for name in combination.deciding), "behaviour")
+
+
+def _decisive(pair: Pair) -> str:
+    """Both values of the measure that decides."""
+    change = pair.decisive
+    values = (change.baseline, change.proposed) if change else (None, None)
+    if change is None or None in values or change.measure.episodes is not None:
+        return success_text(change)
+    return ">".join(value_text(change, value) for value in values if value is not None)
+
+
+def _notes(pair: Pair) -> list[str]:
+    """What to keep in mind of the measures."""
+    missing = [f"{it.name} is not compared: {it.reason}." for it in pair.changes if it.reason and not it.seeds]
+    other = [
+        f"The code of {name} is not the same in both: its numbers may not be comparable." for name in pair.other_code
+    ]
+    return [*missing, *other]
 
 
 def _change(texts: list[str]) -> str:

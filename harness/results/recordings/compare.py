@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.behaviour_change import Change, change_of
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.decompose import decompose
 from harness.eta.return_split import Returns, ReturnSplit, split_returns
@@ -110,8 +110,7 @@ class _Comparer:
             {seed: part.behaviour.get(name) for seed, part in zip(self._seeds, self._parts[manner][who], strict=True)}
             for who in ("baseline", "proposed")
         )
-        episodes = self._fewest(manner) if self._runs.is_flag(name) else None
-        measure = Measure(name, "", self._runs.better(name), manner, episodes, bounds=self._runs.bounds(name))
+        measure = self._runs.measure(name, manner, self._fewest(manner))
         change = change_of(measure, baseline, proposed, self._swaps)
         reasons = (
             _why(name, run, part)

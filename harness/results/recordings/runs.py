@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
+from harness.eta.behaviour_change import Measure
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling, rescaling_of
@@ -121,6 +122,11 @@ class Runs(NamedTuple):
     def better(self, measure: str) -> str:
         """``higher`` or ``lower``."""
         return "lower" if measure in self.lower_is_better else "higher"
+
+    def measure(self, name: str, manner: str, episodes: int) -> Measure:
+        """What a measure is in the episodes of one manner, of which each seed has `episodes` at least."""
+        share = episodes if self.is_flag(name) else None
+        return Measure(name, "", self.better(name), manner, share, bounds=self.bounds(name))
 
     def is_flag(self, measure: str) -> bool:
         """Whether it is 0 or 1 in every episode of every training."""
