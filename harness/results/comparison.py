@@ -273,7 +273,8 @@ class Comparison:
         """Plain data, without the curves; docs/json.md explains it."""
         headline = self.headline.to_json()
         if self.group.robot != NO_ROBOT:
-            headline["robot"] = headline["behaviour"]  # its name in version 0.1; leaves with the next format
+            # `robot` is its name in version 0.1; it leaves with the next format
+            headline = {"answer": headline["answer"], "robot": headline["behaviour"], **headline}
         return {
             **self.group.to_json(),
             "baseline": self.baseline,
