@@ -18,7 +18,6 @@ from harness.cli.flags.shared import (
     RewardNames,
     RobotName,
     SimulatorNames,
-    TaskName,
 )
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import complain, say, say_json
@@ -37,7 +36,7 @@ def run(
     algo: flags.AlgorithmNames = None,
     reward: RewardNames = None,
     baseline: flags.Baseline = None,
-    task: TaskName = None,
+    task: flags.TaskNames = None,
     robot: RobotName = None,
     seeds: flags.Seeds = None,
     steps: flags.Steps = None,

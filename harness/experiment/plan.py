@@ -2,33 +2,23 @@
 
 import hashlib
 import itertools
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
-from harness.algorithm import Algorithm, needs_goals, why_not
-from harness.errors import UsageError, sentence
-from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
-from harness.experiment.task_form import task_for
+from harness.errors import UsageError
+from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
-from harness.record.cell import NO_ROBOT, NO_SIMULATOR, Cell
+from harness.record.cell import NO_SIMULATOR, Cell
 from harness.record.plan_file import control_seeds
-from harness.registry.choice import Choice, choose, split_list
-from harness.registry.names import unknown_name
+from harness.registry.choice import Choice, split_list
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
-from harness.registry.spec import PLANNED, blamed_on
 from harness.registry.toml_file import read_toml
-from harness.robot import Robot
-from harness.robot.load import load_robot
-from harness.simulator import require_drives
-
-Given: TypeAlias = str | dict[str, Any]
 
 MOST_NAMES = 1_000
 """The most names in a list of simulators, algorithms or rewards."""
@@ -52,21 +42,8 @@ Interval: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 LISTS = ("sim", "algo", "reward", "measure")
 
 
-NO_GOALS = (
-    "learns by paying steps again for other goals. A task of an arm does not allow that: its rewards depend on earlier "
-    "steps, touching the ground is paid too, and its observations contain the offset to the target. "
-    "Give an environment with goals, such as --task fetch-reach"
-)
-UNMEASURED = (
-    "No measure says what the agent does, so the report cannot say whether it behaves better. Give a file of "
-    "functions, --measure behaviour.py, or name keys of info, --task gymnasium:id=...,tells=KEY"
-)
-OWN_HORIZON = (
-    "--evaluation-horizon goes with an environment. A task of an arm has a horizon of its own, "
-    "such as --task fd100-reach:horizon=50"
-)
-DEFAULT_TASK, DEFAULT_BASELINE, DEFAULT_REWARDS = "fd100-reach", "baseline", ("arp",)
-"""Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
+DEFAULT_TASK = "fd100-reach"
+"""Where an experiment names none."""
 
 
 @checked_dataclass(frozen=True, kw_only=True)
@@ -86,7 +63,10 @@ class Experiment:
         Field(description="proposed rewards; an empty list: only the baseline is trained"),
     ] = None
     baseline: Annotated[Given | None, Field(description="reward that the proposed rewards are compared with")] = None
-    task: Annotated[Given, Field(description="task, or an environment in its place")] = DEFAULT_TASK
+    task: Annotated[
+        Given | Annotated[list[Given], Field(min_length=1, max_length=MOST_NAMES)],
+        Field(description="task, or an environment in its place; or a list of tasks, or of environments"),
+    ] = DEFAULT_TASK
     robot: Annotated[
         str | None, Field(description="robot: a name, a URDF file, or a folder with robot.toml; None: the task's own")
     ] = None
@@ -113,6 +93,11 @@ class Experiment:
     plugins: Annotated[
         list[Given], Field(max_length=MOST_NAMES, description="required plugins, which you have to give with --plugin")
     ] = Field(default_factory=list)
+
+    @property
+    def tasks(self) -> list[Given]:
+        """The tasks, in their order."""
+        return self.task if isinstance(self.task, list) else [self.task]
 
     @property
     def seed_list(self) -> list[int]:
@@ -171,18 +156,17 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
     """
     for key in ("sim", "algo") if data.get("task", DEFAULT_TASK) == DEFAULT_TASK else ("algo",):
         if not data.get(key):
-            raise UsageError(_unnamed(key, noun))
+            raise UsageError(unnamed(key, noun))
     listed = {key: _split_names(value) if key in LISTS else value for key, value in data.items()}
+    if "task" in data:
+        tasks = _split_names(data["task"])
+        listed["task"] = tasks[0] if len(tasks) == 1 else tasks
     experiment: Experiment = build(Experiment, listed, noun)
     return experiment
 
 
-def _unnamed(key: str, noun: str) -> str:
-    return f"{sentence(noun)} names no {key}: give --{key} NAME, or the key '{key}' in a file"
-
-
 def expand(experiment: Experiment, registry: Registry) -> Plan:
-    """All cells of an experiment: simulator x algorithm x reward x seed; in an environment algorithm x reward x seed.
+    """All cells of an experiment: task x simulator x algorithm x reward x seed; an environment has no simulator.
 
     An algorithm that takes discrete actions only gets a task with continuous ones in its discrete form.
 
@@ -191,105 +175,61 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
             for ``drive=servo``, or there are more cells than `MOST_CELLS`.
         PluginError: A plugin is broken, or raises; says whose it is.
     """
-    if kind_of_task(experiment.task, registry) == "environments":
-        return _expand_in_environment(experiment, registry)
-    if experiment.measure:
-        raise UsageError("--measure goes with an environment: an arm is judged by success and time to the target")
-    if experiment.evaluation_horizon is not None:
-        raise UsageError(OWN_HORIZON)
-    if not experiment.sim:
-        require_known(experiment.task, registry)
-        raise UsageError(_unnamed("sim", "experiment"))
-    simulators = _choose_each(registry, "simulators", experiment.sim)
-    algorithms = _choose_each(registry, "algorithms", experiment.algo)
-    baseline = choose(registry, "rewards", experiment.baseline or DEFAULT_BASELINE)
-    proposed: list[Given] = [*DEFAULT_REWARDS] if experiment.reward is None else experiment.reward
-    rewards = _choose_each(registry, "rewards", proposed)
-    require_known(experiment.task, registry)
-    task = choose(registry, "tasks", experiment.task)
-    built = task.build(registry, "tasks")
-    robot = _locate(experiment.robot or built.robot, registry)
-    arm = load_robot(robot, registry)
-    with blamed_on(registry.get("tasks", task.name), PLANNED):
-        built.check(arm)
-    for simulator in simulators:
-        require_drives(simulator.build(registry, "simulators"), arm)
+    tasks = plan_tasks(experiment, experiment.tasks, registry)
+    algorithms = choose_each(registry, "algorithms", experiment.algo)
     seeds = experiment.seed_list
-    control = control_seeds(seeds) if baseline in rewards else {}
-    paid = dict.fromkeys([baseline, *rewards])
-    _require_few(len(seeds), len(simulators), len(algorithms), len(paid))
+    _require_few(len(seeds), tasks, len(algorithms))
+    control = control_seeds(seeds) if any(it.has_control for it in tasks) else {}
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
     matrix = [
-        *itertools.product(seeds, simulators, algorithms, paid),
-        *itertools.product(control.values(), simulators, algorithms, [baseline]),
+        *((seed, it, *rest) for seed in seeds for it in tasks for rest in _product(it, algorithms, it.trained)),
+        *(
+            (seed, it, *rest)
+            for seed in control.values()
+            for it in tasks
+            if it.has_control
+            for rest in _product(it, algorithms, [it.baseline])
+        ),
     ]
-    forms = {algorithm: _fit(algorithm, task, arm, registry, experiment.steps) for algorithm in algorithms}
-    cells = [
-        Cell(
-            simulator, robot, forms[algorithm].task, algorithm, reward, seed, experiment.steps,
-            experiment.evaluation_episodes, experiment.evaluate_every, experiment.deterministic,
-        )
-        for seed, simulator, algorithm, reward in matrix
-    ]  # fmt: skip
-    reasons = {algorithm: form.reason for algorithm, form in forms.items()}
+    fits = {(it.task, *pair): it.fit(*pair) for it in tasks for pair in itertools.product(algorithms, it.trained)}
+    planned = [
+        (_cell(experiment, it, simulator, fit.task, algorithm, reward, seed), fit.reason)
+        for seed, it, simulator, algorithm, reward in matrix
+        for fit in [fits[it.task, algorithm, reward]]
+    ]
     return Plan(
-        baseline.label,
-        tuple(cell for cell in cells if not reasons[cell.algorithm]),
-        tuple((cell, reasons[cell.algorithm]) for cell in cells if reasons[cell.algorithm]),
-        _resolve(experiment, simulators, algorithms, baseline, rewards, task, robot, registry.needs()),
+        tasks[0].baseline.label,
+        tuple(cell for cell, reason in planned if not reason),
+        tuple((cell, reason) for cell, reason in planned if reason),
+        _resolve(experiment, tasks, algorithms, registry.needs()),
         control=control,
-        warnings=tuple(registry.broken_files()),
+        warnings=(*registry.broken_files(), *dict.fromkeys(line for it in tasks for line in it.warnings)),
+        measures=tuple(dict.fromkeys(name for it in tasks for name in it.measures)),
     )
 
 
-def _expand_in_environment(experiment: Experiment, registry: Registry) -> Plan:
-    """The cells of an experiment whose task is an environment; simulator and robot are the environment's own."""
-    refuse_places(experiment.sim, experiment.robot, experiment.evaluate_every)
-    task = choose(registry, "environments", experiment.task)
-    algorithms = _choose_each(registry, "algorithms", experiment.algo)
-    looked = look_at(task, registry)
-    for name in experiment.measure:
-        if name not in looked.measures:
-            told = f"{looked.label}: {unknown_name('measure', name, looked.measures)}"
-            raise UsageError(f"{told} A key of info becomes a measure by --task gymnasium:id=...,tells={name}")
-    baseline, rewards = looked.rewards_asked(experiment.baseline, experiment.reward)
-    seeds, horizon = experiment.seed_list, experiment.evaluation_horizon or HORIZON
-    _require_few(len(seeds), 1, len(algorithms), len(rewards))
-    reasons = {
-        (algorithm, reward): why_not_in(looked, algorithm, reward, registry, experiment.steps)
-        for algorithm, reward in itertools.product(algorithms, rewards)
-    }
-    cells = [
-        Cell(
-            NO_SIMULATOR, NO_ROBOT, task, algorithm, Choice(reward, (), reward), seed, experiment.steps,
-            experiment.evaluation_episodes, deterministic=experiment.deterministic, evaluation_horizon=horizon,
-        )
-        for seed, algorithm, reward in itertools.product(seeds, algorithms, rewards)
-    ]  # fmt: skip
-    given = _given(experiment, registry.needs())
-    why_not_of = [(cell, reasons[cell.algorithm, cell.reward.name]) for cell in cells]
-    return Plan(
-        baseline,
-        tuple(cell for cell, reason in why_not_of if not reason),
-        tuple((cell, reason) for cell, reason in why_not_of if reason),
-        {
-            **{key: value for key, value in given.items() if key not in ("sim", "robot")},
-            "algo": [table_of(choice) for choice in algorithms],
-            "reward": [reward for reward in rewards if reward != baseline],
-            "baseline": baseline,
-            "task": table_of(task),
-            "evaluation_horizon": horizon,
-        },
-        warnings=(*registry.broken_files(), *([] if looked.measures else [UNMEASURED])),
-        measures=looked.measures,
-    )
+def _product(
+    task: TaskPlan, algorithms: Sequence[Choice], rewards: Sequence[Choice]
+) -> "itertools.product[tuple[Choice, Choice, Choice]]":
+    return itertools.product(task.simulators, algorithms, rewards)
 
 
-def _require_few(seeds: int, simulators: int, algorithms: int, rewards: int) -> None:
+def _cell(
+    experiment: Experiment, it: TaskPlan, simulator: Choice, form: Choice, algorithm: Choice, reward: Choice, seed: int
+) -> Cell:
+    return Cell(
+        simulator, it.robot, form, algorithm, reward, seed, experiment.steps, experiment.evaluation_episodes,
+        experiment.evaluate_every, experiment.deterministic, it.horizon,
+    )  # fmt: skip
+
+
+def _require_few(seeds: int, tasks: Sequence[TaskPlan], algorithms: int) -> None:
     """Raise UsageError if the matrix is too large, before it is made."""
-    count = seeds * simulators * algorithms * rewards
+    count = seeds * algorithms * sum(len(it.simulators) * len(it.trained) for it in tasks)
     if count > MOST_CELLS:
-        factors = f"{seeds} seeds x {simulators} simulators x {algorithms} algorithms x {rewards} rewards"
+        first = tasks[0]
+        factors = f"{seeds} seeds x {len(first.simulators)} simulators x {algorithms} algorithms"
+        factors = f"{factors} x {len(first.trained)} rewards" + (f" x {len(tasks)} tasks" if len(tasks) > 1 else "")
         raise UsageError(f"{factors} are {count:,} cells, {MOST_CELLS:,} are allowed. Make several experiments of it.")
 
 
@@ -301,63 +241,28 @@ def _split_names(given: Any) -> Any:
     return [name for part in parts for name in part]
 
 
-def _locate(robot: str, registry: Registry) -> str:
-    """A registered name as it is, a path in full: a cell means the same from any working directory."""
-    path = Path(robot)
-    if robot in registry.names("robots") or not os.path.exists(path):  # no error, whatever the text
-        return robot
-    # A link to a URDF stays one: what lies beside it is looked for where the user says that it is.
-    return str(path.resolve() if path.is_dir() else path.parent.resolve() / path.name)
-
-
-def _choose_each(registry: Registry, kind: str, given: list[Given]) -> list[Choice]:
-    return list(dict.fromkeys(choose(registry, kind, item) for item in given))
-
-
-class Fit(NamedTuple):
-    """How an algorithm can do a plan."""
-
-    task: Choice
-    """The task in the form that the algorithm takes; as given if there is no such form."""
-    reason: str
-    """Why the algorithm cannot do the plan; empty if it can."""
-
-
-def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:
-    with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
-        try:
-            form = task_for(algorithm, task, robot, registry)
-        except UsageError as error:
-            return Fit(task, str(error))
-        built: Algorithm = algorithm.build(registry, "algorithms")
-        if steps % built.num_envs:
-            envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
-            return Fit(form, f"steps={steps} is not a multiple of {envs}")
-        if needs_goals(built):
-            return Fit(form, f"{algorithm.label} {NO_GOALS}")
-        return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
-
-
 def _resolve(
     experiment: Experiment,
-    simulators: list[Choice],
-    algorithms: list[Choice],
-    baseline: Choice,
-    rewards: list[Choice],
-    task: Choice,
-    robot: str,
+    tasks: Sequence[TaskPlan],
+    algorithms: Sequence[Choice],
     needs: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
-    return {
-        **{key: value for key, value in _given(experiment, needs).items() if key != "evaluation_horizon"},
-        "sim": [table_of(choice) for choice in simulators],
+    first, robots = tasks[0], {it.robot for it in tasks}
+    in_environment = first.simulators == (NO_SIMULATOR,)
+    rewards = dict.fromkeys(reward for it in tasks for reward in it.rewards)
+    named = [table_of(it.task) for it in tasks]
+    told = {
+        "sim": [table_of(choice) for choice in first.simulators],
         "algo": [table_of(choice) for choice in algorithms],
-        "reward": [table_of(choice) for choice in rewards],
-        "baseline": table_of(baseline),
-        "task": table_of(task),
-        "robot": robot,
+        "reward": [choice.name if in_environment else table_of(choice) for choice in rewards],
+        "baseline": first.baseline.name if in_environment else table_of(first.baseline),
+        "task": named[0] if len(named) == 1 else named,
+        "robot": first.robot if len(robots) == 1 else None,
+        "evaluation_horizon": first.horizon,
     }
+    brought = ("sim", "robot") if in_environment else ("evaluation_horizon",)
+    return {key: value for key, value in {**_given(experiment, needs), **told}.items() if key not in brought}
 
 
 def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -1,10 +1,11 @@
 """Random actions, evaluated once: the floor that all policies of a simulator, task and robot are held against."""
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import NamedTuple, Self
 
 from harness.record.cell import Cell
-from harness.record.folder import RANDOM
+from harness.record.folder import RANDOM, recording_of
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.choice import Choice
@@ -17,11 +18,17 @@ class Floor(NamedTuple):
     robot: str
     task: Choice
     episodes: int
+    horizon: int
 
     @classmethod
     def of(cls, cell: Cell) -> Self:
         """That of a cell."""
-        return cls(cell.simulator, cell.robot, cell.task, cell.evaluation_episodes)
+        return cls(cell.simulator, cell.robot, cell.task, cell.evaluation_episodes, cell.evaluation_horizon)
+
+
+def has_floor(files: Path) -> bool:
+    """Whether a cell, in this folder, evaluated random actions."""
+    return (files / RANDOM).is_file() or (files / recording_of(RANDOM)).is_dir()
 
 
 def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
@@ -33,6 +40,6 @@ def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
     """
     found: dict[Floor, Cell] = {}
     for manifest in manifests:
-        if manifest.status == "done" and (store.cell_folder(manifest.cell) / RANDOM).is_file():
+        if manifest.status == "done" and has_floor(store.cell_folder(manifest.cell)):
             found.setdefault(Floor.of(manifest.cell), manifest.cell)
     return found

@@ -9,12 +9,14 @@ MANIFEST, LOG = "manifest.json", "log.txt"
 TRACE, EVALUATION, RANDOM = "trace.parquet", "evaluation.parquet", "random.parquet"
 STOCHASTIC, DETERMINISTIC = "stochastic.parquet", "deterministic.parquet"
 """The final evaluation in the other manner than that of `EVALUATION`; folders of version 0.1 have neither."""
+SUFFIX = ".parquet"
 EVALUATIONS = "evaluations"
 """Folder of what the policy did before its training ended, a trace per evaluation, named by the environment steps."""
 SCENE = "scene.json"
 """What the arm looks like, see `harness.record.scene`; folders of version 0.1 have none."""
 TRAINING_RECORDING, EVALUATION_RECORDING = "training", "evaluation"
-"""Folders of recordings, see `harness.record.recording`, of a cell whose task is an environment."""
+"""Folders of recordings, see `harness.record.recording`, of a cell whose task is an environment. Its other evaluations
+are folders too, named as the files of an arm's cell are without their ending: see `recording_of`."""
 POLICY, WEIGHTS, CARD = "policy", "weights.safetensors", "card.json"
 """Folder of the trained policy, and the two files in it."""
 SCORES = "scores.parquet"
@@ -39,10 +41,20 @@ def other_manner(deterministic: bool) -> str:
     return STOCHASTIC if deterministic else DETERMINISTIC
 
 
-def evaluation_files(folder: Path) -> dict[int, Path]:
-    """The evaluations before the end of a cell's training, by the environment steps done, in order."""
-    found = {int(path.stem): path for path in (folder / EVALUATIONS).glob("[0-9]*.parquet")}
-    return dict(sorted(found.items()))
+def recording_of(trace: str) -> str:
+    """The folder of a recording, by the name that a trace has in its place in a cell of an arm."""
+    return trace.removesuffix(SUFFIX)
+
+
+def evaluation_files(folder: Path, suffix: str = SUFFIX) -> dict[int, Path]:
+    """The evaluations before the end of a cell's training, by the environment steps done, in order.
+
+    Args:
+        folder: The folder of the cell.
+        suffix: What their names end with: that of traces, or nothing if they are recordings.
+    """
+    found = (path for path in (folder / EVALUATIONS).glob(f"[0-9]*{suffix}") if path.stem.isdecimal())
+    return dict(sorted((int(path.stem), path) for path in found if path.suffix == suffix))
 
 
 def publish(partial: Path, folder: Path) -> None:

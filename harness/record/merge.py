@@ -120,10 +120,9 @@ def _require_alike(cell: Cell, done: Sequence[tuple[Store, Manifest]]) -> None:
     recorded = [_digests_of_steps(store, manifest) for store, manifest in done] if len(done) > 1 else []
     for (store, _), digests in zip(done, recorded, strict=False):
         if digests != recorded[0]:
-            what = "recordings" if cell.is_in_environment else "traces"
             raise UsageError(
                 f"Cell {cell.id} ({cell.title}) was trained in '{done[0][0].folder}' and in '{store.folder}', and the "
-                f"{what} differ: remove it from one of them, in the folder cells/, and merge again"
+                f"steps differ: remove it from one of them, in the folder cells/, and merge again"
             )
 
 
@@ -132,11 +131,9 @@ def _digests_of_steps(store: Store, manifest: Manifest) -> dict[str, str]:
 
     The facts beside the steps of a recording do not count: they name versions, which may differ between machines.
     """
-    if manifest.cell.is_in_environment:
-        steps = tuple(f"{recording}/{STEPS}" for recording in (TRAINING_RECORDING, EVALUATION_RECORDING))
-        return {name: digest for name, digest in manifest.files.items() if name.startswith(steps)}
-    named = manifest.files.get(TRACE)  # version 0.1 named none
-    return {TRACE: named or digest_of(store.cell_folder(manifest.cell) / TRACE)}
+    recorded = (TRACE, *(f"{recording}/{STEPS}" for recording in (TRAINING_RECORDING, EVALUATION_RECORDING)))
+    named = {name: digest for name, digest in manifest.files.items() if name.startswith(recorded)}
+    return named or {TRACE: digest_of(store.cell_folder(manifest.cell) / TRACE)}  # version 0.1 named none
 
 
 def _choose_transfers(cell: Cell, stores: Iterable[Store], merged: Merged) -> None:

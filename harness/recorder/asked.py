@@ -7,6 +7,7 @@ from typing import Literal
 
 from harness.errors import UsageError
 from harness.eta.interval import Bounds, are_bounds
+from harness.record.recording.facts import ACTED, Acted
 from harness.recorder.column import OWN, Given
 from harness.recorder.env_facts import LEARNERS
 
@@ -36,6 +37,8 @@ class Asked:
     bounds: Mapping[str, Bounds] = field(default_factory=dict)
     learners: Collection[str] = LEARNERS
     horizon: int | None = None
+    acted: Acted = ""
+    after: int = 0
 
     def __post_init__(self) -> None:
         if self.on_error not in {"warn", "raise"}:
@@ -44,6 +47,12 @@ class Asked:
             raise UsageError(f"number={self.number!r}: recorders of one training are numbered 0, 1, 2 ...")
         if self.horizon is not None and self.horizon < 1:
             raise UsageError(f"horizon={self.horizon!r}: an episode has one step at least; None: it is never cut")
+        if self.acted not in ACTED:
+            raise UsageError(f"acted={self.acted!r}: it is one of {', '.join(map(repr, ACTED))}")
+        if not isinstance(self.after, int) or self.after < 0:
+            raise UsageError(f"after={self.after!r}: it is a number of environment steps; 0: all of the training")
+        if (self.acted or self.after) and not self.evaluation:
+            raise UsageError("acted and after tell of an evaluation: say evaluation=True too")
         for argument, names in (("lower_is_better", self.lower_is_better), ("bounds", self.bounds)):
             for name in names:
                 if name not in self.behaviour:

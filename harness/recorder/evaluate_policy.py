@@ -9,6 +9,7 @@ import gymnasium
 from harness.errors import UsageError
 from harness.eta.interval import Bounds
 from harness.record.cell import EVALUATION_HORIZON
+from harness.record.recording.facts import Acted
 from harness.recorder.asked import OnError
 from harness.recorder.column import Given
 from harness.recorder.env_facts import LEARNERS
@@ -34,6 +35,8 @@ def evaluate_policy(
     on_error: OnError = "warn",
     learners: Collection[str] = LEARNERS,
     horizon: int = EVALUATION_HORIZON,
+    acted: Acted = "",
+    after: int = 0,
 ) -> None:
     """Record whole episodes of a finished policy; ``harness report`` then judges by them, not by the training.
 
@@ -54,6 +57,9 @@ def evaluate_policy(
         on_error: As of `RecordRewards`.
         learners: The same.
         horizon: Steps after which an episode that goes on is cut; reports say how many were.
+        acted: ``"deterministic"``, ``"stochastic"``, or ``"random"`` for actions that no policy chose: reports show
+            what these come to beside the trained policies. Empty where that is not known.
+        after: Environment steps of training before it, if the training goes on; 0 for the final policy.
 
     Raises:
         UsageError: Something of that cannot be used, there is no such env, or `path` holds another recording.
@@ -75,6 +81,8 @@ def evaluate_policy(
         on_error=on_error,
         learners=learners,
         horizon=horizon,
+        acted=acted,
+        after=after,
     )
     try:
         for episode in range(episodes):

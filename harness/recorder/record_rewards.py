@@ -11,6 +11,7 @@ from gymnasium.envs.registration import EnvSpec
 from numpy import float64, ndarray
 
 from harness.eta.interval import Bounds
+from harness.record.recording.facts import Acted
 from harness.recorder.asked import Asked, OnError
 from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import Column, Given, Measure, Untold, as_number
@@ -64,6 +65,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         on_error: OnError = "warn",
         learners: Collection[str] = LEARNERS,
         horizon: int | None = None,
+        acted: Acted = "",
+        after: int = 0,
     ) -> None:
         """Check what was given, and start the recording.
 
@@ -89,6 +92,9 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             learners: Modules of learning libraries; the version of each is noted where something has imported it.
             horizon: Steps after which an episode is cut, if the env has not ended it: the step is truncated then. The
                 recording counts such episodes. None: only the env ends episodes.
+            acted: Of an evaluation: ``"deterministic"``, ``"stochastic"``, or ``"random"`` for actions that no policy
+                chose; empty where that is not known.
+            after: Of an evaluation before the training ended: environment steps of training before it.
 
         Raises:
             UsageError: Something of that cannot be used, or `path` holds another recording.
@@ -99,6 +105,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, bounds=bounds or {}, learners=learners, horizon=horizon,
+            acted=acted, after=after,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1, actions=action_facts(env.action_space))
         self._columns = [(column, _measure_of(column)) for column in self._recorder.columns]

@@ -73,6 +73,8 @@ class Recorder:
             sources={column.name: source_of(column.given) for column in self.columns},
             actions=actions,
             horizon=asked.horizon or 0,
+            acted=asked.acted,
+            after=asked.after,
         )
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)

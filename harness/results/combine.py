@@ -2,20 +2,21 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
-from harness.eta.headline import DECIDING
-from harness.eta.interval import SHARE
+from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.swaps import Swaps, swaps_of
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
-from harness.results.comparison import Comparison, Group, StepChange, correct
-from harness.results.measured import AREA, LEARNING, STEPS_TO_GOAL, Measured, Values, learning_values, moments_by_due
+from harness.results.along import Moments, changes_along, learning_changes
+from harness.results.comparison import Comparison, Group, StepChange, correct_all
+from harness.results.measured import Measured
 from harness.results.metrics import measure_of
 from harness.results.mixture import mixtures_of
 from harness.results.records import Records
@@ -31,10 +32,7 @@ def combine(records: Records) -> tuple[Comparison, ...]:
     asked = sorted(compared, key=lambda pair: pair[1].label == records.baseline)  # the null control comes last
     matches = [_match(records, group, reward) for group, reward in asked]
     swaps = swaps_of(sorted({seed for match in matches for seed in match.seeds}))
-    found = [_compare(records, match, swaps) for match in matches]
-    # The null control makes no claim about rewards, so it must not make the others' corrections stricter.
-    controls = [correct([combination])[0] for combination in found if combination.is_control]
-    return (*correct([combination for combination in found if not combination.is_control]), *controls)
+    return correct_all([_compare(records, match, swaps) for match in matches])
 
 
 class _Match(NamedTuple):
@@ -165,46 +163,26 @@ class _Measures:
 
     def along(self) -> tuple[StepChange, ...]:
         """The deciding measures at each evaluation before the end of the trainings."""
-        every = self._match.group.evaluate_every
-        if not every:
+        if not self._match.group.evaluate_every:
             return ()
-        one, other = (
-            [
-                {due: moment.values for due, moment in moments_by_due(self._records.moments(cell), every, cell.steps)}
-                for cell in cells
-            ]
-            for cells in (self._match.of_baseline, self._match.of_proposed)
-        )
-        in_all = set.intersection(*(set(moments) for moments in (*one, *other)))
-        return tuple(
-            StepChange(due, self._deciding(due, one, other)) for due in sorted(in_all) if due < self._match.group.steps
-        )
-
-    def _deciding(self, due: int, one: list[dict[int, Values]], other: list[dict[int, Values]]) -> tuple[Change, ...]:
+        names = [name for name in DECIDING if name in self._records.metrics]
         episodes = next(iter(self.episodes.values()))  # of the cells' own manner
-        return tuple(
-            self._change(
-                self._measure(name, f"after {due:,} steps", episodes),
-                [moments[due][name] for moments in one],
-                [moments[due][name] for moments in other],
-            )
-            for name in DECIDING
-            if name in self._records.metrics
-        )
+
+        def change(name: str, manner: str, *sides: Sequence[float | None]) -> Change:
+            return self._change(self._measure(name, manner, episodes), *sides)
+
+        return changes_along(self._match.group, self._moments, names, change)
 
     def _learning(self) -> list[Change]:
+        return learning_changes(self._match.group, self._moments, SUCCESS, self._change)
+
+    @cached_property
+    def _moments(self) -> Moments:
         one, other = (
-            [learning_values(self._records.moments(cell), cell.steps) for cell in cells]
+            [self._records.moments(cell) for cell in cells]
             for cells in (self._match.of_baseline, self._match.of_proposed)
         )
-        measures = (
-            Measure(AREA, "", "higher", LEARNING, bounds=SHARE),
-            Measure(STEPS_TO_GOAL, "steps", "lower", LEARNING, bounds=(0.0, float(self._match.group.steps))),
-        )
-        return [
-            self._change(it, [values[it.name] for values in one], [values[it.name] for values in other])
-            for it in measures
-        ]
+        return one, other
 
     def _measure(self, name: str, manner: str, episodes: int) -> Measure:
         return measure_of(name, self._records.metrics[name], manner, episodes, self._manifest)

@@ -230,7 +230,8 @@ class Comparison:
     @property
     def own_manner(self) -> str:
         """The manner of acting that the cells name. Evaluations along the budget have only this manner."""
-        return DETERMINISTIC if self.group.deterministic else STOCHASTIC
+        named = DETERMINISTIC if self.group.deterministic else STOCHASTIC
+        return named if named in self.episodes else self.manner
 
     def changes_of(self, manner: str) -> tuple[Change, ...]:
         """The measures of one manner."""
@@ -314,3 +315,12 @@ def correct(family: Sequence[Comparison]) -> tuple[Comparison, ...]:
     p_values = corrected_where_known(outcomes for comparison in family for outcomes in comparison.outcomes)
     left, count = iter(p_values), sum(p is not None for p in p_values)
     return tuple(comparison.with_corrected(left, count) for comparison in family)
+
+
+def correct_all(found: Sequence[Comparison]) -> tuple[Comparison, ...]:
+    """Comparisons, in their order, with p-values that hold for all of their claims together.
+
+    A null control makes no claim about rewards. So it is corrected by itself, and makes no other p-value larger.
+    """
+    family = iter(correct([it for it in found if not it.is_control]))
+    return tuple(correct([it])[0] if it.is_control else next(family) for it in found)

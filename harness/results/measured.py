@@ -27,7 +27,7 @@ class Moment(NamedTuple):
 
     steps: int
     """Environment steps of training before it."""
-    values: Values
+    values: Mapping[str, float | None]
 
 
 class Measured(NamedTuple):
@@ -94,13 +94,13 @@ def moments_by_due(moments: Sequence[Moment], every: int, budget: int) -> list[t
     return [(budget if moment.steps >= budget else moment.steps // every * every, moment) for moment in moments]
 
 
-def learning_values(moments: Sequence[Moment], budget: int) -> Values:
+def learning_values(moments: Sequence[Moment], budget: int, success: str = SUCCESS) -> Values:
     """How fast a cell learned: mean success over its evaluations, and the steps until `GOAL` of the episodes succeed.
 
     A training that never gets there counts with all of its steps. None where it was not evaluated while it learned.
     """
-    known = [(moment.steps, value) for moment in moments if (value := moment.values.get(SUCCESS)) is not None]
+    known = [(moment.steps, value) for moment in moments if (value := moment.values.get(success)) is not None]
     if len(moments) < 2 or len(known) < len(moments):
         return {AREA: None, STEPS_TO_GOAL: None}
-    reached = [steps for steps, success in known if success >= GOAL]
-    return {AREA: float(np.mean([success for _, success in known])), STEPS_TO_GOAL: float(min([*reached, budget]))}
+    reached = [steps for steps, share in known if share >= GOAL]
+    return {AREA: float(np.mean([share for _, share in known])), STEPS_TO_GOAL: float(min([*reached, budget]))}

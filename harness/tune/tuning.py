@@ -16,7 +16,6 @@ from harness.errors import UsageError, sentence
 from harness.experiment.environments.plan import kind_of_task
 from harness.experiment.plan import (
     Episodes,
-    Given,
     Names,
     Plan,
     Seed,
@@ -26,6 +25,7 @@ from harness.experiment.plan import (
     expand,
     table_of,
 )
+from harness.experiment.task_plan import Given
 from harness.registry.choice import Choice
 from harness.registry.parameters import build
 from harness.registry.registry import Registry

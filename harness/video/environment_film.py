@@ -90,7 +90,7 @@ class _Side:
             environment: Environment = cell.task.build(results.registry, "environments")
             self._env = environment.make()
         _let_draw(self._env, cell)
-        self._act = Acting(self._env, policy, cell.deterministic)
+        self._act = Acting(self._env, policy, None if cell.deterministic else np.random.default_rng(FIRST_SEED))
 
     def close(self) -> None:
         """Close the env."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.experiment.evaluation.cell import evaluation_scalars
+from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.run_cell import run_cell
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION

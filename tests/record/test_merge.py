@@ -137,7 +137,7 @@ def test_two_trainings_that_differ_are_refused(run: Run, tmp_path: Path):
     folder = two / CELLS / cell.id
     shutil.copy(two / CELLS / read_plan(two).cells[1].id / TRACE, folder / TRACE)
     read_manifest(folder).write(folder)
-    with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{one}' and in '{two}', and the traces"):
+    with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{one}' and in '{two}', and the steps"):
         merge([one, two], tmp_path / "all")
     assert not (tmp_path / "all").exists()
 

@@ -5,11 +5,21 @@ from typing import Annotated, Literal
 
 import typer
 
-from harness.cli.flags.shared import ALGORITHMS, REWARDS, TRACKERS, Names
+from harness.cli.flags.shared import ALGORITHMS, REWARDS, TASKS, TRACKERS, Names
 
 ExperimentFile = Annotated[
     Path | None,
     typer.Argument(help="Experiment file (TOML). Its keys are named like the flags; a flag overrides its key."),
+]
+TaskNames = Annotated[
+    Names,
+    typer.Option(
+        "--task",
+        help="Tasks, such as fd100-reach:epsilon=0.02, or environments, such as fetch-reach.",
+        show_default="fd100-reach",
+        metavar="NAME,...",
+        autocompletion=TASKS,
+    ),
 ]
 AlgorithmNames = Annotated[
     Names,

@@ -7,23 +7,21 @@ import numpy as np
 from harness.environment import AnyEnv
 from harness.experiment.environments.spaces import flat_observation
 from harness.policy import Policy
-from harness.recorder.evaluate_policy import FIRST_SEED
 
 
 class Acting:
-    """Turns an observation into an action. A new object draws the same actions again, if it draws any."""
+    """Turns an observation into an action."""
 
-    def __init__(self, env: AnyEnv, policy: Policy, deterministic: bool) -> None:
+    def __init__(self, env: AnyEnv, policy: Policy, rng: np.random.Generator | None = None) -> None:
         """Prepare to act.
 
         Args:
             env: That is acted in.
             policy: Of which spaces it has to have.
-            deterministic: Whether it takes the action that it holds best, and draws none.
+            rng: What it draws actions from; None if it takes the one action of each observation.
         """
         self._space, self._policy, self._type = env.observation_space, policy, env.action_space.dtype
-        # What it draws depends on nothing that was drawn before.
-        self._rng = None if deterministic else np.random.default_rng(FIRST_SEED)
+        self._rng = rng
 
     def __call__(self, observation: Any) -> Any:
         """The action in the form that the env takes."""

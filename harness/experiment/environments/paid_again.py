@@ -11,7 +11,6 @@ import gymnasium
 from harness.environment import AnyEnv, Environment, Measure
 from harness.errors import HarnessError, UsageError, one_line
 from harness.experiment.environments.columns import Columns, columns_of
-from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
 from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
 from harness.record.recording.recorded_training import (
     facts_name,
@@ -112,8 +111,7 @@ class PayAgain:
         store = Store.open(folder)
         for cell in store.read_plan().cells:
             if cell.is_in_environment and store.examine(cell).status == "done":
-                for part in (TRAINING_RECORDING, EVALUATION_RECORDING):
-                    yield store.cell_folder(cell) / part, cell.task
+                yield from ((path, cell.task) for path in sorted(recordings_in(store.cell_folder(cell))))
 
     def _pay(self, path: Path, task: Choice | None) -> Paid:
         recording = read_recording(path)

@@ -52,14 +52,18 @@ class Looked:
         return f"the reward '{reward}' is not known to depend on the goals alone{others}"
 
     def rewards_asked(self, baseline: Given | None, proposed: Sequence[Given] | None) -> tuple[str, tuple[str, ...]]:
-        """The baseline, and all rewards that train, the baseline first; by default each of the environment's.
+        """The baseline, and the rewards that are compared with it; by default each other one of the environment's.
+
+        The baseline is compared with itself, the null control, if it is named as the baseline and as a proposed reward,
+        or as a proposed reward twice.
 
         Raises:
             UsageError: One is none of the environment's rewards.
         """
         names = [self._reward(it) for it in (self.rewards if proposed is None else proposed)]
         first = self._reward(baseline) if baseline else self.baseline
-        return first, tuple(dict.fromkeys([first, *names]))
+        times = names.count(first) + bool(baseline and proposed)
+        return first, tuple(dict.fromkeys(name for name in names if name != first or times > 1))
 
     def _reward(self, given: Given) -> str:
         name, params = parse(given) if isinstance(given, str) else (str(given.get("name")), {**given, "name": ""})
@@ -97,7 +101,7 @@ def require_known(task: Given, registry: Registry) -> None:
         raise UsageError(f"{error}{there}") from None
 
 
-def refuse_places(sim: Sequence[Given], robot: str | None, evaluate_every: int) -> None:
+def refuse_places(sim: Sequence[Given], robot: str | None) -> None:
     """Refuse options for what an environment brings itself.
 
     Raises:
@@ -107,11 +111,6 @@ def refuse_places(sim: Sequence[Given], robot: str | None, evaluate_every: int) 
         flag = "--sim" if sim else "--robot"
         raise UsageError(
             f"{flag} does not go with an environment, which brings its own simulator and robot: leave it out"
-        )
-    if evaluate_every:
-        raise UsageError(
-            "--evaluate-every does not go with an environment: every step of its trainings is recorded, and the report "
-            "draws how they learned. Leave it out"
         )
 
 

@@ -1,23 +1,18 @@
 """The evaluations of one cell: while it trains, every so many steps, and at the end."""
 
+import shutil
 import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
 
-from harness.env.make import World
 from harness.executor import Word
 from harness.experiment.checkpoints.attempt import Attempt
-from harness.experiment.evaluation.evaluator import Evaluator
-from harness.experiment.evaluation.scalars import named_scalars
-from harness.experiment.progress.beat import Beat
 from harness.experiment.workers.order import Report
+from harness.experiment.world import CellWorld
 from harness.policy import Policy
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files, other_manner
-from harness.record.returns import mean_return
-from harness.record.trace import Trace, read_trace
-from harness.registry.registry import Registry
+from harness.record.folder import EVALUATION, EVALUATIONS, LOG, RANDOM, evaluation_files, other_manner, recording_of
 
 
 class CellEvaluations:
@@ -27,29 +22,23 @@ class CellEvaluations:
         seconds: What the evaluations took during training.
     """
 
-    def __init__(
-        self, cell: Cell, world: World, registry: Registry, attempt: Attempt, tracked: bool, report: Report
-    ) -> None:
+    def __init__(self, cell: Cell, world: CellWorld, attempt: Attempt, tracked: bool, report: Report) -> None:
         """Go on after the last evaluation that the attempt's checkpoint knows of; later ones are made again.
 
         Args:
-            cell: Whose policies.
+            cell: The cell whose policies are evaluated.
             world: The cell's.
-            registry: The plugins, for the metrics.
             attempt: Where the training begins.
             tracked: Whether the results are passed on.
-            report: Told that an evaluation goes on, and its results.
+            report: Told the results.
         """
-        self._report, self._steps = report, attempt.begun_from
-        self._cell, self._registry, self._tracked = cell, registry, tracked
-        beat = Beat(report)
-        self._evaluator = Evaluator(world, cell.evaluation_episodes, lambda: beat(self._steps))
+        self._cell, self._world, self._report, self._tracked = cell, world, report, tracked
         self._folder = attempt.folder
         self.seconds = 0.0
         self._due = cell.evaluate_every
-        for steps, path in evaluation_files(self._folder).items():
+        for steps, path in evaluation_files(self._folder, world.suffix).items():
             if steps > attempt.begun_from:
-                path.unlink()
+                _remove(path)
             else:
                 self._due = self._next_after(steps)
 
@@ -58,34 +47,35 @@ class CellEvaluations:
         if not self._cell.evaluate_every or not self._due <= steps < self._cell.steps:
             return
         clock = time.perf_counter()
-        self._steps = steps
         self._due = self._next_after(steps)
-        path = self._folder / EVALUATIONS / f"{steps}.parquet"
+        path = self._folder / EVALUATIONS / f"{steps}{self._world.suffix}"
         path.parent.mkdir(exist_ok=True)
         partial = path.with_name(f".{path.name}")
-        self._evaluate(steps, make(), partial)
+        self._evaluate(steps, make(), partial, after=steps)
         partial.rename(path)  # so a killed process leaves no half-written evaluation under this name
         self.seconds += time.perf_counter() - clock
 
     def finish(self, policy: Policy, floor: bool) -> None:
         """Evaluate the trained policy, as the cell says and in the other manner; for a `floor` random actions too."""
         deterministic = self._cell.deterministic
-        self._steps = self._cell.steps
-        self._evaluate(self._cell.steps, policy, self._folder / EVALUATION)
-        self._evaluator.record(policy, not deterministic, self._folder / other_manner(deterministic))
+        self._evaluate(self._cell.steps, policy, self._named(EVALUATION))
+        self._world.record(policy, not deterministic, self._named(other_manner(deterministic)), after=0)
         if floor:
-            self._evaluator.record_random(policy, self._folder / RANDOM)
+            self._world.record_random(policy, self._named(RANDOM))
+
+    def _named(self, trace: str) -> Path:
+        return self._folder / f"{recording_of(trace)}{self._world.suffix}"
 
     def _next_after(self, steps: int) -> int:
         every = self._cell.evaluate_every
         return (steps // every + 1) * every
 
-    def _evaluate(self, steps: int, policy: Policy, path: Path) -> None:
-        self._evaluator.record(policy, self._cell.deterministic, path)
+    def _evaluate(self, steps: int, policy: Policy, path: Path, after: int = 0) -> None:
+        self._world.record(policy, self._cell.deterministic, path, after)
         if not self._tracked:
             return
         try:
-            scalars = evaluation_scalars(read_trace(path), self._registry)
+            scalars = self._world.scalars(path)
         except Exception:  # these numbers are only looked at, they change no result
             with (self._folder / LOG).open("a") as log:
                 traceback.print_exc(file=log)
@@ -93,10 +83,5 @@ class CellEvaluations:
             self._report(Word(steps, scalars))
 
 
-def evaluation_scalars(trace: Trace, registry: Registry) -> dict[str, float]:
-    """The return and all metrics, such as ``Evaluation/Success Rate``. Undefined or failed ones are left out."""
-    # Most runs have no tracker: their processes start without what reads results.
-    from harness.results.measured import measure
-    from harness.results.metrics import load_metrics
-
-    return named_scalars(mean_return(trace), measure(load_metrics(registry), trace))
+def _remove(path: Path) -> None:
+    shutil.rmtree(path) if path.is_dir() else path.unlink()

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 from harness.executor import Word
 from harness.experiment.checkpoints.attempt import Attempt
 from harness.experiment.checkpoints.left_checkpoints import LeftCheckpoints
-from harness.experiment.checkpoints.trace_parts import TraceParts
 from harness.experiment.evaluation.cell import CellEvaluations
-from harness.experiment.progress.learning_so_far import LearningSoFar
 from harness.experiment.workers.order import Report
+from harness.experiment.world import CellWorld
 from harness.progress import Progress, TrainingState
 
 if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
     from harness.policy import Policy
 
 
@@ -21,33 +19,24 @@ class CellProgress(Progress):
     """Passes on steps and scalars to whoever watches, evaluates and writes checkpoints when they are due."""
 
     def __init__(
-        self,
-        report: Report,
-        attempt: Attempt,
-        env: "ReachVectorEnv",
-        parts: TraceParts,
-        evaluations: CellEvaluations,
-        learning: LearningSoFar,
-        tracked: bool,
+        self, report: Report, attempt: Attempt, world: CellWorld, evaluations: CellEvaluations, tracked: bool
     ) -> None:
         """Begin to count.
 
         Args:
             report: Told the steps and the scalars.
             attempt: What the training starts with, and how often it leaves a checkpoint.
-            env: Where it takes place; it stands where the attempt begins.
-            parts: Its trace, which the env records.
-            evaluations: Of its policy.
-            learning: What the episodes come to.
+            world: Where it takes place; it stands where the attempt begins.
+            evaluations: Evaluates its policies.
             tracked: Whether what the algorithm tells is passed on.
         """
-        self._report, self._attempt, self._env, self._parts = report, attempt, env, parts
-        self._evaluations, self._learning, self._tracked = evaluations, learning, tracked
+        self._report, self._attempt, self._world = report, attempt, world
+        self._evaluations, self._tracked = evaluations, tracked
         self._checkpoints = LeftCheckpoints(attempt)
 
     def __call__(self, steps: int) -> None:
         """See `harness.progress.Progress`."""
-        self._report(Word(int(steps), self._learning.scalars_if_due(int(steps))))
+        self._report(Word(int(steps), self._world.learned(int(steps), if_due=True)))
 
     def policy(self, steps: int, make: "Callable[[], Policy]") -> None:
         """See `harness.progress.Progress`."""
@@ -62,9 +51,11 @@ class CellProgress(Progress):
         """See `harness.progress.Progress`."""
         if not self._checkpoints.is_due(steps):
             return
-        self._parts.cut()
-        seconds = self._attempt.seconds - self._evaluations.seconds
-        self._checkpoints.leave(steps, make(), self._env.state(), seconds, self._parts.digests)
+        kept = self._world.kept()
+        if kept is not None:
+            state, parts = kept
+            seconds = self._attempt.seconds - self._evaluations.seconds
+            self._checkpoints.leave(steps, make(), state, seconds, parts)
 
     def restored(self) -> TrainingState | None:
         """See `harness.progress.Progress`."""

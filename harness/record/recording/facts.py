@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, NotRequired, Self
+from typing import Annotated, Any, Literal, NotRequired, Self, TypeAlias, get_args
 
 from pydantic import Field, TypeAdapter, with_config
 from typing_extensions import TypedDict
@@ -28,7 +28,12 @@ OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
 REWARD, BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with."""
-LATER: Mapping[str, Any] = MappingProxyType({"pay": False, "bounds": {}, "horizon": 0, "cut": 0})
+Acted: TypeAlias = Literal["", "deterministic", "stochastic", "random"]
+"""How the policy of an evaluation chose its actions: the best one, drawn, or without a policy; empty: nobody told."""
+ACTED: tuple[Acted, ...] = get_args(Acted)
+LATER: Mapping[str, Any] = MappingProxyType(
+    {"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0}
+)
 """Facts that the first recordings did not have. At these values they are left out of the file."""
 
 
@@ -113,6 +118,8 @@ class TrainingFacts:
         actions: How its actions are recorded; None if they are not.
         horizon: After how many steps an episode was cut; 0 if only the env itself ended episodes.
         cut: How many episodes were cut so.
+        acted: Of an evaluation: how actions were chosen.
+        after: Of an evaluation: environment steps of training before it; 0: the training had ended.
     """
 
     rewards: tuple[str, ...]
@@ -133,6 +140,8 @@ class TrainingFacts:
     actions: ActionFacts | None = None
     horizon: int = 0
     cut: int = 0
+    acted: Acted = ""
+    after: int = 0
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -202,6 +211,8 @@ class TrainingFacts:
             bounds={name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
             horizon=data.get("horizon", 0),
             cut=data.get("cut", 0),
+            acted=data.get("acted", ""),
+            after=data.get("after", 0),
         )
 
 
@@ -269,6 +280,8 @@ class RecordingForm(TypedDict):
     bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
     horizon: NotRequired[Whole]
     cut: NotRequired[Whole]
+    acted: NotRequired[Acted]
+    after: NotRequired[Whole]
 
 
 FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

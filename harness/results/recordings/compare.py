@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from harness.eta.behaviour_change import Change, change_of
+from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.decompose import decompose
 from harness.eta.return_split import Returns, ReturnSplit, split_returns
@@ -11,19 +11,22 @@ from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.splits import Decomposition
 from harness.eta.swaps import Swaps
 from harness.record.recording.facts import REWARD
-from harness.results.comparison import Comparison
+from harness.results.along import Moments, changes_along, learning_changes
+from harness.results.comparison import Comparison, StepChange
 from harness.results.recordings.episodes import Part
-from harness.results.recordings.runs import MANNERS, Run, Runs
+from harness.results.recordings.runs import EVALUATION, MANNERS, Run, Runs
 
 PAIRS = (BB, KK, BK, KB)
 
 
 def compare(runs: Runs, baseline: str, proposed: str, swaps: Swaps, kind: Kind = "accumulated") -> Comparison:
     """One reward against another, by the seeds that were trained with both; p-values are not corrected yet."""
-    seeds = tuple(seed for name, seed in sorted(runs.members) if name == baseline and (proposed, seed) in runs.members)
+    others = {seed: run for (name, seed), run in runs.members.items() if name == proposed}
+    others = dict(runs.control) if baseline == proposed else others
+    seeds = tuple(seed for name, seed in sorted(runs.members) if name == baseline and seed in others)
     sides = {
         "baseline": [runs.members[baseline, seed] for seed in seeds],
-        "proposed": [runs.members[proposed, seed] for seed in seeds],
+        "proposed": [others[seed] for seed in seeds],
     }
     return _Comparer(runs, {"baseline": baseline, "proposed": proposed}, seeds, sides, swaps, kind).compare()
 
@@ -66,8 +69,9 @@ class _Comparer:
             self._rewards["proposed"],
             self._seeds,
             self._indices(curves),
-            tuple(self._change(name, manner) for manner in self._manners for name in self._runs.measures),
+            (*self._changes(), *self._learning()),
             curves,
+            self._along(),
             episodes={manner: self._fewest(manner) for manner in self._manners},
             returns=returns,
             missing=missing,
@@ -105,13 +109,52 @@ class _Comparer:
             values.append(value)
         return values
 
-    def _change(self, name: str, manner: str) -> Change:
-        baseline, proposed = (
-            {seed: part.behaviour.get(name) for seed, part in zip(self._seeds, self._parts[manner][who], strict=True)}
-            for who in ("baseline", "proposed")
-        )
-        measure = self._runs.measure(name, manner, self._fewest(manner))
-        change = change_of(measure, baseline, proposed, self._swaps)
+    def _changes(self) -> Iterator[Change]:
+        """Every measure in every manner."""
+        for manner in self._manners:
+            for name in self._runs.measures:
+                one, other = ([part.behaviour.get(name) for part in self._parts[manner][who]] for who in self._sides)
+                yield self._explained(self._change(self._measure(name, manner), one, other), manner)
+
+    def _along(self) -> tuple[StepChange, ...]:
+        """The measure that decides, at each evaluation before the end of the trainings."""
+        if not self._is_evaluated:
+            return ()
+
+        def change(name: str, manner: str, *sides: Sequence[float | None]) -> Change:
+            measure = self._measure(name, EVALUATION)._replace(manner=manner)
+            return self._change(measure, *sides)
+
+        return changes_along(self._runs.group, self._moments, self._runs.measures[:1], change)
+
+    def _learning(self) -> list[Change]:
+        """How fast the trainings learned, if the measure that decides is a share of episodes."""
+        success = next(iter(self._runs.measures), "")
+        if not (self._is_evaluated and success and self._runs.is_flag(success)):
+            return []
+        return learning_changes(self._runs.group, self._moments, success, self._change)
+
+    @property
+    def _is_evaluated(self) -> bool:
+        return bool(self._runs.group.evaluate_every and self._seeds)
+
+    @property
+    def _moments(self) -> Moments:
+        one, other = ([run.moments(self._runs.steps) for run in self._sides[who]] for who in self._sides)
+        return one, other
+
+    def _measure(self, name: str, manner: str) -> Measure:
+        return self._runs.measure(name, manner, self._fewest(manner))
+
+    def _change(self, measure: Measure, one: Sequence[float | None], other: Sequence[float | None]) -> Change:
+        baseline, proposed = (dict(zip(self._seeds, values, strict=True)) for values in (one, other))
+        is_of_policies = measure.manner.startswith(EVALUATION)
+        random = self._runs.random.whole.behaviour.get(measure.name) if self._runs.random and is_of_policies else None
+        return change_of(measure, baseline, proposed, self._swaps, () if random is None else (random,))
+
+    def _explained(self, change: Change, manner: str) -> Change:
+        """The same, with the reason of the first training that lacks the measure."""
+        name = change.name
         reasons = (
             _why(name, run, part)
             for who, members in self._sides.items()
@@ -135,8 +178,7 @@ class _Comparer:
 
     def curve(self, pair: Pair) -> GroupCurve:
         """S_r(tau_q), read from the files."""
-        payer, members = self._rewards[pair[0]], self._sides[pair[1]]
-        return stream_curve((run.paid_by(payer) for run in members), len(members), self._runs.steps, self._kind)
+        return self._curve(self._rewards[pair[0]], self._sides[pair[1]])
 
     def _indices(self, curves: Mapping[Pair, GroupCurve]) -> Decomposition | None:
         if not {BB, KK} <= curves.keys():
@@ -144,7 +186,17 @@ class _Comparer:
         whole = set(PAIRS) <= curves.keys()
         read = {pair: curves[pair] for pair in (PAIRS if whole else (BB, KK))}
         missing = None if whole else "a reward is not known in all trainings"
-        return decompose(read, missing=missing, signs=self._swaps.of(self._seeds))
+        return decompose(read, missing=missing, signs=self._swaps.of(self._seeds), control=self._control())
+
+    def _control(self) -> GroupCurve | None:
+        """The baseline's curve with other seeds: how far two trainings by one reward are apart."""
+        again = [self._runs.control[seed] for seed in self._seeds if seed in self._runs.control]
+        if len(again) < len(self._seeds) or self._rewards["baseline"] != self._runs.trained[0]:
+            return None
+        return self._curve(self._rewards["baseline"], again)
+
+    def _curve(self, payer: str, members: Sequence[Run]) -> GroupCurve:
+        return stream_curve((run.paid_by(payer) for run in members), len(members), self._runs.steps, self._kind)
 
 
 class _CurvesOnDemand(Mapping[Pair, GroupCurve]):

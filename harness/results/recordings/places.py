@@ -5,7 +5,9 @@ from typing import NamedTuple
 
 from harness.errors import UsageError
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION_RECORDING, TRAINING_RECORDING
+from harness.record.floor import Floor, floors_in
+from harness.record.folder import RANDOM, recording_of
+from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import REPORT
 from harness.results.comparison import Group
 from harness.results.metrics import require_measures
@@ -67,12 +69,14 @@ def page_names(studies: Sequence[PlaceStudy], name: str = REPORT) -> list[str]:
 def _runs_of(results: Records, cells: Sequence[Cell], deciding: Sequence[str]) -> Runs | str:
     """The recorded trainings of cells; why there is nothing to compare where that is so."""
     trained = list(dict.fromkeys(cell.reward.label for cell in cells))
-    if len(trained) < 2:
+    control = results.plan.control
+    if len(trained) < 2 and not control:
         return f"nothing to compare: all done cells were trained with {trained[0]}"
-    folders = [results.store.cell_folder(cell) for cell in cells]
-    only = [folder / part for folder in folders for part in (TRAINING_RECORDING, EVALUATION_RECORDING)]
+    only = [path for cell in cells for path in sorted(recordings_in(results.store.cell_folder(cell)))]
+    floor = floors_in(results.manifests, results.store).get(Floor.of(cells[0]))
+    random = None if floor is None else results.store.cell_folder(floor) / recording_of(RANDOM)
     try:
-        return read_runs(results.folder, only, results.baseline, deciding, Group.of(cells[0]))
+        return read_runs(results.folder, only, results.baseline, deciding, Group.of(cells[0]), random, control)
     except UsageError as error:
         return str(error)
 

@@ -4,7 +4,8 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
-from typing import NamedTuple, Self
+from types import MappingProxyType
+from typing import Any, NamedTuple, Self
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
@@ -17,6 +18,7 @@ from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import recordings_in
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
+from harness.results.measured import DETERMINISTIC, STOCHASTIC, Moment
 from harness.results.recordings.alike import Likeness
 from harness.results.recordings.episodes import Episodes, Part, cut_text
 from harness.results.recordings.recording_results import RecordingResults
@@ -25,8 +27,10 @@ LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
 TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evaluations"
 """Where episodes are taken from."""
-MANNERS = (EVALUATION, LAST, TRAINING)
-"""What says most about the final policies comes first."""
+MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, STOCHASTIC)), LAST, TRAINING)
+"""What says most about the final policies comes first. Evaluations in the other manner say how their policies acted."""
+RANDOM = "random"
+"""How actions were chosen without a policy; see `harness.record.recording.facts.Acted`."""
 NO_NAME = "an env without a name"
 UNKNOWN = "unknown"
 """In place of the algorithm where nobody recorded it."""
@@ -46,6 +50,8 @@ class Run:
         episodes: All that ended.
         likeness: What its columns have in common.
         evaluation: Those of its final policy, where they were recorded.
+        other: Those of its final policy that acted in the other manner.
+        before: Evaluations before the training ended, in order.
     """
 
     recorded: RecordingResults
@@ -55,6 +61,8 @@ class Run:
     episodes: Episodes
     likeness: Likeness
     evaluation: "Run | None" = None
+    other: "Run | None" = None
+    before: tuple["Run", ...] = ()
 
     @property
     def path(self) -> Path:
@@ -72,13 +80,29 @@ class Run:
             LAST: self.episodes.part(round((1.0 - LAST_SHARE) * steps), steps),
             TRAINING: self.episodes.part(0, steps),
         }
-        if self.evaluation is None:
-            return found
-        return {EVALUATION: self.evaluation.episodes.part(0, self.evaluation.steps), **found}
+        if self.other is not None:
+            found = {f"{EVALUATION}, {self.other.facts.acted}": self.other.whole, **found}
+        return found if self.evaluation is None else {EVALUATION: self.evaluation.whole, **found}
+
+    @property
+    def whole(self) -> Part:
+        """All of its episodes."""
+        return self.episodes.part(0, self.steps)
+
+    def moments(self, steps: int) -> tuple[Moment, ...]:
+        """The evaluations during the training, and the one after it, which has so many steps."""
+        evaluations = {it.facts.after: it for it in self.before}
+        if self.evaluation is not None:
+            evaluations[steps] = self.evaluation
+        return tuple(Moment(after, it.whole.behaviour) for after, it in evaluations.items())
 
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, read from the files, (steps,)."""
         return self.recorded.paid_by(reward)
+
+
+NO_CONTROL: Mapping[int, int] = MappingProxyType({})
+NO_RUNS: Mapping[int, Run] = MappingProxyType({})
 
 
 class Runs(NamedTuple):
@@ -105,6 +129,10 @@ class Runs(NamedTuple):
     """Trainings that are equal bit for bit, by reward and seed, together."""
     rescaled: Mapping[tuple[str, str], Rescaling]
     """Rewards that are another one but for scale and offset, by both names; the other one comes first in `rewards`."""
+    random: Run | None = None
+    """Random actions, where they were recorded."""
+    control: Mapping[int, Run] = NO_RUNS
+    """Trainings by the baseline again with other seeds, each by the seed that it is compared with."""
 
     @property
     def env(self) -> str:
@@ -118,6 +146,12 @@ class Runs(NamedTuple):
     def of(self, reward: str) -> list[Run]:
         """Trainings with a reward, by seed."""
         return [self.members[key] for key in sorted(self.members) if key[0] == reward]
+
+    @property
+    def pairs(self) -> list[tuple[str, str]]:
+        """Each reward with every one before it, then the baseline with itself if it was trained again."""
+        control = [(self.trained[0], self.trained[0])] if self.control else []
+        return [*combinations(self.trained, 2), *control]
 
     def better(self, measure: str) -> str:
         """``higher`` or ``lower``."""
@@ -143,7 +177,7 @@ class Runs(NamedTuple):
 
 
 def _with_evaluations(runs: Iterable[Run]) -> list[Run]:
-    return [it for run in runs for it in (run, run.evaluation) if it is not None]
+    return [it for run in runs for it in (run, run.evaluation, run.other, *run.before) if it is not None]
 
 
 def has_recordings(folder: Path) -> bool:
@@ -157,6 +191,8 @@ def read_runs(
     baseline: str = "",
     deciding: Sequence[str] = (),
     group: Group | None = None,
+    random: Path | None = None,
+    control: Mapping[int, int] = NO_CONTROL,
 ) -> Runs:
     """All recorded trainings in a folder, at any depth.
 
@@ -166,6 +202,8 @@ def read_runs(
         baseline: The reward that the others are compared with; by default the one that was given first.
         deciding: Measures that come before the others, the one that decides first.
         group: What the trainings share, if they are known to be of one group of cells.
+        random: The recording of random actions in the same env, if it lies somewhere else.
+        control: By each seed the other seed that the baseline was trained with again, for the null control.
 
     Raises:
         UsageError: There are none, or none that can be compared.
@@ -176,13 +214,16 @@ def read_runs(
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
     env, env_notes = env_of(folder, everything)
     seeds, seed_notes = _with_seeds([it for it in everything if not it.facts.evaluation])
-    evaluations, evaluation_notes = _evaluations(folder, [it for it in everything if it.facts.evaluation], seeds)
-    members = {key: replace(run, evaluation=evaluations.get(key)) for key, run in _by_key(seeds).items() if run.steps}
+    evaluated = [it for it in everything if it.facts.evaluation]
+    evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
+    members = {key: replace(run, **evaluations.get(key, {})) for key, run in _by_key(seeds).items() if run.steps}
+    others = {other: seed for seed, other in control.items() if other not in control}
+    again = {others[key[1]]: members.pop(key) for key in list(members) if key[0] == baseline and key[1] in others}
     empty = [f"'{run.path}' is left out: it has no steps" for run in seeds if not run.steps]
     named = _in_order(run.facts.rewards for run in members.values())
     rewards = tuple(sorted(named, key=lambda name: name != baseline))  # all others stay in their order
     trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
-    if len(trained) < 2:
+    if len(trained) < 2 and not again:
         told = f"all trainings in it were trained with {trained[0]}" if trained else "no training in it has a step"
         raise UsageError(
             f"'{folder}' has nothing to compare: {told}. Train with another of its rewards too, and record that beside"
@@ -206,6 +247,8 @@ def read_runs(
         tuple(damaged),
         equal,
         rescaled,
+        _read(folder, random) if random else next((it for it in evaluated if it.facts.acted == RANDOM), None),
+        again,
     )
 
 
@@ -318,10 +361,23 @@ def _by_key(runs: Iterable[Run]) -> dict[tuple[str, int], Run]:
 
 
 def _evaluations(
-    folder: Path, runs: Sequence[Run], trainings: Sequence[Run]
-) -> tuple[dict[tuple[str, int], Run], list[str]]:
-    """Of the final policies, by reward and seed of their trainings."""
-    found = _by_key(_with_seeds(runs)[0])
+    folder: Path, runs: Sequence[Run], trainings: Sequence[Run], deterministic: bool
+) -> tuple[dict[tuple[str, int], dict[str, Any]], list[str]]:
+    """By reward and seed of the trainings: the fields of `Run` that their evaluations fill; and notes.
+
+    Args:
+        folder: Where they lie.
+        runs: All evaluations, those of random actions too.
+        trainings: The trainings.
+        deterministic: How policies act in the evaluations that decide.
+    """
+    other = STOCHASTIC if deterministic else DETERMINISTIC
+    kinds: dict[int | bool, list[Run]] = {}
+    for run in (it for it in runs if it.facts.acted != RANDOM):
+        kinds.setdefault(run.facts.after or run.facts.acted == other, []).append(run)
+    keyed = {kind: _by_key(_with_seeds(of)[0]) for kind, of in kinds.items()}
+    own, others = (keyed.pop(kind, {}) for kind in (False, True))
+    found = {**others, **own}  # where only the other manner was recorded, it decides
     known = {(run.reward, run.seed) for run in trainings}
     lost = [run for key, run in found.items() if key not in known]
     notes = [
@@ -331,7 +387,12 @@ def _evaluations(
     missing = len(known - found.keys())
     if 0 < missing < len(known):
         notes.append(f"{missing} of {_count(len(known), 'training')} have no evaluation beside them")
-    return {key: run for key, run in found.items() if key in known}, notes
+    before = {key: tuple(keyed[after][key] for after in sorted(keyed) if key in keyed[after]) for key in known}
+    fields = {
+        key: {"evaluation": found.get(key), "other": others.get(key) if key in own else None, "before": before[key]}
+        for key in known
+    }
+    return fields, notes
 
 
 def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:

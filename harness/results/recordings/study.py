@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, islice
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from harness.eta.equal import key_to_json
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.swaps import smallest_p, swaps_of
 from harness.registry.choice import split_list
-from harness.results.comparison import Comparison, correct
+from harness.results.comparison import Comparison, correct_all
 from harness.results.metrics import require_measures
 from harness.results.recordings.compare import compare
 from harness.results.recordings.runs import EVALUATION, MANNERS, Runs, read_runs
@@ -101,8 +101,8 @@ def compare_all(folder: Path, groups: Sequence[Runs], kind: Kind) -> tuple[Study
         kind: As in `load_study`.
     """
     swaps = swaps_of(sorted({seed for runs in groups for _, seed in runs.members}))
-    found = [[compare(runs, *pair, swaps, kind) for pair in combinations(runs.trained, 2)] for runs in groups]
-    family = iter(correct([comparison for comparisons in found for comparison in comparisons]))
+    found = [[compare(runs, *pair, swaps, kind) for pair in runs.pairs] for runs in groups]
+    family = iter(correct_all([comparison for comparisons in found for comparison in comparisons]))
     return tuple(
         Study(folder, runs, tuple(islice(family, len(comparisons))), _tables(runs), kind)
         for runs, comparisons in zip(groups, found, strict=True)

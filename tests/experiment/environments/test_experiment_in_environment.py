@@ -22,7 +22,17 @@ from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, TRAINING_RECORDING, partial_folder
+from harness.record.folder import (
+    EVALUATION_RECORDING,
+    LOG,
+    MANIFEST,
+    POLICY,
+    RANDOM,
+    STOCHASTIC,
+    TRAINING_RECORDING,
+    partial_folder,
+    recording_of,
+)
 from harness.record.manifest import digests_in, read_manifest
 from harness.record.merge import merge
 from harness.record.recording.facts import TrainingFacts
@@ -120,7 +130,6 @@ def test_a_baseline_may_be_named(registry: Registry):
     [
         ({"sim": "kinematic"}, "--sim does not go with an environment"),
         ({"robot": "fd100"}, "--robot does not go with an environment"),
-        ({"evaluate_every": 5}, "--evaluate-every does not go"),
         ({"reward": "nearer"}, "No reward 'nearer'. There is: near, right. Did you mean 'near'?"),
         ({"reward": "near:share=1"}, "takes no parameters"),
         ({"task": "toys"}, "Environments: fetch-reach, gymnasium"),
@@ -152,7 +161,13 @@ def test_a_cell_leaves_its_folder(folder: Path, registry: Registry):
     cell = _plan(registry).cells[1]
     place = Store.open(folder).cell_folder(cell)
     there = {path.name for path in place.iterdir()} - {LOG}
-    assert there == {TRAINING_RECORDING, EVALUATION_RECORDING, POLICY, MANIFEST}
+    assert there == {
+        TRAINING_RECORDING,
+        EVALUATION_RECORDING,
+        *map(recording_of, (STOCHASTIC, RANDOM)),
+        POLICY,
+        MANIFEST,
+    }
     training, evaluation = read_recording(place / TRAINING_RECORDING), read_recording(place / EVALUATION_RECORDING)
     assert (training.facts.trained_with, training.facts.seed, len(training)) == ("right", 0, STEPS)
     assert list(training.facts.behaviour) == ["success", "distance"]
@@ -476,7 +491,7 @@ def test_two_trainings_of_a_cell_that_differ_are_refused(folder: Path, tmp_path:
     _write_again(
         Store(tmp_path / "other").cell_folder(cell), part, lambda it: replace(it, truncated=np.roll(it.truncated, 1))
     )
-    with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{folder}' .* and the recordings differ"):
+    with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{folder}' .* and the steps differ"):
         merge([folder, tmp_path / "other"], tmp_path / "both")
     assert not (tmp_path / "both").exists()
 

@@ -265,7 +265,7 @@ def test_metric_that_raises_costs_no_cell(make_cell: MakeCell, tmp_path: Path, m
     def fail(trace: Any, registry: Any) -> None:
         raise ZeroDivisionError("a metric")
 
-    monkeypatch.setattr("harness.experiment.evaluation.cell.evaluation_scalars", fail)
+    monkeypatch.setattr("harness.experiment.arm_world.evaluation_scalars", fail)
     folder = _run(make_cell(**NARRATE), tmp_path / "cell", tracked=True)
     assert "ZeroDivisionError: a metric" in (folder / LOG).read_text()
 

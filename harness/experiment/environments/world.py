@@ -1,0 +1,218 @@
+"""Somebody's environment, as a cell trains in it; see `harness.experiment.world.CellWorld`."""
+
+import importlib
+import math
+import shutil
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.algorithm import Algorithm, TrainingEnv, needs_goals
+from harness.environment import AnyEnv, Environment, goal_rewards
+from harness.executor import NO_SCALARS, Word
+from harness.experiment.checkpoints.attempt import Attempt
+from harness.experiment.environments.acting import Acting
+from harness.experiment.environments.batch import EnvironmentBatch
+from harness.experiment.environments.columns import columns_of
+from harness.experiment.evaluation.scalars import named_scalars
+from harness.experiment.progress.beat import Beat
+from harness.experiment.progress.learning_so_far import TELL_EVERY
+from harness.experiment.provenance import describe_environment
+from harness.experiment.workers.order import Report
+from harness.policy import Policy
+from harness.progress import RETURN, SPEED, SUCCESS, TrainingState
+from harness.record.cell import Cell
+from harness.record.folder import TRAINING_RECORDING
+from harness.record.recording.facts import Acted, TrainingFacts
+from harness.record.recording.recorded_training import (
+    RecordedTraining,
+    facts_name,
+    read_recording,
+    recorder_numbers,
+    recordings_in,
+)
+from harness.recorder.evaluate_policy import FIRST_SEED, evaluate_policy
+from harness.recorder.record_rewards import RecordRewards
+from harness.registry.registry import Registry
+from harness.registry.spec import blamed_on
+from harness.results.recordings.episodes import cut_text, episodes_of
+
+NO_END = "no episode of the training ended: give the environment a time limit"
+
+
+class EnvironmentWorld:
+    """Leaves recordings."""
+
+    suffix = ""
+
+    def __init__(self, cell: Cell, registry: Registry, folder: Path, report: Report) -> None:
+        """Make nothing yet; see `harness.experiment.world.world_of`."""
+        self._cell, self._registry, self._folder, self._report = cell, registry, folder, report
+        self.runs_on: Mapping[str, Any] = describe_environment(cell, None, registry)
+        self._environment: Environment
+        self._algorithm: Algorithm
+        self._batch: EnvironmentBatch | None = None
+        self._told, self._steps = time.monotonic(), 0
+        report(Word(0))  # envs may take long to be made
+
+    def build(self, algorithm: Algorithm) -> None:
+        """See `CellWorld`. Envs are made when the training begins or goes on."""
+        self._environment = self._cell.task.build(self._registry, "environments")
+        self._algorithm = algorithm
+        for library in self._learners:
+            importlib.import_module(library)
+
+    def restore(self, state: TrainingState) -> None:
+        """See `CellWorld`: new envs are told all that others were told before, and record it anew."""
+        for path in self._folder.iterdir():
+            if path.is_dir():
+                shutil.rmtree(path)
+        batch, (seed, _) = self._open(), np.random.SeedSequence(self._cell.seed).generate_state(2).tolist()
+        try:
+            batch.do_again(state, seed, Beat(self._report))
+        except BaseException:
+            batch.close()
+            raise
+        self._batch = batch
+
+    @contextmanager
+    def training(self, attempt: Attempt) -> Iterator[TrainingEnv]:
+        """See `CellWorld`."""
+        self._batch = self._batch or self._open()
+        self._told, self._steps = time.monotonic(), self._batch.environment_steps
+        with closing(self._batch) as batch:
+            yield batch
+
+    def facts(self) -> Mapping[str, Any]:
+        """See `CellWorld`."""
+        return {}
+
+    def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
+        """See `CellWorld`."""
+        now, batch, found = time.monotonic(), self._batch, dict[str, float]()
+        if batch is None or (if_due and now < self._told + TELL_EVERY):
+            return NO_SCALARS
+        if now > self._told:
+            found[SPEED] = (batch.environment_steps - self._steps) / (now - self._told)
+        self._told, self._steps = now, batch.environment_steps
+        for name, values in ((RETURN, batch.returns), (SUCCESS, batch.successes)):
+            if values:
+                found[name] = math.fsum(values) / len(values)
+        return found
+
+    def kept(self) -> tuple[TrainingState, Sequence[str]] | None:
+        """See `CellWorld`."""
+        batch = self._batch
+        return (batch.state(), ()) if batch is not None and batch.can_be_kept else None
+
+    def record(self, policy: Policy, deterministic: bool, path: Path, after: int) -> None:
+        """See `CellWorld`. What a policy draws does not depend on anything that was drawn before."""
+        rng = None if deterministic else np.random.default_rng(FIRST_SEED)
+        self._evaluate(policy, rng, "deterministic" if deterministic else "stochastic", path, after)
+
+    def record_random(self, policy: Policy, path: Path) -> None:
+        """See `CellWorld`."""
+        self._evaluate(policy.floor(), np.random.default_rng([FIRST_SEED, 1]), "random", path)
+
+    def scalars(self, path: Path) -> dict[str, float]:
+        """See `CellWorld`: what the reward paid, and all measures."""
+        return evaluation_scalars(read_recording(path), self._cell.reward.name)
+
+    def finish(self, folder: Path) -> Sequence[str]:
+        """See `CellWorld`."""
+        ended = [] if self._batch is None or self._batch.returns else [NO_END]
+        recorded = sorted(recordings_in(folder), key=lambda path: path.name != TRAINING_RECORDING)
+        return (*ended, *self._cuts(recorded), *_given_up(recorded))
+
+    def _cuts(self, recorded: Sequence[Path]) -> Iterator[str]:
+        """How many episodes of the final policy were cut."""
+        for facts in (TrainingFacts.read(path / facts_name(0)) for path in recorded):
+            is_own = facts.acted == ("deterministic" if self._cell.deterministic else "stochastic")
+            if facts.cut and is_own and not facts.after:
+                yield cut_text(facts.cut, self._cell.evaluation_episodes, facts.horizon)
+
+    def _open(self) -> EnvironmentBatch:
+        """Envs that record, each under its number, and pay the cell's reward."""
+        envs = [self._recorded(number) for number in range(self._algorithm.num_envs)]
+        if not needs_goals(self._algorithm):
+            return EnvironmentBatch(envs)
+        with self._blamed("its rewards were named"):
+            return EnvironmentBatch(envs, goal_rewards(self._environment, envs[0].env)[self._cell.reward.name])
+
+    def _recorded(self, number: int) -> RecordRewards[Any, Any]:
+        env = self._made()
+        path = self._folder / TRAINING_RECORDING
+        return RecordRewards(env, path, seed=self._cell.seed, pay=True, number=number, **self._columns(env))
+
+    def _evaluate(
+        self, policy: Policy, rng: np.random.Generator | None, acted: Acted, path: Path, after: int = 0
+    ) -> None:
+        if path.exists():  # of a process that was killed
+            shutil.rmtree(path)
+        with closing(self._made()) as env:
+            evaluate_policy(
+                _beating(Acting(env, policy, rng), Beat(self._report), after or self._cell.steps),
+                env,
+                path,
+                seed=self._cell.seed,
+                episodes=self._cell.evaluation_episodes,
+                horizon=self._cell.evaluation_horizon,
+                acted=acted,
+                after=after,
+                **self._columns(env),
+            )
+
+    def _made(self) -> AnyEnv:
+        with self._blamed("an env was made"):
+            return self._environment.make()
+
+    def _columns(self, env: AnyEnv) -> Mapping[str, Any]:
+        """What a recording says about an env."""
+        with self._blamed("its rewards were named"):
+            return {
+                "trained_with": self._cell.reward.name,
+                "learners": self._learners,
+                **vars(columns_of(self._environment, env, self._registry)),
+            }
+
+    def _blamed(self, doing: str) -> Any:
+        return blamed_on(self._registry.get("environments", self._cell.task.name), doing)
+
+    @cached_property
+    def _learners(self) -> tuple[str, ...]:
+        """The libraries that the algorithm needs, whose versions a recording tells; other imports do not matter."""
+        return self._registry.get("algorithms", self._cell.algorithm.name).modules
+
+
+def _beating(act: Callable[[Any], Any], beat: Beat, steps: int) -> Callable[[Any], Any]:
+    """The same, and it reports now and then that the evaluation goes on: every step is progress."""
+
+    def acting(observation: Any) -> Any:
+        beat(steps)
+        return act(observation)
+
+    return acting
+
+
+def _given_up(recorded: Sequence[Path]) -> list[str]:
+    """A line for each reward and each measure that failed while it looked on; everything else was recorded."""
+    failures: dict[str, str] = {}
+    for path in recorded:
+        where = "training" if path.name == TRAINING_RECORDING else "evaluation"
+        for number in recorder_numbers(path):
+            for it in TrainingFacts.read(path / facts_name(number)).failures:
+                name = it.column.replace("_", " ", 1)
+                told = f"{name} given up in the {where}, episode {it.episode}, step {it.step}: {it.reason}"
+                failures.setdefault(it.column, told)
+    return list(failures.values())
+
+
+def evaluation_scalars(evaluation: RecordedTraining, reward: str) -> dict[str, float]:
+    """What a recorded evaluation came to: what the reward paid, and all measures; see `named_scalars`."""
+    part = episodes_of(evaluation).part(0, len(evaluation))
+    return named_scalars(part.returns[reward], part.behaviour)

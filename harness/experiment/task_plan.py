@@ -1,0 +1,231 @@
+"""One task of an experiment, looked at before anything runs: where it is trained, by which rewards, and what fits."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+from harness.algorithm import Algorithm, needs_goals, why_not
+from harness.errors import UsageError, sentence
+from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
+from harness.experiment.task_form import task_for
+from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR
+from harness.registry.choice import Choice, choose
+from harness.registry.names import unknown_name
+from harness.registry.registry import Registry
+from harness.registry.spec import PLANNED, blamed_on
+from harness.robot import Robot
+from harness.robot.load import load_robot
+from harness.simulator import require_drives
+
+Given: TypeAlias = str | dict[str, Any]
+DEFAULT_BASELINE, DEFAULT_REWARDS = "baseline", ("arp",)
+"""Where an experiment names none; an environment has rewards of its own, and is compared in all of them."""
+NO_GOALS = (
+    "learns by paying steps again for other goals. A task of an arm does not allow that: its rewards depend on earlier "
+    "steps, touching the ground is paid too, and its observations contain the offset to the target. "
+    "Give an environment with goals, such as --task fetch-reach"
+)
+UNMEASURED = (
+    "No measure says what the agent does, so the report cannot say whether it behaves better. Give a file of "
+    "functions, --measure behaviour.py, or name keys of info, --task gymnasium:id=...,tells=KEY"
+)
+OWN_HORIZON = (
+    "--evaluation-horizon goes with an environment. A task of an arm has a horizon of its own, "
+    "such as --task fd100-reach:horizon=50"
+)
+
+
+class Asked(Protocol):
+    """What an experiment says that decides how its tasks are trained; see `harness.experiment.plan.Experiment`."""
+
+    @property
+    def sim(self) -> list[Given]:
+        """Simulators."""
+
+    @property
+    def robot(self) -> str | None:
+        """The robot; None for the task's own."""
+
+    @property
+    def baseline(self) -> Given | None:
+        """The reward that others are compared with; None for the default."""
+
+    @property
+    def reward(self) -> list[Given] | None:
+        """Proposed rewards; None for the default."""
+
+    @property
+    def steps(self) -> int:
+        """Environment steps of each training."""
+
+    @property
+    def measure(self) -> list[str]:
+        """Measures of an environment that come first."""
+
+    @property
+    def evaluation_horizon(self) -> int | None:
+        """In an environment: steps after which an episode of an evaluation is cut."""
+
+
+class Fit(NamedTuple):
+    """How an algorithm can do a plan."""
+
+    task: Choice
+    """The task in the form that the algorithm takes; as given if there is no such form."""
+    reason: str
+    """Why the algorithm cannot do the plan; empty if it can."""
+
+
+@dataclass(frozen=True)
+class TaskPlan:
+    """One task, or an environment, and what trains in it.
+
+    Attributes:
+        task: The task.
+        simulators: Where; `NO_SIMULATOR` alone if the task is an environment.
+        robot: Name or folder of the arm; `NO_ROBOT` if the task is an environment.
+        baseline: The reward that the others are compared with.
+        rewards: All others, in their order. The baseline is among them if it is compared with itself.
+        fit: How an algorithm can train in it by a reward.
+        horizon: In an environment: steps after which an episode of an evaluation is cut.
+        measures: What an environment measures, by name; the first one decides.
+        warnings: What to know before anything is trained, a line each.
+    """
+
+    task: Choice
+    simulators: tuple[Choice, ...]
+    robot: str
+    baseline: Choice
+    rewards: tuple[Choice, ...]
+    fit: Callable[[Choice, Choice], Fit]
+    horizon: int = EVALUATION_HORIZON
+    measures: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def has_control(self) -> bool:
+        """Whether the baseline is compared with itself."""
+        return self.baseline in self.rewards
+
+    @property
+    def trained(self) -> tuple[Choice, ...]:
+        """All rewards, the baseline first."""
+        return tuple(dict.fromkeys([self.baseline, *self.rewards]))
+
+
+def plan_tasks(asked: Asked, tasks: Sequence[Given], registry: Registry) -> list[TaskPlan]:
+    """Look at every task of an experiment.
+
+    Raises:
+        UsageError: Something cannot be used, tasks are mixed with environments, or the baselines differ.
+        PluginError: A plugin is broken, or raises; says whose it is.
+    """
+    kinds = {kind_of_task(task, registry) for task in tasks}
+    if len(kinds) > 1:
+        named = ", ".join(map(str, tasks))
+        raise UsageError(f"task={named}: some are tasks of an arm, some environments. Make an experiment of each kind")
+    look = _in_environment if kinds == {"environments"} else _with_arm
+    found = [look(asked, task, registry) for task in tasks]
+    baselines = {it.baseline.label: it.task.label for it in found}
+    if len(baselines) > 1:
+        told = ", ".join(f"{name} ({task})" for name, task in baselines.items())
+        raise UsageError(f"The tasks have different baselines: {told}. Name one that all of them have: --baseline NAME")
+    return found
+
+
+def unnamed(key: str, noun: str) -> str:
+    """The message that an experiment lacks a name."""
+    return f"{sentence(noun)} names no {key}: give --{key} NAME, or the key '{key}' in a file"
+
+
+def choose_each(registry: Registry, kind: str, given: Sequence[Given]) -> tuple[Choice, ...]:
+    """What names say, each once."""
+    return tuple(dict.fromkeys(choose(registry, kind, item) for item in given))
+
+
+def _with_arm(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
+    """A task of an arm."""
+    if asked.measure:
+        raise UsageError("--measure goes with an environment: an arm is judged by success and time to the target")
+    if asked.evaluation_horizon is not None:
+        raise UsageError(OWN_HORIZON)
+    if not asked.sim:
+        require_known(given, registry)
+        raise UsageError(unnamed("sim", "experiment"))
+    simulators = choose_each(registry, "simulators", asked.sim)
+    baseline = choose(registry, "rewards", asked.baseline or DEFAULT_BASELINE)
+    rewards = choose_each(registry, "rewards", [*DEFAULT_REWARDS] if asked.reward is None else asked.reward)
+    require_known(given, registry)
+    task = choose(registry, "tasks", given)
+    built = task.build(registry, "tasks")
+    robot = _locate(asked.robot or built.robot, registry)
+    arm = load_robot(robot, registry)
+    with blamed_on(registry.get("tasks", task.name), PLANNED):
+        built.check(arm)
+    for simulator in simulators:
+        require_drives(simulator.build(registry, "simulators"), arm)
+    fits: dict[Choice, Fit] = {}
+
+    def fit(algorithm: Choice, reward: Choice) -> Fit:
+        if algorithm not in fits:
+            fits[algorithm] = _fit(algorithm, task, arm, registry, asked.steps)
+        return fits[algorithm]
+
+    return TaskPlan(task, simulators, robot, baseline, rewards, fit)
+
+
+def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:
+    with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
+        try:
+            form = task_for(algorithm, task, robot, registry)
+        except UsageError as error:
+            return Fit(task, str(error))
+        built: Algorithm = algorithm.build(registry, "algorithms")
+        if steps % built.num_envs:
+            envs = f"the {built.num_envs} envs that {algorithm.label} trains on"
+            return Fit(form, f"steps={steps} is not a multiple of {envs}")
+        if needs_goals(built):
+            return Fit(form, f"{algorithm.label} {NO_GOALS}")
+        return Fit(form, why_not(built, form.build(registry, "tasks"), robot))
+
+
+def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
+    """An environment; simulator and robot are its own."""
+    refuse_places(asked.sim, asked.robot)
+    task = choose(registry, "environments", given)
+    looked = look_at(task, registry)
+    for name in asked.measure:
+        if name not in looked.measures:
+            told = f"{looked.label}: {unknown_name('measure', name, looked.measures)}"
+            raise UsageError(f"{told} A key of info becomes a measure by --task gymnasium:id=...,tells={name}")
+    baseline, rewards = looked.rewards_asked(asked.baseline, asked.reward)
+
+    def fit(algorithm: Choice, reward: Choice) -> Fit:
+        return Fit(task, why_not_in(looked, algorithm, reward.name, registry, asked.steps))
+
+    return TaskPlan(
+        task,
+        (NO_SIMULATOR,),
+        NO_ROBOT,
+        _named(baseline),
+        tuple(map(_named, rewards)),
+        fit,
+        asked.evaluation_horizon or EVALUATION_HORIZON,
+        looked.measures,
+        () if looked.measures else (UNMEASURED,),
+    )
+
+
+def _named(reward: str) -> Choice:
+    return Choice(reward, (), reward)
+
+
+def _locate(robot: str, registry: Registry) -> str:
+    """A registered name as it is, a path in full: a cell means the same from any working directory."""
+    path = Path(robot)
+    if robot in registry.names("robots") or not os.path.exists(path):  # no error, whatever the text
+        return robot
+    # A link to a URDF stays one: what lies beside it is looked for where the user says that it is.
+    return str(path.resolve() if path.is_dir() else path.parent.resolve() / path.name)
