@@ -40,7 +40,7 @@ _HOMES = {
     "RecordVectorRewards": "harness.recorder.record_vector_rewards",
     "audit_rewards": "harness.audit.transitions.audit_rewards",
     "evaluate_policy": "harness.recorder.evaluate_policy",
-    "load_results": "harness.results.results",
+    "load_results": "harness.results.load",
     "load_robot": "harness.robot.load",
     "load_study": "harness.results.recordings.study",
     "make_env": "harness.env.make",

@@ -21,6 +21,7 @@ def audits_of(results: "Results") -> "Audits":
     cells = {
         (cell.robot, cell.task.label, cell.reward.label): cell
         for cell in (manifest.cell for manifest in results.manifests if manifest.status == "done")
+        if cell.task.name in registry.names("tasks")
     }
     rollouts: dict[tuple[str, str], tuple[Rollout, ...] | str] = {}
     found: dict[tuple[str, str, str], Payoffs] = {}

@@ -8,7 +8,8 @@ import typer
 from harness.cli.flags import eta as flags
 from harness.cli.flags.shared import AsJson, CurveKind, PluginFiles, RecordedFolder
 from harness.cli.lines import say, say_json
-from harness.cli.study import refuse_flags, show_study
+from harness.cli.recordings import refuse_flags
+from harness.cli.results_shown import show_results
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -47,7 +48,10 @@ def eta(
                 "--proposed-reward": proposed_reward, "--plugin": plugin,
             }
         )  # fmt: skip
-        return show_study(folder, curve, None, as_json=as_json, html=plot, details=True)
+        from harness.results import load_results
+
+        results = load_results(folder, curve)
+        return show_results(results, f"harness report {folder} --details", as_json=as_json, html=plot, details=True)
     if baseline is None or proposed is None:
         missing = next(flag for flag, given in groups.items() if given is None)
         raise UsageError(

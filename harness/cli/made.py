@@ -19,24 +19,16 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     Raises:
         StorageError: The folder cannot be written.
     """
-    from harness.cli.audits import audits_of
-    from harness.cli.environments import write_pages
-    from harness.files.sums import note_made
+    from harness.cli.results_shown import write_page_of
     from harness.record.out_folder import storage_errors
     from harness.record.store import REPORT
-    from harness.report.page.html import write_html
 
     with storage_errors(results.folder):
         results.write_table()
     say(f"Results: {results.folder}", err)
     try:
-        if results.is_in_environment:
-            with storage_errors(results.folder):
-                write_pages(results, results.folder / REPORT, err)
-            return
         with storage_errors(results.folder):
-            write_html(results, results.folder / REPORT, audits_of(results))
-            note_made(results.folder / REPORT)
+            write_page_of(results, results.folder / REPORT)
         say(f"Report:  {results.folder / REPORT}", err)
     except UsageError as error:  # the extra is missing: the results are there all the same
         say(f"No {REPORT}: {error}", err)

@@ -4,8 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from harness.cli.flags import run as flags
 from harness.cli.flags.shared import (
     CurveKind,
@@ -190,19 +188,8 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
 
 def _show(results: "Results", as_json: bool) -> None:
     """The comparison on standard output; what was written too, unless JSON is to stand there alone."""
-    from harness.cli.environments import show_environments
     from harness.cli.made import make_table_and_page
-    from harness.cli.not_measured import complain_of_metrics
-    from harness.cli.terminal import show
-    from harness.report.document import report_text
-    from harness.report.tables.overview import overview_table
+    from harness.cli.results_shown import show_results
 
-    command = f"harness report {results.folder} --details{results.report_flags}"
-    if results.is_in_environment:
-        show_environments(results, command, as_json=as_json, html=None, details=False, summary=None)
-    elif as_json:
-        typer.echo(report_text(results))
-    else:
-        show(overview_table(results, command))
-    complain_of_metrics(results)
+    show_results(results, f"harness report {results.folder} --details{results.report_flags}", as_json=as_json)
     make_table_and_page(results, as_json)

@@ -34,12 +34,12 @@ def transfer(
     from harness.experiment.workers.workers import worker_count
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
-    from harness.results import Results
+    from harness.results.load import read_results
     from harness.transfer.jobs import plan_transfers, run_transfers
     from harness.transfer.matrix import load_transfers
 
     at_once, registry = worker_count(jobs), load_registry(given=read_given(plugin))
-    results = Results(folder, registry)
+    results = read_results(folder, registry)
     plan = plan_transfers(results, to, registry)
     with kept_when_interrupted("what was evaluated is kept", folder), TransferProgress(plan) as progress:
         run_transfers(plan, at_once, progress)

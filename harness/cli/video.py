@@ -32,6 +32,7 @@ def video(
     """
     from harness.registry.choice import split_list
     from harness.results import load_results
+    from harness.results.recordings.results import RecordedResults
     from harness.results.replay import first_show, show_cells
     from harness.video.film import film_of
     from harness.video.write import require_kind, write_film
@@ -41,7 +42,7 @@ def video(
     named = split_list(cells or [])
     if len(named) > MOST_CELLS:
         raise UsageError(f"--cells names {len(named)} cells, {MOST_CELLS} are allowed")
-    if results.is_in_environment:
+    if isinstance(results, RecordedResults):
         from harness.video.environment_film import environment_film
 
         write_film(environment_film(results, named, episodes), out)

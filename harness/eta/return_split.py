@@ -63,13 +63,15 @@ class ReturnSplit:
         }
 
 
-def split_returns(returns: Returns, seeds: Sequence[int], swaps: Swaps, missing: str | None = None) -> ReturnSplit:
+def split_returns(
+    returns: Returns, seeds: Sequence[int], swaps: Swaps | None, missing: str | None = None
+) -> ReturnSplit:
     """Both splits, with intervals over seeds.
 
     Args:
         returns: At least of (baseline, baseline) and (proposed, proposed), one finite value per seed.
         seeds: The seeds of the values; seed i of both trainings is a pair.
-        swaps: The ways in which the names of a seed's trainings are swapped.
+        swaps: The ways in which the names of a seed's trainings are swapped; None if no claim is made.
         missing: Why the other two are not there; None where they are.
     """
     each = {pair: np.asarray(values, np.float64) for pair, values in returns.items()}
@@ -79,7 +81,8 @@ def split_returns(returns: Returns, seeds: Sequence[int], swaps: Swaps, missing:
         each,
         paired=True,
     )
-    outcomes = swaps.of(seeds) @ (each[KK] - each[BB]) / len(seeds) if len(seeds) > 1 else None
+    is_claim = swaps is not None and len(seeds) > 1
+    outcomes = swaps.of(seeds) @ (each[KK] - each[BB]) / len(seeds) if swaps and is_claim else None
     return ReturnSplit(
         {pair: mean_over_seeds(values.tolist()) for pair, values in each.items()},
         _split_ratio(sums, outcomes, missing),

@@ -33,6 +33,7 @@ from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
+from harness.results.load import read_results
 from harness.results.metrics import load_metrics, require_measures
 from harness.tracker import Tracker
 
@@ -283,7 +284,7 @@ class BegunRun:
             followed.stop()
             store.discard_partial()
             ended.finish()
-        return Results(store.folder, self.asked.registry, options.curve, metrics=options.metrics)
+        return read_results(store.folder, self.asked.registry, options.curve, options.metrics)
 
     def _do(self, cells: Sequence[Cell], followed: Followed) -> None:
         """Have the executor do cells; with the option `fail_fast`, until one fails."""

@@ -13,6 +13,8 @@ NO_SIMULATOR = Choice("(environment)", (), "environment")
 """In place of a simulator, of a cell in an environment that brings its own: no plugin can have this name."""
 NO_ROBOT = "(environment)"
 """In place of a robot, in such a cell."""
+UNKNOWN_ALGORITHM = Choice("unknown", (), "unknown")
+"""In place of the algorithm of a training that no experiment made: nobody recorded it."""
 EVALUATION_HORIZON = 10_000
 """Environment steps after which an episode of an evaluation in an environment is cut: ten times what most allow."""
 LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON}

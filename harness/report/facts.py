@@ -30,13 +30,12 @@ def shared_facts(manifests: Iterable[Manifest]) -> list[Fact]:
     ]
 
 
-def repeat_of(results: Results | None) -> dict[str, Any]:
+def repeat_of(results: Results) -> dict[str, Any]:
     """What a page says of how to repeat an experiment: the command, the experiment's text, what all cells share.
 
-    Args:
-        results: The experiment; None where no experiment made what the page shows.
+    Nothing where no experiment made what the page shows.
     """
-    if results is None:
+    if not results.is_experiment:
         return {"again": "", "facts": [], "experiment": ""}
     facts = shared_facts(results.manifests)
     return {"again": again_text(results), "facts": facts, "experiment": results.experiment_text}

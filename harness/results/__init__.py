@@ -1,5 +1,6 @@
 """Reads the results in an experiment's folder. Importing it loads no robot, policy, environment or engine."""
 
-from harness.results.results import Results, load_results
+from harness.results.load import load_results
+from harness.results.results import Results
 
 __all__ = ["Results", "load_results"]

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from harness.arrays import Float
 from harness.errors import Unmeasured
 from harness.metric import Metric
@@ -67,6 +69,20 @@ class CellResults:
         before = {steps: f"{EVALUATIONS}/{path.name}" for steps, path in evaluation_files(self._files).items()}
         files = {**before, self.cell.steps: EVALUATION}
         return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
+
+    def learned(self) -> Float:
+        """The finished episodes of the training, in the order in which they ended, (3, episodes).
+
+        The rows say: its last row, counted from 0; whether it reached the target; what the cell's own reward paid.
+        """
+        digest = [self._kept.digest(TRACE)]
+        return self._kept.array(f"{TRACE} learned", digest, self._learned).reshape(3, -1)
+
+    def _learned(self) -> Float:
+        trace = self._trace(TRACE)
+        reached, paid = trace["reached"], trace["reward"]
+        told = [(rows[-1], reached[rows].any(), paid[rows].sum()) for rows in trace.episodes]
+        return np.array(sorted(told), np.float64).reshape(-1, 3).T.ravel()
 
     def rows(self) -> int:
         """The number of rows of the training trace."""

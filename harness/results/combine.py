@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import combinations
 from typing import NamedTuple
 
 from harness.errors import Unscored
@@ -10,35 +11,61 @@ from harness.eta.behaviour_change import Change, Measure, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decompose import decompose
 from harness.eta.headline import DECIDING, SUCCESS
+from harness.eta.return_split import ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.swaps import Swaps, swaps_of
 from harness.record.cell import Cell
+from harness.record.folder import EVALUATION
 from harness.registry.choice import Choice
 from harness.results.along import Moments, changes_along, learning_changes
 from harness.results.comparison import Comparison, Group, StepChange, correct_all
-from harness.results.measured import Measured
+from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured
 from harness.results.metrics import measure_of
 from harness.results.mixture import mixtures_of
 from harness.results.records import Records
 
 
 def combine(records: Records) -> tuple[Comparison, ...]:
-    """Every proposed reward against the baseline. A baseline that is its own proposed reward is the null control."""
-    compared = dict.fromkeys(
-        (Group.of(manifest.cell), manifest.cell.reward)
-        for manifest in records.manifests
-        if (manifest.cell.reward.label != records.baseline or records.plan.a_a) and manifest.status != "skipped"
-    )
-    asked = sorted(compared, key=lambda pair: pair[1].label == records.baseline)  # the null control comes last
-    matches = [_match(records, group, reward) for group, reward in asked]
+    """Every proposed reward against the baseline, or every two rewards, as the records ask.
+
+    A baseline that is its own proposed reward is the null control.
+    """
+    asked = sorted(_asked(records), key=lambda it: it[1] == it[2].label)  # the null control comes last
+    matches = [_match(records, *it) for it in asked]
     swaps = swaps_of(sorted({seed for match in matches for seed in match.seeds}))
     return correct_all([_compare(records, match, swaps) for match in matches])
+
+
+def _asked(records: Records) -> list[tuple[Group, str, Choice]]:
+    """The group, the baseline and the proposed reward of each comparison."""
+    planned = dict.fromkeys(
+        (Group.of(manifest.cell), manifest.cell.reward)
+        for manifest in records.manifests
+        if manifest.status != "skipped"
+    )
+    against = [
+        (group, records.baseline, reward)
+        for group, reward in planned
+        if reward.label != records.baseline or records.plan.a_a
+    ]
+    if not records.pairs:
+        return against
+    others: dict[Group, list[Choice]] = {}
+    for group, reward in planned:
+        if reward.label != records.baseline:
+            others.setdefault(group, []).append(reward)
+    return [
+        *against,
+        *((group, one.label, other) for group, of in others.items() for one, other in combinations(of, 2)),
+    ]
 
 
 class _Match(NamedTuple):
     """The cells of one comparison, in the order of the seeds."""
 
     group: Group
+    baseline: str
+    """The label of the reward that the other one is compared with."""
     proposed: Choice
     seeds: tuple[int, ...]
     """The seeds of the baseline's cells, and of the others too unless this is the null control."""
@@ -53,15 +80,17 @@ class _Match(NamedTuple):
         return list(dict.fromkeys([*self.of_baseline, *self.of_proposed, *self.control]))
 
 
-def _match(records: Records, group: Group, proposed: Choice) -> _Match:
+def _match(records: Records, group: Group, label: str, proposed: Choice) -> _Match:
     members = records.groups.get(group, [])
-    baseline = {cell.seed: cell for cell in members if cell.reward.label == records.baseline}
-    control = {seed: baseline[other] for seed, other in records.plan.control.items() if other in baseline}
-    other = control if proposed.label == records.baseline else {it.seed: it for it in members if it.reward == proposed}
+    baseline = {cell.seed: cell for cell in members if cell.reward.label == label}
+    of_control = records.plan.control if label == records.baseline else {}
+    control = {seed: baseline[other] for seed, other in of_control.items() if other in baseline}
+    other = control if proposed.label == label else {it.seed: it for it in members if it.reward == proposed}
     seeds = tuple(sorted(baseline.keys() & other.keys()))
     again = [control[seed] for seed in seeds if seed in control]
     return _Match(
         group,
+        label,
         proposed,
         seeds,
         [baseline[seed] for seed in seeds],
@@ -72,14 +101,15 @@ def _match(records: Records, group: Group, proposed: Choice) -> _Match:
 
 def _compare(records: Records, match: _Match, swaps: Swaps) -> Comparison:
     if not match.seeds:
-        return Comparison(match.group, records.baseline, match.proposed.label, (), None, (), {})
+        return Comparison(match.group, match.baseline, match.proposed.label, (), None, (), {})
     curves, missing = _score(records, match)
     control = records.curve(match.control) if match.control else None
     decomposition = decompose(curves, missing=missing, signs=swaps.of(match.seeds), control=control)
     comparison = _Measures(records, match, swaps)
+    returns, missing_returns = _returns(records, match)
     return Comparison(
         match.group,
-        records.baseline,
+        match.baseline,
         match.proposed.label,
         match.seeds,
         decomposition,
@@ -88,7 +118,49 @@ def _compare(records: Records, match: _Match, swaps: Swaps) -> Comparison:
         along=comparison.along(),
         episodes=comparison.episodes,
         mixtures=mixtures_of(map(records.manifest, match.cells)),
+        returns=returns,
+        missing=missing_returns,
+        number_of="indices",
     )
+
+
+def _returns(records: Records, match: _Match) -> tuple[dict[str, ReturnSplit], dict[str, str]]:
+    """The mean return of an episode of the final evaluation, its events left out, and what it splits into.
+
+    It makes no claim: those about the number are made of both indices, as in the note.
+    """
+    manner = DETERMINISTIC if match.group.deterministic else STOCHASTIC
+    values, missing = dict[Pair, list[float]](), None
+    for pair in (BB, KK, BK, KB):
+        own, cells = (match.of_baseline if who == "baseline" else match.of_proposed for who in pair)
+        try:
+            found = _paid(records, own[0], cells)
+        except Unscored as unscored:
+            if pair in (BB, KK):
+                return {}, {manner: str(unscored)}
+            missing = str(unscored)
+        else:
+            values[pair] = found
+    known = values if missing is None else {pair: values[pair] for pair in (BB, KK)}
+    return {manner: split_returns(known, match.seeds, None, missing)}, {}
+
+
+def _paid(records: Records, own: Cell, cells: Sequence[Cell]) -> list[float]:
+    """What the reward of a cell pays for an evaluation episode of each cell, mean over episodes.
+
+    Raises:
+        Unscored: It cannot pay, or has changed, or no episode ended.
+    """
+    payer, taught = records.payer(own.reward), records.of(own)
+    payer.require_unchanged(taught.pays_recorded(payer, EVALUATION))
+    found = []
+    for cell in cells:
+        value = records.of(cell).evaluation_return(payer)
+        records.of(cell).finish()
+        if value is None:
+            raise Unscored(f"no episode ended in the evaluation of seed {cell.seed}")
+        found.append(value)
+    return found
 
 
 def _score(records: Records, match: _Match) -> tuple[dict[Pair, GroupCurve], str | None]:

@@ -23,10 +23,13 @@ from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
 from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
 from harness.eta.swaps import corrected_where_known, smallest_p
-from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, Cell
+from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.results.mixture import Mixture
+
+UNTOLD = (None, NO_SIMULATOR, UNKNOWN_ALGORITHM)
+"""What stands where there is nothing to tell."""
 
 
 class Group(NamedTuple):
@@ -58,9 +61,19 @@ class Group(NamedTuple):
     def labels(self) -> dict[str, str]:
         """The labels of what was chosen, by kind, without what is compared; an environment has no robot."""
         chosen = {"simulator": self.simulator, "algorithm": self.algorithm, "reward": self.reward}
-        labels = {kind: choice.label for kind, choice in chosen.items() if choice not in (None, NO_SIMULATOR)}
+        labels = {kind: choice.label for kind, choice in chosen.items() if choice not in UNTOLD}
         robot = {} if self.robot == NO_ROBOT else {"robot": self.robot}
         return {**labels, **robot, "task": self.task.label}
+
+    @property
+    def subject(self) -> str:
+        """What behaves: an arm is a ``robot``, whatever acts in an environment an ``agent``."""
+        return "robot" if "robot" in self.labels else "agent"
+
+    @property
+    def place(self) -> str:
+        """Where the cells trained: the label of the simulator, or of the environment."""
+        return self.labels.get("simulator", self.task.label)
 
     @property
     def title(self) -> str:
@@ -123,6 +136,7 @@ class Comparison:
         deciding: Names of the measures that decide about the robot, in this order.
         decided_in: The manner that decides; by default that in which the cells say that policies act, unless it has
             fewer episodes than another.
+        number_of: What the sentence about the number tells: the mean return, or both indices as in the note.
     """
 
     group: Group
@@ -140,6 +154,7 @@ class Comparison:
     missing: Mapping[str, str] = field(default_factory=dict)
     deciding: tuple[str, ...] = DECIDING
     decided_in: str = ""
+    number_of: Literal["returns", "indices"] = "returns"
 
     @property
     def is_control(self) -> bool:
@@ -200,8 +215,8 @@ class Comparison:
 
     @property
     def main(self) -> ReturnSplit | None:
-        """The split of the mean return in the manner that decides; None if it is not known."""
-        return self.returns.get(self.manner)
+        """The split of the mean return in the manner that decides; None if it is not known, or does not count."""
+        return self.returns.get(self.manner) if self.number_of == "returns" else None
 
     @property
     def outcomes(self) -> list[Float | None]:
@@ -266,14 +281,14 @@ class Comparison:
         """A sentence on how much the pay changed, and how much of that is ruler: mean returns, else both indices."""
         if self.main is not None:
             return return_sentence(self.names, self.main)
-        if self.manner in self.missing:
+        if self.number_of == "returns" and self.manner in self.missing:
             return f"The mean return is not known: {self.missing[self.manner]}."
         return number_sentence(self.names, self.splits)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, without the curves; docs/json.md explains it."""
         headline = self.headline.to_json()
-        if self.group.robot != NO_ROBOT:
+        if self.group.subject == "robot":
             # `robot` is its name in version 0.1; it leaves with the next format
             headline = {"answer": headline["answer"], "robot": headline["behaviour"], **headline}
         return {

@@ -68,6 +68,8 @@ class DoneCells:
         found.measured(found.floor() if found.has_floor else {})
         if cell.evaluate_every:
             found.moments()
+        else:
+            found.learned()
         found.recorded()
         found.rows()
         found.evaluation_events()

@@ -1,15 +1,25 @@
 """The evaluations of a comparison's policies during their training. Reads results only."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from harness.eta.interval import UNBOUNDED, Bounds
+import numpy as np
+
+from harness.eta.headline import SUCCESS
+from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.metric import bounds_of, is_share
+from harness.record.cell import Cell
 from harness.results.comparison import Comparison, Group
 from harness.results.measured import Moment, Values, moments_by_due
-from harness.results.results import Results
+from harness.results.records import Records
+
+STRETCHES = 20
+"""Of a training, each a point of its curve: the mean over the episodes that ended in it."""
+PAID = "return, as paid"
+"""What the curve of an arm's own reward is called."""
 
 
 @dataclass(frozen=True)
@@ -94,21 +104,24 @@ class Learning:
         }
 
 
-def learning_of(results: Results, combination: Comparison) -> Learning | None:
-    """The learning curves of a combination.
+def learning_of(results: Records, combination: Comparison) -> Learning | None:
+    """The learning curves of a combination: of evaluations, or where there are none of the training itself.
 
-    None for the null control, or if no training was evaluated before its end.
+    None for the null control, and without a seed.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
-    if not combination.group.evaluate_every or combination.is_control:
+    if combination.is_control or not combination.seeds:
         return None
-    baseline, proposed = (_curve(results, combination, it) for it in (combination.baseline, combination.proposed))
-    if not any(len(run.moments) > 1 for curve in (baseline, proposed) for run in curve.runs):
-        return None
-    random = {change.name: change.random for change in combination.changes_of(combination.own_manner)}
-    return Learning(baseline, proposed, random)
+    rewards = (combination.baseline, combination.proposed)
+    if combination.group.evaluate_every:
+        baseline, proposed = (_curve(results, combination, it) for it in rewards)
+        if any(len(run.moments) > 1 for curve in (baseline, proposed) for run in curve.runs):
+            random = {change.name: change.random for change in combination.changes_of(combination.own_manner)}
+            return Learning(baseline, proposed, random)
+    baseline, proposed = (_curve_of_training(results, combination, it) for it in rewards)
+    return Learning(baseline, proposed, dict.fromkeys(baseline.points))
 
 
 def learning_points(
@@ -126,6 +139,47 @@ def learning_points(
     return tuple(_point(moments, metric, len(runs), episodes, bounds) for _, moments in sorted(found.items()))
 
 
+def stretches(steps: int) -> Iterator[tuple[int, int]]:
+    """Where the stretches of a training begin and end, in environment steps."""
+    count = min(STRETCHES, steps)
+    ends = [math.ceil(steps * (place + 1) / count) for place in range(count)]
+    return zip([0, *ends], ends, strict=False)
+
+
+def mean_point(
+    end: int, values: Sequence[float | None], episodes: int | None = None, bounds: Bounds = UNBOUNDED
+) -> Point:
+    """The mean over seeds in a stretch.
+
+    Args:
+        end: Where the stretch ends.
+        values: The value of each seed; None where it has none.
+        episodes: How many episodes it is a share of, if it is one.
+        bounds: What a value can be.
+    """
+    known = [value for value in values if value is not None]
+    missing = (
+        None if len(known) == len(values) else f"{len(values) - len(known)} of {len(values)} seeds have no value here"
+    )
+    return Point(end, mean_over_seeds(known, missing, episodes, bounds))
+
+
+def _curve_of_training(results: Records, combination: Comparison, label: str) -> LearningCurve:
+    """Success, and what the own reward paid, of the episodes that ended in each stretch of the training."""
+    cells = _cells_of(results, combination, label)
+    learned = [results.of(cells[seed]).learned() for seed in combination.seeds]
+    for seed in combination.seeds:
+        results.of(cells[seed]).finish()
+    success, paid = [], []
+    for begin, end in stretches(combination.group.steps):
+        ended = [it[1:, slice(*np.searchsorted(it[0], [begin, end]))] for it in learned]
+        means = [it.mean(axis=1).tolist() if it.shape[1] else (None, None) for it in ended]
+        fewest = min(it.shape[1] for it in ended)
+        success.append(mean_point(end, [it[0] for it in means], fewest or None, SHARE))
+        paid.append(mean_point(end, [it[1] for it in means]))
+    return LearningCurve(label, (), {SUCCESS: tuple(success), PAID: tuple(paid)})
+
+
 def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None, bounds: Bounds) -> Point:
     values = [value for moment in moments if (value := moment.values[metric]) is not None]
     missing = None if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
@@ -133,18 +187,23 @@ def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None,
     return Point(steps, mean_over_seeds(values, missing, episodes, bounds))
 
 
-def _curve(results: Results, combination: Comparison, label: str) -> LearningCurve:
-    cells = {
-        cell.seed: cell
-        for cell in results.done_cells
-        if Group.of(cell) == combination.group and cell.reward.label == label
-    }
+def _curve(results: Records, combination: Comparison, label: str) -> LearningCurve:
+    cells = _cells_of(results, combination, label)
     runs = tuple(LearningRun(seed, results.moments(cells[seed])) for seed in combination.seeds)
     points = {
         name: learning_points(runs, name, combination.group, is_share(metric), bounds_of(metric))
         for name, metric in results.metrics.items()
     }
     return LearningCurve(label, runs, points)
+
+
+def _cells_of(results: Records, combination: Comparison, label: str) -> dict[int, Cell]:
+    """The done cells of a reward by seed."""
+    return {
+        cell.seed: cell
+        for cell in results.done_cells
+        if Group.of(cell) == combination.group and cell.reward.label == label
+    }
 
 
 def _point_to_json(point: Point) -> dict[str, Any]:

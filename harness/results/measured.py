@@ -16,6 +16,8 @@ Values: TypeAlias = dict[str, float | None]
 """Values by metric. A value is None if it is not defined, or if the metric fails."""
 Asked = TypeVar("Asked")
 
+EVALUATION = "in evaluations"
+"""The manner of the evaluations of recorded trainings."""
 DETERMINISTIC, STOCHASTIC, TRAINING, LEARNING = "deterministic", "stochastic", "while training", "while learning"
 AREA, STEPS_TO_GOAL = "success_area", "steps_to_goal"
 GOAL = 0.9

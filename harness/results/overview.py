@@ -1,23 +1,71 @@
 """Comparisons at a glance, as text: a line for each, and what is the same in all."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
+from typing import Literal, NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import count_seeds
+from harness.eta.headline import SHORT, count_seeds
 from harness.eta.index import Ratio
+from harness.eta.return_split import ReturnSplit
+from harness.eta.scored_sums import BB, KK
 from harness.results.comparison import Comparison
 from harness.text import visible
 
 NOTHING = "n/a"
 NEAR_ZERO = "near zero"
-HEADINGS = ("", "the robot", "success", "eta_N", "eta_P", "ruler")
-"""The headings of `overview_row`."""
-READING = (
-    "success: baseline > proposed. eta: the proposed reward's number divided by the baseline's, with its 95% interval "
-    "if the window is wide enough. eta_N below 1 and eta_P above 1 count as better. ruler: the part of eta_P that "
-    "comes from counting the same runs differently; no robot moved differently for it."
-)
+Numbers: TypeAlias = Literal["indices", "ratio", "difference"]
+OF_NUMBERS: Mapping[Numbers, tuple[str, ...]] = {
+    "indices": ("eta_N", "eta_P", "ruler"),
+    "ratio": ("return", "eta", "ruler", "behaviour"),
+    "difference": ("return", "difference", "ruler", "behaviour"),
+}
+READING: Mapping[Numbers, str] = {
+    "indices": (
+        "eta: the proposed reward's number divided by the baseline's, with its 95% interval if the window is wide "
+        "enough. eta_N below 1 and eta_P above 1 count as better. ruler: the part of eta_P that comes from counting "
+        "the same runs differently; no {subject} moved differently for it."
+    ),
+    "ratio": (
+        "return: baseline > proposed, each training paid by its own reward. eta = ruler x behaviour is the ratio of "
+        "both; the ruler is what comes from counting the same episodes differently."
+    ),
+    "difference": (
+        "return: baseline > proposed, each training paid by its own reward. difference = ruler + behaviour, because a "
+        "ratio needs returns above 0; the ruler is what comes from counting the same episodes differently."
+    ),
+}
+
+
+class Overview(NamedTuple):
+    """The columns of a table with a line for each comparison."""
+
+    subject: str
+    """``robot`` or ``agent``."""
+    measure: str
+    """The name of the measure that decides."""
+    numbers: Numbers
+    """Which numbers follow it: those of both indices, or the mean return as a ratio or as a difference."""
+
+    @property
+    def headings(self) -> tuple[str, ...]:
+        """The headings of `overview_row`."""
+        return ("", f"the {self.subject}", self.measure, *OF_NUMBERS[self.numbers])
+
+    @property
+    def reading(self) -> str:
+        """How to read the table."""
+        return f"{self.measure}: baseline > proposed. {READING[self.numbers].format(subject=self.subject)}"
+
+
+def overview_of(combinations: Sequence[Comparison]) -> Overview:
+    """The columns for these comparisons, of which there must be at least one."""
+    names = dict.fromkeys(name for it in combinations for name in it.deciding[:1])
+    mains = [it.main for it in combinations if it.main is not None]
+    is_ratio = all(it.ratio.eta.value is not None for it in mains)
+    numbers: Numbers = "indices" if not mains else "ratio" if is_ratio else "difference"
+    measure = " / ".join(SHORT.get(name, name.replace("_", " ")) for name in names) or "behaviour"
+    return Overview(combinations[0].group.subject, measure, numbers)
 
 
 def shared_text(combinations: Sequence[Comparison], *, with_seeds: bool = True) -> str:
@@ -27,7 +75,7 @@ def shared_text(combinations: Sequence[Comparison], *, with_seeds: bool = True) 
     rewards, baselines = ({getattr(it, name) for it in combinations} for name in ("proposed", "baseline"))
     if varying and len(rewards) == 1:
         told += rewards
-    told += [f"against {baseline}" for baseline in baselines]
+    told += [f"against {baseline}" for baseline in baselines if len(baselines) == 1]
     if "steps" not in varying:
         told.append(f"{combinations[0].group.steps:,} steps")
     seeds = {it.seeds for it in combinations} if with_seeds else set()
@@ -39,14 +87,21 @@ def line_names(combinations: Sequence[Comparison]) -> list[str]:
     varying, rewards = varying_kinds(combinations), {it.proposed for it in combinations}
     with_reward = not varying or len(rewards) > 1
     return [
-        " · ".join([*([group_name(it, varying)] if varying else []), *([it.names.proposed] if with_reward else [])])
-        for it in combinations
+        " · ".join([*([group_name(it, varying)] if varying else []), *([reward] if with_reward else [])])
+        for it, reward in zip(combinations, reward_names(combinations), strict=True)
     ]
+
+
+def reward_names(combinations: Sequence[Comparison]) -> list[str]:
+    """The proposed reward of each combination, with the one that it is compared with if that is not always the same."""
+    several = len({it.baseline for it in combinations}) > 1
+    return [f"{it.names.proposed} against {it.baseline}" if several else it.names.proposed for it in combinations]
 
 
 def varying_kinds(combinations: Sequence[Comparison]) -> list[str]:
     """Kinds of labels that differ between groups, and ``steps`` if the trainings are not equally long."""
-    kinds = [kind for kind in combinations[0].group.labels if len({it.group.labels[kind] for it in combinations}) > 1]
+    named = dict.fromkeys(kind for it in combinations for kind in it.group.labels)
+    kinds = [kind for kind in named if len({it.group.labels.get(kind) for it in combinations}) > 1]
     return [*kinds, *(["steps"] if len({it.group.steps for it in combinations}) > 1 else [])]
 
 
@@ -56,24 +111,38 @@ def group_name(combination: Comparison, varying: Sequence[str]) -> str:
     return " · ".join(told[kind] for kind in varying)
 
 
-def overview_row(name: str, combination: Comparison, with_intervals: bool) -> tuple[str, ...]:
-    """The values under `HEADINGS`."""
+def overview_row(name: str, combination: Comparison, with_intervals: bool, overview: Overview) -> tuple[str, ...]:
+    """The values under the headings of an overview."""
+    measured = (name, combination.headline.answer.value.upper(), measure_text(combination.decisive))
+    if overview.numbers != "indices":
+        return (*measured, *_returned(combination.main, overview.numbers == "ratio"))
     splits = combination.splits
     etas = (splits["eta_N"].eta, splits["eta_P"].eta)
-    return (
-        name,
-        combination.headline.answer.value.upper(),
-        success_text(combination.decisive),
-        *(short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas),
-        short_value(splits["eta_P"].ruler),
-    )
+    told = (short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas)
+    return (*measured, *told, short_value(splits["eta_P"].ruler))
 
 
-def success_text(change: Change | None) -> str:
-    """Both rates as whole percentages."""
+def _returned(main: ReturnSplit | None, is_ratio: bool) -> tuple[str, ...]:
+    if main is None:
+        return (NOTHING,) * 4
+    own = ">".join(short_number(main.returns[pair].mean) for pair in (BB, KK))
+    if is_ratio:
+        return (own, *map(short_value, (main.ratio.eta, main.ratio.ruler, main.ratio.behaviour)))
+    return (own, *(short_number(it.mean) for it in (main.total.change, main.total.ruler, main.total.behaviour)))
+
+
+def measure_text(change: Change | None) -> str:
+    """Both values of a measure; shares as whole percentages."""
     if change is None or change.baseline is None or change.proposed is None:
         return NOTHING
+    if change.measure.episodes is None:
+        return f"{short_number(change.baseline)}>{short_number(change.proposed)}"
     return f"{100 * change.baseline:.0f}>{100 * change.proposed:.0f}%"
+
+
+def short_number(value: float | None) -> str:
+    """A number with three digits."""
+    return NOTHING if value is None else _digits(value, 3) if value else "0"
 
 
 def short_value(ratio: Ratio) -> str:
@@ -106,11 +175,11 @@ def overview_html(combinations: Sequence[Comparison]) -> str:
     """A table with a row per comparison, for a notebook; empty without any."""
     if not combinations:
         return ""
-    names = line_names(combinations)
-    rows = [overview_row(name, it, with_intervals=True) for name, it in zip(names, combinations, strict=True)]
-    lines = [_html_row("th", HEADINGS), *(_html_row("td", row) for row in rows)]
+    names, overview = line_names(combinations), overview_of(combinations)
+    rows = [overview_row(name, it, True, overview) for name, it in zip(names, combinations, strict=True)]
+    lines = [_html_row("th", overview.headings), *(_html_row("td", row) for row in rows)]
     shared = escape(visible(shared_text(combinations)))
-    return f"<p><b>{shared}</b></p><table>{''.join(lines)}</table><p>{escape(READING)}</p>"
+    return f"<p><b>{shared}</b></p><table>{''.join(lines)}</table><p>{escape(overview.reading)}</p>"
 
 
 def _html_row(tag: str, texts: Sequence[str]) -> str:

@@ -8,6 +8,7 @@ from harness.record.cell import Cell
 from harness.record.recording.facts import BEHAVIOUR
 from harness.results.comparison import Comparison
 from harness.results.metrics import measure_of
+from harness.results.recordings.results import RecordedResults
 from harness.results.recordings.runs import Runs
 from harness.results.results import Results
 
@@ -38,10 +39,10 @@ class Policies(NamedTuple):
 
 def policies_of(results: Results, combination: Comparison, manner: str) -> Policies:
     """The policies of a combination's proposed reward, as far as they acted in a manner."""
-    if not results.is_in_environment:
-        return _of_arms(results, combination, manner)
-    runs = next(it.study.runs for it in results.studies if it.study and it.group == combination.group)
-    return _in_environment(runs, combination.proposed, manner)
+    if isinstance(results, RecordedResults):
+        runs = next(it.study.runs for it in results.studies if it.study and it.group == combination.group)
+        return _in_environment(runs, combination.proposed, manner)
+    return _of_arms(results, combination, manner)
 
 
 def _of_arms(results: Results, combination: Comparison, manner: str) -> Policies:

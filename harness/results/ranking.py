@@ -1,6 +1,7 @@
 """The order of an experiment's rewards in all its places, and whether the choice would differ. Reads results only.
 
-A place is a simulator with an algorithm. Places are compared within a task; two of them where they differ in one alone.
+A place is a simulator, or an environment, with an algorithm. Places are compared within a task of an arm, environments
+with one another; two of them where they differ in one alone.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -10,6 +11,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
 from harness.eta.ranking import (
     PLACES,
@@ -127,8 +129,8 @@ class TaskRanking:
     """The rewards of one task.
 
     Attributes:
-        robot: The name of the robot.
-        task: The label of the task.
+        robot: The name of the robot; empty if the places are environments.
+        task: The label of the task; empty if the places are several environments.
         steps: Environment steps of each training.
         rewards: The rewards that are in every place.
         left_out: The rewards that are not in every place.
@@ -208,7 +210,8 @@ def ranking_of(results: Results) -> Ranking:
 
 def _task_of(group: Group) -> tuple[Any, ...]:
     """Everything that is the same in places that are compared."""
-    return tuple(getattr(group, name) for name in group._fields if name not in KINDS)
+    differ = {*KINDS, *([] if "simulator" in group.labels else ["task"])}
+    return tuple(getattr(group, name) for name in group._fields if name not in differ)
 
 
 class _Found(NamedTuple):
@@ -226,17 +229,25 @@ def _find(results: Results, group: Group, cells: Sequence[Cell]) -> _Found:
     measured = {cell: results.measured(cell) for cell in cells}
     manners = set.intersection(*(set(it.manners) & set(it.episodes) for it in measured.values())) if measured else set()
     episodes = {manner: min(it.episodes[manner] for it in measured.values()) for manner in manners}
-    manner = deciding_manner(group.deterministic, episodes)
+    compared = next((it for it in results.combinations if it.group == group and it.seeds), None)
+    manner = compared.manner if compared else deciding_manner(group.deterministic, episodes)
+    success = compared.decisive.name if compared and compared.decisive and _is_share(compared.decisive) else SUCCESS
     runs: dict[str, dict[int, float]] = {}
     for cell, it in measured.items():
-        value = it.manners.get(manner, {}).get(SUCCESS)
+        value = it.manners.get(manner, {}).get(success)
         if value is not None:
             runs.setdefault(cell.reward.label, {})[cell.seed] = value
     return _Found(group, runs, episodes.get(manner, 0), _engine(results, cells))
 
 
+def _is_share(change: Change) -> bool:
+    return change.measure.episodes is not None
+
+
 def _engine(results: Results, cells: Sequence[Cell]) -> str | None:
     """The engine of a place's cells, which all have one simulator. Cells of an older version do not record it."""
+    if cells and "simulator" not in Group.of(cells[0]).labels:
+        return cells[0].place.label  # every environment has a vote of its own
     environment = results.manifest(cells[0]).environment if cells else {}
     return (environment["engine"] or NO_ENGINE) if "engine" in environment else None
 
@@ -253,7 +264,9 @@ def _rank(results: Results, found: Sequence[_Found]) -> TaskRanking | None:
     orders = order_rewards(runs, [it.episodes for it in found])
     places = [_place(results, it, order) for it, order in zip(found, orders, strict=True)]
     group, left_out = found[0].group, tuple(reward for reward in every if reward not in rewards)
-    return compare_places(places, group.robot, group.task.label, group.steps, left_out)
+    labels = group.labels
+    task = group.task.label if len({it.group.task for it in found}) == 1 else ""
+    return compare_places(places, labels.get("robot", ""), task, group.steps, left_out)
 
 
 def compare_places(
@@ -284,13 +297,14 @@ def _with_shared_seeds(runs: Mapping[str, Mapping[int, float]]) -> dict[str, lis
 
 def _place(results: Results, found: _Found, success: Order) -> Place:
     group = found.group
-    compared = [it for it in results.combinations if it.group == group and not it.is_control]
-    simulator = group.simulator.label if group.simulator else ""
+    compared = [
+        it for it in results.combinations if it.group == group and it.baseline == results.baseline and not it.is_control
+    ]
     etas = {
         name: _eta_order({results.baseline: 1.0, **_values(compared, read)}, lower, success)
         for name, (read, lower) in ETAS.items()
     }
-    return Place(simulator, group.algorithm.label, found.engine, success, etas)
+    return Place(group.place, group.algorithm.label, found.engine, success, etas)
 
 
 def _read(name: str, part: str) -> Callable[[Comparison], float | None]:
@@ -346,7 +360,4 @@ def _why_none(tasks: Iterable[Sequence[_Found]]) -> str:
     rewards = set.intersection(*(set(it.runs) for it in most)) if most else set()
     if len(rewards) >= REWARDS and len(most) >= PLACES:
         return "in a place no seed is done under every reward"
-    return (
-        f"it takes {REWARDS} rewards in {PLACES} places, a place being a simulator with an algorithm; here are "
-        f"{len(rewards)} in {len(most)}"
-    )
+    return f"it takes {REWARDS} rewards in {PLACES} places; here are {len(rewards)} in {len(most)}"

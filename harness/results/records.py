@@ -1,11 +1,10 @@
 """The records of the cells in an experiment's folder, each read once."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 
 from harness.arrays import Float
-from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.equal import Key, equal_trainings
 from harness.files.bounded import read_text, reading
@@ -16,7 +15,7 @@ from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT
 from harness.record.store import Store
 from harness.record.trace import Trace
-from harness.registry.choice import Choice, split_list
+from harness.registry.choice import Choice
 from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
 from harness.results.cell_results import CellResults
@@ -38,6 +37,8 @@ class Records:
         *,
         metrics: Iterable[str] | None = None,
         is_temporary: bool = False,
+        store: Store | None = None,
+        pairs: bool = False,
     ) -> None:
         """Read the plan and all manifests.
 
@@ -47,6 +48,8 @@ class Records:
             kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
             metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`.
             is_temporary: Whether the folder is soon gone, so that no command may name it.
+            store: Reads the folder; by default as that of an experiment.
+            pairs: Whether every two rewards are compared, and not each with the baseline alone.
 
         Raises:
             UsageError: The folder is no experiment's, or a named metric is not registered.
@@ -54,10 +57,11 @@ class Records:
             SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
         """
         self.folder = folder
-        self.store = Store.open(folder)
+        self.store = store or Store.open(folder)
         self.registry = registry
         self.kind: Kind = kind
         self.is_temporary = is_temporary
+        self.pairs = pairs
         self.plan = self.store.read_plan()
         self.baseline = self.plan.baseline
         self.manifests = [self.store.examine(cell) for cell in self.plan.cells]
@@ -66,41 +70,26 @@ class Records:
         self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
         self._found: dict[str, CellResults] = {}
         self._curves: dict[tuple[str, ...], GroupCurve] = {}
-        self._cells = DoneCells(self.store, registry, None if self.is_in_environment else metrics)
-        self._shown = None if metrics is None else tuple(split_list(metrics))
+        self._cells = DoneCells(self.store, registry, metrics)
 
     @property
-    def metrics(self) -> dict[str, Metric]:
-        """Every registered metric, or those that were chosen, by name; empty if the task is an environment."""
-        return {} if self.is_in_environment else self._cells.metrics
+    def metrics(self) -> Mapping[str, Metric]:
+        """Every registered metric, or those that were chosen, by name."""
+        return self._cells.metrics
 
     @property
-    def shown_measures(self) -> tuple[str, ...] | None:
-        """In an environment: the measures that were chosen, beside the one that decides; None for all of them."""
-        return self._shown if self.is_in_environment else None
+    def measures(self) -> tuple[str, ...]:
+        """The names of all measures of behaviour."""
+        return tuple(self.metrics)
 
     @property
-    def is_in_environment(self) -> bool:
-        """Whether a task is somebody's environment. Its cells left recordings and no traces."""
-        return any(manifest.cell.is_in_environment for manifest in self.manifests)
-
-    def require_arm(self, command: str) -> None:
-        """Check that the cells are of an arm of the harness, and left traces.
-
-        Raises:
-            UsageError: They are in an environment; `command` says what needs more.
-        """
-        if self.is_in_environment:
-            raise UsageError(
-                f"{command} needs traces of an arm, and the cells of '{self.folder}' are recorded trainings in an "
-                f"environment: harness report '{self.folder}' compares them"
-            )
+    def is_experiment(self) -> bool:
+        """Whether an experiment made what the folder holds, so that it can be repeated."""
+        return Store.is_experiment(self.folder)
 
     @property
     def not_measured(self) -> dict[str, str]:
-        """Why each metric failed in a done cell, from the first such cell. Only cells with an arm have metrics."""
-        if self.is_in_environment:
-            return {}
+        """Why each metric failed in a done cell, from the first such cell."""
         reasons: dict[str, str] = {}
         for manifest in self.done:
             reasons = {**self.measured(manifest.cell).reasons, **reasons}
@@ -195,6 +184,10 @@ class Records:
             self._moments[cell.id] = self.of(cell).moments()
             self.of(cell).finish()
         return self._moments[cell.id]
+
+    def recorded(self, cell: Cell) -> Float:
+        """What a done cell's own reward paid, every row of its training, (rows,)."""
+        return self.of(cell).recorded()
 
     def of(self, cell: Cell) -> CellResults:
         """The results of a done cell."""

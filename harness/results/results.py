@@ -3,24 +3,21 @@
 import html
 import importlib.util
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from harness.errors import UsageError
-from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
-from harness.registry.given import read_given
-from harness.registry.registry import load_registry
 from harness.results.combine import combine
 from harness.results.comparison import Comparison
+from harness.results.learning import Learning, learning_of
 from harness.results.overview import overview_html
-from harness.results.recordings.places import PlaceStudy, studies_of
-from harness.results.recordings.recording_results import numbers_in_environment
 from harness.results.records import Records
+from harness.results.return_matrix import ReturnMatrix, return_matrices
 from harness.results.table import Numbers, cell_to_json, metric_columns, numbers_of, table_of, write_table
 
 FORMAT = 1
@@ -28,7 +25,13 @@ FORMAT = 1
 
 
 class Results(Records):
-    """An experiment, as its folder records it."""
+    """The cells of an experiment that trained an arm; `harness.results.recordings.results` has those of environments.
+
+    Attributes:
+        subject: What behaves, in words.
+    """
+
+    subject: ClassVar[str] = "robot"
 
     @cached_property
     def combinations(self) -> tuple[Comparison, ...]:
@@ -36,14 +39,38 @@ class Results(Records):
 
         A baseline that is its own proposed reward is the null control.
         """
-        if not self.is_in_environment:
-            return combine(self)
-        return tuple(comparison for place in self.studies if place.study for comparison in place.study.comparisons)
+        return combine(self)
 
     @cached_property
-    def studies(self) -> tuple[PlaceStudy, ...]:
-        """Of an experiment in environments, the recorded trainings of each algorithm in each of them."""
-        return studies_of(self)
+    def notes(self) -> tuple[str, ...]:
+        """What to keep in mind of the trainings, a line each."""
+        return ()
+
+    @property
+    def damaged_recordings(self) -> tuple[str, ...]:
+        """Recordings that could not be read, a line each; a cell with a damaged file is among `damaged` instead."""
+        return ()
+
+    @cached_property
+    def returns(self) -> tuple[ReturnMatrix, ...]:
+        """What each reward would have paid the policies that each reward trained.
+
+        Raises:
+            SchemaError: A file is damaged or written by a newer version.
+        """
+        return tuple(return_matrices(self))
+
+    def learning(self, combination: Comparison) -> Learning | None:
+        """How the policies of a combination behaved while they learned; None if that is not known.
+
+        Raises:
+            SchemaError: A file is damaged or written by a newer version.
+        """
+        return learning_of(self, combination)
+
+    def older_keys(self) -> dict[str, Any]:
+        """What a report says as JSON for readers of version 0.1 alone; these keys leave with the next format."""
+        return {}
 
     def to_json(self) -> dict[str, Any]:
         """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""
@@ -89,31 +116,8 @@ class Results(Records):
         return overview_html(self.combinations) + f"<p>{html.escape(repr(self))}</p>"
 
     def _rows(self) -> Iterator[tuple[Manifest, Numbers | None]]:
-        return ((it, self._numbers(it.cell) if it.status == "done" else None) for it in self.manifests)
+        return ((it, self.numbers(it.cell) if it.status == "done" else None) for it in self.manifests)
 
-    def _numbers(self, cell: Cell) -> Numbers:
-        if cell.is_in_environment:
-            return numbers_in_environment(self.folder, self.store.cell_folder(cell))
+    def numbers(self, cell: Cell) -> Numbers:
+        """The numbers of a done cell, in the columns of `write_table`."""
         return numbers_of(self.measured(cell), self.metrics)
-
-
-def load_results(
-    folder: str | Path,
-    kind: Kind = "accumulated",
-    metrics: Iterable[str] | str | None = None,
-    plugins: Iterable[str | Path | type] = (),
-) -> Results:
-    """The results in an experiment's folder.
-
-    Args:
-        folder: The folder of the experiment.
-        kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
-        metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`.
-        plugins: Files and classes beside the installed plugins; see `harness.registry.given.read_given`.
-
-    Raises:
-        UsageError: The folder is no experiment's, or a named metric is not registered.
-        PluginError: A named metric is broken.
-        SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
-    """
-    return Results(Path(folder), load_registry(given=read_given(plugins)), kind, metrics=metrics)

@@ -10,7 +10,7 @@ from harness.record.folder import EVALUATION
 from harness.registry.choice import Choice
 from harness.results.cell_results import CellResults
 from harness.results.comparison import Group
-from harness.results.results import Results
+from harness.results.records import Records
 from harness.score.scored_runs import Payer
 
 UNFINISHED = "no finished episode in some seeds"
@@ -28,13 +28,16 @@ class ReturnMatrix:
         trained_with: Labels of the rewards that the policies were trained with.
         returns: Shaped return of an episode, mean over episodes and seeds: by the label of the scoring reward, then
             that of the training reward.
-        events: What the events of an episode paid on top, the same under every reward, by training reward.
+        events: What the events of an episode paid on top, the same under every reward, by training reward; empty if
+            there are none.
+        manner: Where the episodes are taken from; empty for the final evaluation.
     """
 
     group: Group
     trained_with: tuple[str, ...]
     returns: Mapping[str, Mapping[str, SeedMean]]
     events: Mapping[str, SeedMean]
+    manner: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -42,10 +45,11 @@ class ReturnMatrix:
             **self.group.to_json(),
             "returns": {scoring: _to_json(row) for scoring, row in self.returns.items()},
             "events": _to_json(self.events),
+            **({"manner": self.manner} if self.manner else {}),
         }
 
 
-def return_matrices(results: Results) -> list[ReturnMatrix]:
+def return_matrices(results: Records) -> list[ReturnMatrix]:
     """One matrix per group of cells that are done, scored by every reward of the experiment.
 
     Raises:
@@ -58,7 +62,7 @@ def return_matrices(results: Results) -> list[ReturnMatrix]:
     return [_matrix(results, group, list(scoring), trainings) for group, trainings in groups.items()]
 
 
-def _matrix(results: Results, group: Group, scoring: list[Choice], found: Trainings) -> ReturnMatrix:
+def _matrix(results: Records, group: Group, scoring: list[Choice], found: Trainings) -> ReturnMatrix:
     trainings = {choice: found[choice] for choice in scoring if choice in found}
     payers = _unchanged_payers(results, scoring, trainings)
     rows: dict[str, dict[str, SeedMean]] = {choice.label: {} for choice in scoring}
@@ -78,7 +82,7 @@ Payers = Mapping[Choice, Payer | str]
 """What pays again, by reward; the reason if a reward cannot pay any more."""
 
 
-def _unchanged_payers(results: Results, scoring: list[Choice], trainings: Trainings) -> Payers:
+def _unchanged_payers(results: Records, scoring: list[Choice], trainings: Trainings) -> Payers:
     """The rewards that still pay what they paid in the experiment. A reward without a done cell is not checked."""
     payers: dict[Choice, Payer | str] = {}
     for choice in scoring:

@@ -1,13 +1,13 @@
 """Where the end effector went in the evaluation episodes of a comparison. Reads results only."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.record.cell import Cell
 from harness.record.folder import EVALUATION
 from harness.record.trace import Trace, read_trace
 from harness.results.comparison import Comparison, Group
@@ -61,12 +61,15 @@ def trajectories_of(results: Results, combination: Comparison) -> Trajectories |
         for cell in results.done_cells
         if cell.seed == seed and Group.of(cell) == combination.group
     }
-    baseline, proposed = (_read(results, cells[label]) for label in (combination.baseline, combination.proposed))
+    sides = [results.store.cell_folder(cells[label]) for label in (combination.baseline, combination.proposed)]
+    if not all((files / EVALUATION).is_file() for files in sides):  # recordings of no arm
+        return None
+    baseline, proposed = map(_read, sides)
     return Trajectories(seed, baseline, proposed)
 
 
-def _read(results: Results, cell: Cell) -> tuple[Trajectory, ...]:
-    trace = read_trace(results.store.cell_folder(cell) / EVALUATION, COLUMNS)
+def _read(files: Path) -> tuple[Trajectory, ...]:
+    trace = read_trace(files / EVALUATION, COLUMNS)
     return tuple(_trajectory(trace, rows) for rows in trace.episodes[:EPISODES])
 
 

@@ -22,6 +22,7 @@ from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.registry.spec import PLANNED, blamed_on
 from harness.results import Results
+from harness.results.load import read_results, require_arm
 from harness.robot.load import load_robot
 from harness.simulator import require_drives
 from harness.transfer.evaluation import EvaluateElsewhere
@@ -105,7 +106,7 @@ def transfer(
     """
     at_once = worker_count(jobs)
     registry = load_registry(given=read_given(plugins))
-    results = Results(Path(folder), registry)
+    results = read_results(Path(folder), registry)
     run_transfers(plan_transfers(results, to, registry), at_once)
     return load_transfers(results)
 
@@ -117,7 +118,7 @@ def plan_transfers(results: Results, to: str | Sequence[Given] | None, registry:
         UsageError: No cell is done, a simulator is not known or not installed, or a cell's task, reward or robot is
             gone.
     """
-    results.require_arm("harness transfer")
+    require_arm(results, "harness transfer")
     cells = results.done_cells
     if not cells:
         raise UsageError(f"'{results.folder}' has no finished cell: nothing is trained that could be evaluated")

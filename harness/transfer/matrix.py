@@ -125,8 +125,11 @@ def load_transfers(results: Results) -> Transfers:
 
 def _records(results: Results, cell: Cell) -> list[TransferRecord]:
     """Of the cell's policy as it is now, by simulator."""
+    folders = sorted((results.folder / TRANSFER / cell.id).glob("[!.]*"))
+    if not folders:
+        return []
     digest = policy_digest(results.store.cell_folder(cell))
-    found = [read_transfer(folder) for folder in sorted((results.folder / TRANSFER / cell.id).glob("[!.]*"))]
+    found = [read_transfer(folder) for folder in folders]
     return [record for record in found if record is not None and record.is_of(digest)]
 
 

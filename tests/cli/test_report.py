@@ -22,6 +22,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
         "not_measured",
         "equal_trainings",
         "evaluation_returns",
+        "notes",
         "ranking",
     }
     assert len(data["cells"]) == 4

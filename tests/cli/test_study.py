@@ -18,11 +18,13 @@ def recorded(harness, tmp_path: Path) -> Path:
     return tmp_path / "runs"
 
 
-def test_report_shows_returns_first_then_what_they_come_to(harness, recorded):
-    """The table, then a line for the comparison, then both answers and what shows more."""
+def test_report_shows_the_answer_first_then_what_rewards_pay(harness, recorded):
+    """A line for the comparison, both answers in sentences, and what shows more."""
     answer = harness("report", "runs")
     assert (answer.status, answer.err) == (0, "")
-    places = [answer.out.index(told) for told in ("paid by", "CANNOT TELL", "The mean return with thrice", "--details")]
+    places = [
+        answer.out.index(told) for told in ("CANNOT TELL", "The mean return with thrice", "scored by", "--details")
+    ]
     assert places == sorted(places)
 
 
@@ -36,7 +38,8 @@ def test_eta_shows_all_of_it(harness, recorded):
 
 def test_no_word_is_of_a_robot(harness, recorded):
     """The env has none."""
-    told = harness("eta", "runs").out + harness("report", "runs").out + harness("report", "runs", "--json").out
+    combinations = json.loads(harness("report", "runs", "--json").out)["combinations"]
+    told = harness("eta", "runs").out + harness("report", "runs").out + json.dumps(combinations)
     for word in ("robot", "simulator", "arm's", "FD100", "end effector", "target", "ground", "shaped"):
         assert word not in told
 
@@ -77,13 +80,13 @@ def test_a_damaged_recording_is_told(harness, recorded):
     answer = harness("report", "runs")
     assert (answer.status, answer.err.count("\n")) == (1, 1)
     assert "left out, damaged" in answer.err
-    assert "2 seeds by plain" in answer.out
+    assert "2 seeds" in answer.out
 
 
 @pytest.mark.parametrize(
     ("flags", "told"),
     [
-        (("eta", "nowhere"), "'nowhere' holds no recorded training"),
+        (("eta", "nowhere"), "No folder 'nowhere'"),
         (("eta", "runs", "--baseline", "base/*.csv"), "'runs' belongs to no flag: quote the pattern"),
         (("eta", "runs", "--with-events"), "--with-events does not go with a folder of recorded trainings"),
         (("eta", "runs", "--plot", "page.png"), "--plot writes .html, not 'page.png'"),

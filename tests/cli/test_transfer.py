@@ -102,6 +102,7 @@ def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
         "not_measured",
         "equal_trainings",
         "evaluation_returns",
+        "notes",
         "ranking",
         "transfer",
     }

@@ -9,7 +9,7 @@ from harness.errors import SchemaError, UsageError
 from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
 from harness.report.document import report_text
 from harness.report.rows.comparison import interval_text
-from harness.results.overview import success_text
+from harness.results.overview import measure_text
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def test_every_comparison_has_a_line(build, commit):
     for row, it in zip(rows, results.combinations, strict=True):
         assert row.startswith(f"{it.group.labels['simulator']} · {it.proposed} ")
         assert f" {it.headline.answer.value.upper()} " in row
-        assert f" {success_text(it.decisive)} " in row
+        assert f" {measure_text(it.decisive)} " in row
 
 
 def test_intervals_stand_beside_the_ratios_where_there_is_room(build, commit):

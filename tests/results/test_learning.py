@@ -11,7 +11,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.comparison import Group
-from harness.results.learning import Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
+from harness.results.learning import PAID, Learning, LearningCurve, LearningRun, Moment, learning_of, learning_points
 
 GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))
 
@@ -102,11 +102,13 @@ def test_learning_keeps_the_runs(toys: Registry, run_once: RunOnce, tmp_path: Pa
 
 
 @pytest.mark.parametrize("given", [{}, {"evaluate_every": 12}], ids=["not asked for", "none before the end"])
-def test_no_evaluation_before_the_end_is_no_curve(
+def test_without_evaluation_before_the_end_the_training_is_the_curve(
     toys: Registry, run_once: RunOnce, tmp_path: Path, given: dict[str, int]
 ):
-    """One point is no curve."""
-    assert _learning(toys, run_once, tmp_path / "out", **given) is None
+    """What its episodes came to, in each twentieth of it."""
+    learning = _learning(toys, run_once, tmp_path / "out", **given)
+    assert set(learning.random) == {"success_rate", PAID}
+    assert [point.steps for point in learning.baseline.points[PAID]] == list(range(1, 13))
 
 
 def test_bands_stay_within_what_a_metric_can_be():

@@ -8,11 +8,12 @@ from harness.eta.index import Ratio
 from harness.results.overview import (
     NEAR_ZERO,
     NOTHING,
+    Overview,
+    measure_text,
     overview_html,
     overview_row,
     shared_text,
     short_value,
-    success_text,
 )
 
 
@@ -41,7 +42,7 @@ def _intervals(*ratios: Ratio) -> list[str]:
     told = SimpleNamespace(
         splits=splits, decisive=None, headline=SimpleNamespace(answer=SimpleNamespace(value="helps"))
     )
-    return list(overview_row("arp", told, with_intervals=True)[3:5])
+    return list(overview_row("arp", told, True, Overview("robot", "success", "indices"))[3:5])
 
 
 def test_an_interval_has_two_digits():
@@ -52,7 +53,7 @@ def test_an_interval_has_two_digits():
 
 def test_success_that_nobody_knows_is_none():
     """Of what was not measured."""
-    assert success_text(None) == NOTHING
+    assert measure_text(None) == NOTHING
 
 
 def test_a_notebook_sees_no_table_of_nothing():

@@ -15,6 +15,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.report.rows.comparison import remarks_on_cells
 from harness.results import Results
+from harness.results.load import read_results, require_arm
 from harness.results.records import Records
 from tests.results.folders import ARP, fail, finish
 
@@ -85,7 +86,7 @@ def in_environment(make_cell: MakeCell, make_plan: MakePlan, registry: Registry,
     cell = make_cell(simulator=NO_SIMULATOR, robot=NO_ROBOT, task=Choice("pendulum", (), "pendulum"))
     store = Store.create(tmp_path, make_plan(cell))
     store.record(cell, "failed", "it fell")
-    return Results(tmp_path, registry)
+    return read_results(tmp_path, registry)
 
 
 def test_no_metric_is_of_an_environment(in_environment: Results):
@@ -99,7 +100,7 @@ def test_no_metric_is_of_an_environment(in_environment: Results):
 def test_what_needs_an_arm_says_so(in_environment: Results):
     """And what to do instead."""
     with pytest.raises(UsageError, match=r"harness score needs traces of an arm.*: harness report '.*' compares them"):
-        in_environment.require_arm("harness score")
+        require_arm(in_environment, "harness score")
 
 
 def test_the_experiment_of_version_0_1_is_its_file(make_cell: MakeCell, registry: Registry, tmp_path: Path):

@@ -18,6 +18,14 @@ Details = Annotated[
         "--details", help="Print every number of every comparison. With many comparisons this fills many screens."
     ),
 ]
+Pairs = Annotated[
+    bool,
+    typer.Option(
+        "--pairs",
+        help="Compare every two rewards, not each with the baseline alone. All claims are corrected together. In "
+        "environments that is always so.",
+    ),
+]
 SummaryFolder = Annotated[
     Path | None,
     typer.Option(

@@ -8,7 +8,7 @@ from harness.report.figures.regions import Region, regions_of
 
 
 def draw_panels(
-    combination: Curved, points: int = POINTS, amount: str = "accumulated shaped reward"
+    combination: Curved, points: int = POINTS, amount: str = "accumulated reward"
 ) -> tuple[Chart, Chart] | None:
     """A panel for the baseline and one for the proposed reward, on equal axes; None without a finished pair.
 

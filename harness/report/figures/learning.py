@@ -2,7 +2,29 @@
 
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Line, Shape, linear_axis, share_axis
 from harness.report.rows.behaviour import Text, percentage
+from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point
+
+MOST = 8
+"""Up to this many measures all are drawn; of more only the one that decides."""
+
+
+def learning_names(learning: Learning, comparison: Comparison) -> list[str]:
+    """What is drawn: the measure that decides first, then all others that are known under a reward.
+
+    Of measures of an arm the one that decides alone: they are many.
+    """
+    known = [name for name in learning.random if learning.baseline.known(name) or learning.proposed.known(name)]
+    first = [name for name in known if name in comparison.deciding[:1]]
+    measured = [change.name for change in comparison.changes_of(comparison.manner)]
+    if len(measured) > MOST:
+        return [*first, *(name for name in known if name not in measured)]
+    return [*first, *(name for name in known if name not in first)]
+
+
+def learning_heading(name: str) -> str:
+    """The heading of a panel."""
+    return f"{name.replace('_', ' ').capitalize()} while learning"
 
 
 def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> Chart:

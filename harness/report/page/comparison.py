@@ -2,13 +2,12 @@
 
 from typing import Any, NamedTuple
 
-from harness.eta.headline import SUCCESS
 from harness.report.apart import BETWEEN
 from harness.report.figures.accumulated import draw_panels
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.forest import draw_strip
-from harness.report.figures.learning import describe_learning, draw_learning
+from harness.report.figures.learning import describe_learning, draw_learning, learning_heading, learning_names
 from harness.report.figures.profile import describe_profile, draw_profile
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
@@ -16,25 +15,32 @@ from harness.report.figures.trajectories import VIEWS, describe_trajectories, dr
 from harness.report.page.matrix import SYMBOLS, badge_of
 from harness.report.page.outcomes import Bar, outcome_bars
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
-from harness.report.rows.behaviour import along_grid, behaviour_grids, defined_changes, failed_changes, seeds_grid
+from harness.report.rows.behaviour import (
+    along_grid,
+    behaviour_grids,
+    defined_changes,
+    failed_changes,
+    percentage,
+    seeds_grid,
+    text_of,
+)
 from harness.report.rows.comparison import (
-    SCALES,
     Grid,
     advice,
     answer_text,
+    basis_text,
     claims_text,
+    format_number,
     index_grid,
-    path_grid,
-    ratio_grid,
     rewards_text,
+    scales_text,
     seeds_text,
-    split_grid,
-    sum_grid,
 )
+from harness.report.rows.numbers import number_grids, splits_of
 from harness.report.rows.payoff import Audits, payoff_story
+from harness.report.rows.returns import READING, returns_grid
 from harness.results import Results
 from harness.results.comparison import Comparison
-from harness.results.learning import learning_of
 from harness.results.trajectories import trajectories_of
 
 SIDES = {"Baseline": BASELINE, "Proposed": PROPOSED}
@@ -58,15 +64,15 @@ def comparison_section(
     grids = behaviour_grids(combination)
     changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
     bars = outcome_bars(combination)
+    returned = returns_grid(combination)
     return {
         "title": title,
-        "rewards": rewards_text(combination),
         "answer": answer_text(headline),
         "badge": badge_of(headline.answer),
         "symbol": SYMBOLS[headline.answer],
-        "robot": headline.robot,
+        "robot": f"{headline.robot} {basis_text(combination)}".strip(),
         "number": headline.number,
-        "returns": None,
+        "returns": returned if returned.rows or returned.notes else None,
         "mixtures": [mixture.text for mixture in combination.mixtures],
         "advice": advice(results, combination),
         "tests": claims_text(combination),
@@ -86,15 +92,7 @@ def comparison_section(
         "payoffs": payoff_story(combination, audits),
         "profiles": _profile_panels(combination),
         "other_behaviour": _full([along_grid(combination), *grids[1:], seeds_grid(combination)]),
-        "numbers": _full(
-            [
-                ratio_grid(combination.splits),
-                split_grid(combination.splits),
-                path_grid(combination.splits),
-                _sum_grid(combination),
-                index_grid(combination.decomposition, results.kind),
-            ]
-        ),
+        "numbers": number_grids(combination, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :],
         "trajectories": _trajectory_panels(results, combination),
     }
 
@@ -115,10 +113,12 @@ def describe_comparison(combination: Comparison) -> str:
         if combination.is_control
         else f"once paid by {combination.baseline}, once by {combination.proposed}"
     )
-    return (
-        f"The robot {group.robot} did {group.task.label} in {group.labels['simulator']} with "
-        f"{group.algorithm.label}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: {paid}. {SCALES}"
-    )
+    labels, scales = group.labels, scales_text(group.subject)
+    who = f"The robot {group.robot} did {group.task.label}" if "robot" in labels else f"{group.task.label} was learned"
+    where = f" in {labels['simulator']}" if "simulator" in labels else ""
+    with_what = f" with {group.algorithm.label}" if "algorithm" in labels else ""
+    told = f"{who}{where}{with_what}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: {paid}."
+    return f"{told} {READING} {scales}" if combination.main else f"{told} {scales}"
 
 
 def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:
@@ -134,12 +134,17 @@ def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:
 
 
 def _learning_panels(results: Results, combination: Comparison) -> list[Panel]:
-    """The success rate during training, where it was evaluated then."""
-    learning = learning_of(results, combination)
-    if learning is None or SUCCESS not in learning.random:
+    """The measure that decides, then every other that is known, and every reward, over the training."""
+    learning = results.learning(combination)
+    if learning is None:
         return []
-    chart, caption = draw_learning(learning, SUCCESS), describe_learning(learning, SUCCESS)
-    return [_panel("Success rate while learning", chart, caption, "Success rate over environment steps.")]
+    texts = {change.name: text_of(change) for change in combination.changes_of(combination.manner)}
+    panels = []
+    for name in learning_names(learning, combination):
+        text = texts.get(name, format_number)
+        chart, caption = draw_learning(learning, name, text), describe_learning(learning, name, text)
+        panels.append(_panel(learning_heading(name), chart, caption, "Over environment steps."))
+    return panels
 
 
 def _trajectory_panels(results: Results, combination: Comparison) -> list[Panel]:
@@ -163,19 +168,24 @@ def _trajectory_panels(results: Results, combination: Comparison) -> list[Panel]
 def _profile_panels(combination: Comparison) -> list[Panel]:
     """Which share of the seeds reaches how much success."""
     success = combination.decisive
-    chart = draw_profile(success) if success else None
+    is_share = success is not None and text_of(success) is percentage
+    chart = draw_profile(success) if success and is_share else None
     if success is None or chart is None:
         return []
     return [_panel("Success over seeds", chart, describe_profile(success), "Share of the seeds over success.")]
 
 
 def _split_panels(combination: Comparison) -> list[Panel]:
-    """eta_N and eta_P, each with its parts, and the same in words."""
-    if not combination.is_split:
-        return []
-    drawn = [(name, split, draw_split(name, split)) for name, split in combination.splits.items()]
+    """The mean return in the manner that decides, then eta_N and eta_P, each with its parts, and the same in words."""
+    drawn = [(name, split, draw_split(name, split)) for name, split in splits_of(combination).items()]
+    headings = {"eta": f"Mean return {combination.manner}: eta = ruler x behaviour"}
     return [
-        _panel(f"{name} = ruler x behaviour", chart, describe_split(name, split), "Ratios on a logarithmic axis.")
+        _panel(
+            headings.get(name, f"{name} = ruler x behaviour"),
+            chart,
+            describe_split(name, split),
+            "Ratios on a logarithmic axis.",
+        )
         for name, split, chart in drawn
         if chart is not None
     ]
@@ -192,17 +202,13 @@ def _curve_panels(combination: Comparison, points: int) -> list[Panel]:
             f"{role}: {reward}",
             chart,
             f"First negative step: {first[column]}. Cross-over step: {crossover[column]}.",
-            "Accumulated shaped reward over environment steps.",
+            "Accumulated reward over environment steps.",
         )
         for column, role, reward, chart in (
             (1, "Baseline", combination.baseline, charts[0]),
             (2, "Proposed", combination.proposed, charts[1]),
         )
     ]
-
-
-def _sum_grid(combination: Comparison) -> Grid:
-    return sum_grid(combination.decomposition.total if combination.decomposition else None)
 
 
 def _full(grids: list[Grid]) -> list[Grid]:

@@ -11,7 +11,7 @@ from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
 from harness.report.page.comparison import comparison_section, title_of
 from harness.report.page.download import Download, pack
-from harness.report.page.matrix import HEADINGS, Matrix, comparisons_csv, matrix_of
+from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
 from harness.report.page.question import question
 from harness.report.replay.links import links_of
@@ -32,14 +32,14 @@ from harness.report.rows.ranking import AGREEMENT, CHOICE, task_rows
 from harness.report.rows.ranking import EXPLANATION as RANKING
 from harness.report.rows.ranking import TITLE as RANKING_TITLE
 from harness.report.rows.returns import EXPLANATION as RETURNS
+from harness.report.rows.returns import MEAN, matrix_title, return_grid
 from harness.report.rows.returns import TITLE as RETURN_TITLE
-from harness.report.rows.returns import return_grid
 from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
-from harness.results.return_matrix import ReturnMatrix, return_matrices
+from harness.results.return_matrix import ReturnMatrix
 from harness.transfer.matrix import Transfers, load_transfers
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
@@ -47,9 +47,10 @@ LEARNING = (
     "Lines: mean over seeds, evaluated during training on the same starts and targets. Bands: 95% intervals. Dotted: "
     "random actions."
 )
+TRAINED = "Lines: mean over seeds of the episodes that ended in each twentieth of the training. Bands: 95% intervals."
 CROSSOVER = (
-    "The cross-over is, as published, the first step after the first negative one at which the mean is not negative; "
-    "it may turn negative again. The regions are those of the note's Fig. 8."
+    "The cross-over is the first step after the first negative one at which the mean is not negative; it may turn "
+    "negative again."
 )
 OPEN = 2
 """Up to this many comparisons are shown in full. If there are more, each is a line that opens."""
@@ -72,46 +73,50 @@ def write_html(results: Results, path: Path, audits: Audits = MappingProxyType({
 def _render(results: Results, audits: Audits) -> str:
     combinations = results.combinations
     points = points_of_a_run(sum(2 * len(combination.seeds) for combination in combinations))
-    matrix, matrices = matrix_of(combinations), return_matrices(results)
+    matrix = matrix_of(combinations)
     shows = shows_of(results)
     links = links_of(shows, combinations)
+    is_open = len(combinations) <= OPEN
     return render_page(
         TEMPLATE,
         "The HTML report",
         question=question(results),
         matrix=matrix,
-        shared=f"{matrix.shared}, against {results.baseline}",
-        headings=HEADINGS,
         success=[found.success if found else {} for found in links],
         comparisons=[
             comparison_section(results, combination, title, points, audits, found)
             for combination, title, found in zip(combinations, _titles(combinations, matrix), links, strict=True)
         ],
-        is_open=len(combinations) <= OPEN,
-        told={
-            "subject": "robot",
-            "cells": "Cells",
-            "map": "Success, proposed - baseline, in percentage points.",
-            "learning": LEARNING,
-            "crossover": CROSSOVER,
-            "split": SPLIT,
-            "paths": f"{PATHS} {TOTAL}",
-            "tests": TESTS,
-            "forest": FOREST,
-            "payoffs": PAYOFFS,
-            "payoff_title": PAYOFF_TITLE,
-        },
+        is_open=is_open,
+        told=_told(results),
         ranking=_ranking(results),
         cell_count=count_cells(results),
         unfinished=remarks_on_cells(results),
-        returns=_returns(matrices, is_open=len(combinations) <= OPEN),
+        returns=_returns(results.returns, is_open),
         replay=replay_of(shows),
         transfer=_transfer(load_transfers(results)),
         manifests=results.manifests,
-        recordings=None,
         **repeat_of(results),
-        downloads=_downloads(results, matrices),
+        downloads=_downloads(results),
     )
+
+
+def _told(results: Results) -> dict[str, str]:
+    """Texts that all comparisons share."""
+    is_evaluated = any(it.group.evaluate_every for it in results.combinations)
+    return {
+        "subject": results.subject,
+        "cells": "Cells" if results.is_experiment else "Recordings",
+        "learning": LEARNING if is_evaluated else TRAINED,
+        "crossover": CROSSOVER,
+        "split": SPLIT,
+        "paths": f"{PATHS} {TOTAL}",
+        "tests": TESTS,
+        "forest": FOREST,
+        "payoffs": PAYOFFS,
+        "payoff_title": PAYOFF_TITLE,
+        "returns": MEAN,
+    }
 
 
 def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:
@@ -121,10 +126,10 @@ def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:
     return [title_of(combination, entry.place) for combination, entry in zip(combinations, matrix.entries, strict=True)]
 
 
-def _downloads(results: Results, matrices: list[ReturnMatrix]) -> list[Download]:
+def _downloads(results: Results) -> list[Download]:
     return [
         pack("comparisons.csv", "text/csv", comparisons_csv(results.combinations)),
-        pack("report.json", "application/json", report_text(results, matrices)),
+        pack("report.json", "application/json", report_text(results)),
     ]
 
 
@@ -143,11 +148,11 @@ def _ranking(results: Results) -> dict[str, Any] | None:
     }
 
 
-def _returns(matrices: list[ReturnMatrix], is_open: bool) -> dict[str, Any] | None:
+def _returns(matrices: Sequence[ReturnMatrix], is_open: bool) -> dict[str, Any] | None:
     """What the template shows of returns under every reward; None before a cell is done."""
     if not matrices:
         return None
-    blocks = [(matrix.group.title, return_grid(matrix)) for matrix in matrices]
+    blocks = [(matrix_title(matrix), return_grid(matrix)) for matrix in matrices]
     return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks, "is_open": is_open}
 
 

@@ -6,10 +6,13 @@ from io import StringIO
 from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import Answer
+from harness.eta.headline import SHORT, Answer
+from harness.eta.index import Ratio
+from harness.eta.return_split import ReturnSplit
+from harness.eta.scored_sums import BB, KK
 from harness.report.apart import tell_apart
-from harness.report.rows.behaviour import behaviour_row
-from harness.report.rows.comparison import answer_text, interval_text, ratio_text
+from harness.report.rows.behaviour import behaviour_row, percentage, text_of
+from harness.report.rows.comparison import answer_text, format_number, interval_text, ratio_text
 from harness.report.summary.cells import plain_text
 from harness.results.comparison import Comparison, Group
 from harness.results.overview import NOTHING
@@ -28,6 +31,10 @@ class Sortable(NamedTuple):
     """The key to sort by. It is empty if there is no value; such rows come last."""
 
 
+NONE = Sortable(NOTHING, "", "")
+"""In place of a value that is not known."""
+
+
 class Entry(NamedTuple):
     """One comparison."""
 
@@ -38,7 +45,7 @@ class Entry(NamedTuple):
     badge: str
     symbol: str
     difference: str
-    """Difference of the success rate, in percentage points; empty if it is not known."""
+    """Difference of the measure that decides, of a share in percentage points; empty if it is not known."""
     values: tuple[Sortable, ...]
 
 
@@ -53,13 +60,15 @@ class Matrix(NamedTuple):
     entries: list[Entry]
     counts: list[tuple[str, str, int]]
     """How many comparisons have each answer: its badge, its words, the number."""
+    headings: tuple[str, ...]
+    """Of the values of an entry."""
+    told: str
+    """What the map shows in each place, in a sentence."""
 
 
-HEADINGS = ("eta_N", "eta_P", "success, baseline", "success, proposed", "difference [pp]")
-
-
+KINDS = ("simulator", "algorithm", "robot", "task")
 COLUMNS = (
-    *("simulator", "algorithm", "robot", "task", "steps", "baseline", "proposed", "seeds", "answer"),
+    *(*KINDS, "steps", "baseline", "proposed", "seeds", "answer"),
     *("eta_N", "eta_N_low", "eta_N_high", "eta_P", "eta_P_low", "eta_P_high"),
     *("success_baseline", "success_proposed", "success_difference", "success_low", "success_high"),
 )
@@ -78,22 +87,50 @@ def anchor_of(place: int) -> str:
 
 def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     """The map and the table."""
-    described = [_describe(combination.group) for combination in combinations]
-    apart = tell_apart(described)
+    baselines = dict.fromkeys(it.baseline for it in combinations)
+    described = [
+        (*_describe(it.group), *([f"against {it.baseline}"] if len(baselines) > 1 else [])) for it in combinations
+    ]
+    apart, kinds = tell_apart(described), _kinds(combinations)
     entries = [
-        _entry(number, place, combination)
+        _entry(number, place, combination, kinds)
         for number, (place, combination) in enumerate(zip(apart.names, combinations, strict=True))
     ]
-    groups = [combination.group for combination in combinations]
-    places = dict(zip(groups, apart.names, strict=True))
+    places = list(dict.fromkeys(apart.names))
     rewards = list(dict.fromkeys(entry.proposed for entry in entries))
-    found = {(entry.proposed, group): entry for entry, group in zip(entries, groups, strict=True)}
-    rows = [(reward, [found.get((reward, group)) for group in places]) for reward in rewards]
+    found = {(entry.proposed, entry.place): entry for entry in entries}
+    rows = [(reward, [found.get((reward, place)) for place in places]) for reward in rewards]
     counts = [
         (badge_of(answer), answer.value.upper(), sum(entry.badge == badge_of(answer) for entry in entries))
         for answer in Answer
     ]
-    return Matrix(apart.shared, list(places.values()), rows, entries, [count for count in counts if count[2]])
+    shared = apart.shared if len(baselines) > 1 else f"{apart.shared}, against {''.join(baselines)}"
+    name, unit = kinds.measure, " [pp]" if kinds.is_share else ""
+    headings = (*kinds.numbers, f"{name}, baseline", f"{name}, proposed", f"difference{unit}")
+    told = f"{name.capitalize()}, proposed - baseline{', in percentage points' if kinds.is_share else ''}."
+    return Matrix(shared, places, rows, entries, [count for count in counts if count[2]], headings, told)
+
+
+class _Kinds(NamedTuple):
+    """Which numbers there are in some comparison."""
+
+    measure: str
+    is_share: bool
+    has_returns: bool
+    has_indices: bool
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """The headings of the numbers."""
+        returns = ("return, baseline", "return, proposed", "eta") if self.has_returns else ()
+        return (*returns, *(("eta_N", "eta_P") if self.has_indices else ()))
+
+
+def _kinds(combinations: Sequence[Comparison]) -> _Kinds:
+    decisive = [it.decisive for it in combinations if it.decisive is not None]
+    names = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
+    has_returns, is_share = any(it.main for it in combinations), all(text_of(it) is percentage for it in decisive)
+    return _Kinds(" / ".join(names) or "behaviour", is_share, has_returns, not has_returns)
 
 
 def comparisons_csv(combinations: Sequence[Comparison]) -> str:
@@ -109,22 +146,23 @@ def comparisons_csv(combinations: Sequence[Comparison]) -> str:
             if success
             else (None,) * 5
         )
-        described = (*combination.group.labels.values(), combination.group.steps, *combination.names)
+        labels = combination.group.labels
+        described = (*(labels.get(kind, "") for kind in KINDS), combination.group.steps, *combination.names)
         told = (*described, len(combination.seeds), combination.headline.answer.value, *ratios, *shares)
         writer.writerow([plain_text(value) for value in told])
     return text.getvalue()
 
 
 def _describe(group: Group) -> tuple[str, ...]:
-    return (*group.labels.values(), f"{group.steps:,} steps", f"evaluated {group.manner}")
+    evaluated = [f"evaluated {group.manner}"] if group.evaluation_episodes else []
+    return (*group.labels.values(), f"{group.steps:,} steps", *evaluated)
 
 
-def _entry(number: int, place: str, combination: Comparison) -> Entry:
-    headline, success = combination.headline, combination.decisive
-    values = [
-        Sortable(ratio_text(eta), interval_text(eta, missing=""), "" if eta.value is None else repr(eta.value))
-        for eta in (combination.eta_n, combination.eta_p)
-    ]
+def _entry(number: int, place: str, combination: Comparison, kinds: _Kinds) -> Entry:
+    headline, change = combination.headline, combination.decisive
+    difference = "" if change is None or change.difference is None else _points(change)
+    returned = _returned(combination.main) if kinds.has_returns else ()
+    etas = [_ratio(eta) for eta in (combination.eta_n, combination.eta_p)] if kinds.has_indices else []
     return Entry(
         anchor_of(number),
         place,
@@ -132,18 +170,39 @@ def _entry(number: int, place: str, combination: Comparison) -> Entry:
         answer_text(headline),
         badge_of(headline.answer),
         SYMBOLS[headline.answer],
-        "" if success is None or success.difference is None else f"{100 * success.difference:+.1f}",
-        (*values, *_shares(success)),
+        difference,
+        (*returned, *etas, *_measured(change)),
     )
 
 
-def _shares(success: Change | None) -> tuple[Sortable, ...]:
-    if success is None:
-        return (Sortable(NOTHING, "", ""),) * 3
-    told = behaviour_row(success)
-    sides = ((told.baseline, success.baseline), (told.proposed, success.proposed))
-    shares = [Sortable(text, "", "" if value is None else repr(value)) for text, value in sides]
-    if success.difference is None:
-        return (*shares, Sortable(NOTHING, "", ""))
-    interval = "" if success.low is None else told.difference.removesuffix(" pp")
-    return (*shares, Sortable(f"{100 * success.difference:+.1f}", interval, repr(success.difference)))
+def _points(change: Change) -> str:
+    """The difference of a measure; of a share in percentage points."""
+    difference = change.difference or 0.0
+    return f"{100 * difference:+.1f}" if text_of(change) is percentage else f"{difference:+.3g}"
+
+
+def _returned(main: ReturnSplit | None) -> tuple[Sortable, ...]:
+    if main is None:
+        return (NONE,) * 3
+    sides = [Sortable(format_number(main.returns[it].mean), "", _key(main.returns[it].mean)) for it in (BB, KK)]
+    return (*sides, _ratio(main.ratio.eta))
+
+
+def _ratio(eta: Ratio) -> Sortable:
+    return Sortable(ratio_text(eta), interval_text(eta, missing=""), _key(eta.value))
+
+
+def _measured(change: Change | None) -> tuple[Sortable, ...]:
+    if change is None:
+        return (NONE,) * 3
+    told = behaviour_row(change)
+    sides = ((told.baseline, change.baseline), (told.proposed, change.proposed))
+    values = [Sortable(text, "", _key(value)) for text, value in sides]
+    if change.difference is None:
+        return (*values, NONE)
+    interval = "" if change.low is None else told.difference.removesuffix(" pp")
+    return (*values, Sortable(_points(change), interval, _key(change.difference)))
+
+
+def _key(value: float | None) -> str:
+    return "" if value is None else repr(value)

@@ -10,4 +10,4 @@ def question(results: Results) -> str:
     verb, subject = ("Does", "a reward") if not proposed else ("Does", f"the reward {proposed[0]}")
     if len(proposed) > 1:
         verb, subject = "Do", f"the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"
-    return f"{verb} {subject} make the robot behave better, or only the numbers bigger?"
+    return f"{verb} {subject} make the {results.subject} behave better, or only the numbers bigger?"

@@ -1,4 +1,4 @@
-"""The page that ``harness watch`` serves: the replay of an experiment, while it goes on."""
+"""The page that ``harness watch`` serves: the answers of an experiment so far, and its replay, while it goes on."""
 
 from pathlib import Path
 
@@ -6,11 +6,22 @@ from harness.report.page.page import render_page
 from harness.report.page.question import question
 from harness.report.replay.section import replay_of
 from harness.results import Results
+from harness.results.overview import line_names, overview_of, overview_row
 from harness.results.replay import shows_of
 
 TEMPLATE = Path(__file__).parent / "watch.html.j2"
 STATE = "/state"
 """Where the page asks whether cells have ended since."""
+
+
+def _answers(results: Results) -> tuple[tuple[str, ...], list[tuple[str, ...]]] | None:
+    """The comparisons so far: headings, and a row for each; None before there is one."""
+    combinations = [it for it in results.combinations if it.seeds]
+    if not combinations:
+        return None
+    overview, names = overview_of(combinations), line_names(combinations)
+    rows = [overview_row(name, it, True, overview) for name, it in zip(names, combinations, strict=True)]
+    return overview.headings, rows
 
 
 def watch_page(results: Results, state: str) -> str:
@@ -30,5 +41,6 @@ def watch_page(results: Results, state: str) -> str:
         title=question(results),
         status=f"{len(results.done)} of {len(results.manifests)} cells are done.",
         state=state,
+        answers=_answers(results),
         replay=replay_of(shows_of(results)),
     )

@@ -4,10 +4,11 @@ from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import SUCCESS, count_seeds
+from harness.eta.headline import count_seeds
+from harness.eta.interval import SHARE
 from harness.report.rows.comparison import Grid, format_number, format_p
 from harness.results.comparison import Comparison, StepChange
-from harness.results.measured import TRAINING
+from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.results.overview import NOTHING
 from harness.text import shortened
 
@@ -41,9 +42,10 @@ def behaviour_grids(combination: Comparison) -> list[Grid]:
 
 
 def defined_changes(combination: Comparison, manner: str) -> list[Change]:
-    """The measures, the success rate first. A measure that is not defined under either reward is left out."""
+    """The measures, those that decide first. A measure that is not defined under either reward is left out."""
     changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
-    return sorted(changes, key=lambda change: change.name != SUCCESS)
+    first = combination.deciding[:1]
+    return sorted(changes, key=lambda change: change.name not in first)
 
 
 def failed_changes(combination: Comparison, manner: str) -> list[Change]:
@@ -52,14 +54,13 @@ def failed_changes(combination: Comparison, manner: str) -> list[Change]:
     return [change for change in combination.changes_of(manner) if change.reason and change.name not in defined]
 
 
-def behaviour_row(change: Change, text: Text | None = None) -> BehaviourRow:
+def behaviour_row(change: Change) -> BehaviourRow:
     """The row of a measure. If its metric failed for all seeds, the reason stands in place of the values.
 
     Args:
         change: The values of the measure.
-        text: How its values are written: `percentage`, or as any other number; by default as the values look.
     """
-    text = text or _text_of(change)
+    text = text_of(change)
     if change.reason and (change.baseline, change.proposed) == (None, None):
         told = f"n/a ({shortened(change.reason, SHOWN)})"
         return BehaviourRow(_name(change), told, *(NOTHING,) * 3, change.measure.better, NOTHING, "")
@@ -77,12 +78,13 @@ def behaviour_row(change: Change, text: Text | None = None) -> BehaviourRow:
 
 def value_text(change: Change, value: float) -> str:
     """A value of a measure, written as the measure's means are."""
-    return _text_of(change)(value)
+    return text_of(change)(value)
 
 
 def along_grid(combination: Comparison) -> Grid:
     """What would have been said of the robot at each evaluation, the last one after the trainings."""
-    headings = ("", "success: baseline", "proposed", "difference", "the robot")
+    name = next(iter(combination.deciding), "").replace("_rate", "").replace("_", " ")
+    headings = ("", f"{name}: baseline", "proposed", "difference", "answer")
     manner = combination.own_manner
     moments = [*combination.along, StepChange(combination.group.steps, combination.changes_of(manner))]
     rows = [_moment_row(combination, moment) for moment in moments] if combination.along else []
@@ -95,7 +97,7 @@ def seeds_grid(combination: Comparison) -> Grid:
     rows: list[tuple[str, ...]] = []
     for change in combination.changes_of(combination.manner):
         if change.improvement is not None:
-            text = _text_of(change)
+            text = text_of(change)
             rows.append((_name(change), *map(text, change.middles), f"{change.improvement:.0%}"))
     return Grid(headings, rows, [])
 
@@ -119,16 +121,15 @@ def _title(combination: Comparison, manner: str) -> str:
     if episodes is None:
         return f"Behaviour {manner}"
     seen = f"{episodes:,} episode{'s' * (episodes != 1)}"
-    # Trainings need not have the same number of episodes.
-    if manner == TRAINING:
-        return f"Behaviour {manner}, {seen} or more per seed"
-    return f"Behaviour of the trained policies, {manner}, {seen} per seed"
+    if manner in (DETERMINISTIC, STOCHASTIC):
+        return f"Behaviour of the trained policies, {manner}, {seen} per seed"
+    return f"Behaviour {manner}, {seen} or more per seed"  # trainings need not have the same number of episodes
 
 
 def _moment_row(combination: Comparison, moment: StepChange) -> tuple[str, ...]:
     """The row of an evaluation, with the answer that would have been given after it."""
-    success = next((change for change in moment.changes if change.name == SUCCESS), None)
-    told = behaviour_row(success) if success else None
+    decisive = next((change for change in moment.changes if change.name in combination.deciding[:1]), None)
+    told = behaviour_row(decisive) if decisive else None
     values = (told.baseline, told.proposed, told.difference) if told else (NOTHING,) * 3
     return (f"after {moment.steps:,} steps", *values, combination.headline_at(moment).answer.value)
 
@@ -138,10 +139,10 @@ def _name(change: Change) -> str:
     return f"{name} [{unit}]" if unit and unit not in name.split() else name
 
 
-def _text_of(change: Change) -> Text:
+def text_of(change: Change) -> Text:
     """The function that writes values of a measure: as a percentage if it is a share, else as a number."""
-    values = (change.baseline, change.proposed, change.random)
-    is_share = not change.measure.unit and all(value is None or 0.0 <= value <= 1.0 for value in values)
+    measure = change.measure
+    is_share = not measure.unit and (measure.episodes is not None or measure.bounds == SHARE)
     return percentage if is_share else format_number
 
 

@@ -17,9 +17,10 @@ from harness.record.forms import Status
 from harness.record.plan_file import EXPERIMENT
 from harness.results import Results
 from harness.results.comparison import Comparison
+from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC
 from harness.results.overview import NEAR_ZERO, NOTHING
 
-SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the robot behaves."
+SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the {subject} behaves."
 SPLIT = (
     "eta = ruler x behaviour: the ruler is the same runs scored by the two rewards, "
     "the behaviour is the two trainings scored by one reward."
@@ -67,10 +68,31 @@ def answer_text(headline: Headline) -> str:
     return headline.answer.value.upper()
 
 
+def scales_text(subject: str) -> str:
+    """What eta does not say, of a ``robot`` or an ``agent``."""
+    return SCALES.format(subject=subject)
+
+
+def basis_text(comparison: Comparison) -> str:
+    """Which episodes the verdict rests on, where that needs saying; else empty."""
+    if not comparison.seeds or comparison.manner in (DETERMINISTIC, STOCHASTIC):
+        return ""
+    count = comparison.episodes[comparison.manner]
+    told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
+    if comparison.manner.startswith(EVALUATION):
+        return f"The verdict rests on evaluations of the final policies, {told}."
+    return (
+        f"The verdict rests on the training itself, {told} {comparison.manner}: evaluations of the final policies were "
+        "not recorded for all seeds. harness.evaluate_policy records one."
+    )
+
+
 def advice(results: Results, combination: Comparison) -> str:
     """The command that adds the seeds that would give an answer; empty if no number would, or if none is needed."""
     needed, seeds = combination.headline.seeds_to_decide, combination.seeds
-    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control or results.is_temporary:
+    if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control:
+        return ""
+    if results.is_temporary or not results.is_experiment:
         return ""
     more = next(count for count in needed if count > len(seeds))
     return f"More seeds: {_run_text(results, str(results.folder))} --seeds {more}{results.plugin_flags}"
@@ -181,9 +203,10 @@ def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") 
 
 
 def count_cells(results: Results) -> str:
-    """How many cells there are, and how many ended in which way."""
+    """How many cells there are, or recordings, and how many ended in which way."""
     counts = Counter(manifest.status for manifest in results.manifests)
-    noun = "cell" if counts.total() == 1 else "cells"
+    noun = "cell" if results.is_experiment else "recorded training"
+    noun += "s" * (counts.total() != 1)
     order: tuple[Status, ...] = ("done", "failed", "damaged", "skipped", "pending")
     ended = [f"{counts[status]} {status}" for status in order if counts[status]]
     return f"{counts.total()} {noun}: {', '.join(ended)}" if ended else "No cells"
@@ -192,7 +215,7 @@ def count_cells(results: Results) -> str:
 def remarks_on_cells(results: Results) -> list[str]:
     """A line for each cell that failed or is damaged; one for all that were skipped or wait for the same reason.
 
-    Then one for trainings that are equal bit for bit.
+    Then one for trainings that are equal bit for bit, and what else to keep in mind of the trainings.
     """
     lines = [results.plan.note] if results.plan.note else []
     for manifest in (*results.failed, *results.damaged):
@@ -203,7 +226,7 @@ def remarks_on_cells(results: Results) -> list[str]:
     for group, equal in results.equal.items():
         where = f"{group.title}: " if len(results.groups) > 1 else ""
         lines += [f"{where}{line}." for line in equal_sentences(equal)]
-    return lines
+    return [*lines, *(f"{line}." for line in results.notes)]
 
 
 def better_of(name: str) -> str:

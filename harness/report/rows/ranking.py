@@ -10,8 +10,9 @@ from harness.results.ranking import ROUNDING, Kind, Place, PlacePair, TaskRankin
 
 TITLE = "Would you have chosen another reward elsewhere?"
 EXPLANATION = (
-    "A place is a simulator with an algorithm. Two places are compared where they differ in one of the two alone. "
-    "Success is the share of evaluation episodes that reach the target: the ground truth. eta_P is the number as "
+    "A place is where a policy was trained, with an algorithm. Two places are compared where they differ in one of the "
+    "two alone. "
+    "Success is the share of evaluation episodes that succeed: the ground truth. eta_P is the number as "
     "published; behaviour is the part of it that is left once the ruler is taken out. Cells have the rank, then the "
     "value."
 )
@@ -91,7 +92,7 @@ def task_rows(task: TaskRanking) -> TaskRows:
 
 def title_of(task: TaskRanking) -> str:
     """The title of a task: what its places share."""
-    return f"{task.task} · {task.robot} · {task.steps:,} steps"
+    return " · ".join(filter(None, (task.task, task.robot, f"{task.steps:,} steps")))
 
 
 def lines_of(task: TaskRanking) -> list[str]:
@@ -121,7 +122,8 @@ def agreement_text(agreement: Agreement) -> str:
 
 def _votes_text(task: TaskRanking, kind: Kind) -> str:
     votes = task.votes(kind)
-    noun = "engine" if kind == "simulator" else "algorithm"
+    place = "engine" if task.robot else "environment"
+    noun = place if kind == "simulator" else "algorithm"
     return f"{len(votes)} {noun}{'s' * (len(votes) != 1)} ({', '.join(votes)})"
 
 

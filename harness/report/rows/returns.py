@@ -2,18 +2,52 @@
 
 from collections.abc import Mapping
 
+from harness.eta.scored_sums import BB, KK
 from harness.eta.seed_mean import SeedMean
+from harness.eta.splits import Split
 from harness.report.rows.comparison import Grid, format_number
+from harness.results.comparison import Comparison
 from harness.results.overview import NOTHING
 from harness.results.return_matrix import ReturnMatrix
 
 TITLE = "Return under every reward"
 EXPLANATION = (
-    "What each reward (a row) would pay the policies that each reward taught (a column): the shaped return of an "
-    "evaluation episode, mean over episodes and seeds. Compare within a row: down a column the scale changes, not the "
+    "What each reward (a row) would pay the policies that each reward taught (a column): the return of an "
+    "episode, mean over episodes and seeds. Compare within a row: down a column the scale changes, not the "
     "behaviour."
 )
 SCORED_BY = "evaluation return, scored by"
+MEAN = "Mean return of an episode"
+READING = (
+    "Returns are means over episodes, then over seeds. Baseline and proposed: each training paid by its own reward. Of "
+    "their difference, ruler is what comes from counting the same episodes by the other reward, behaviour what comes "
+    "from the episodes."
+)
+
+
+def returns_grid(comparison: Comparison) -> Grid:
+    """The mean return of either training, and what their difference is made of; no rows if it is not known."""
+    rows: list[tuple[str, ...]] = []
+    for manner, split in comparison.returns.items():
+        parts = (split.total.change, split.total.ruler, split.total.behaviour)
+        amounts = (split.returns[BB], split.returns[KK], *parts)
+        rows.append((manner, *(format_number(it.mean) for it in amounts)))
+        if any(it.low is not None for it in amounts):
+            rows.append(("  95% interval", *map(_interval, amounts)))
+    notes = [f"{manner}: {NOTHING}: {reason}" for manner, reason in comparison.missing.items()]
+    reasons = dict.fromkeys(
+        note
+        for split in comparison.returns.values()
+        for it in (split.returns[BB], split.total.ruler)
+        for note in it.notes
+    )
+    headings = ("", "baseline", "proposed", "difference", "of it ruler", "of it behaviour")
+    return Grid(headings, rows, [*notes, *reasons], MEAN)
+
+
+def return_splits(comparison: Comparison) -> dict[str, Split]:
+    """The ratios of mean returns by name, one for each manner. A ratio without a value has the reason."""
+    return {f"eta {manner}": split.ratio for manner, split in comparison.returns.items()}
 
 
 def return_grid(matrix: ReturnMatrix) -> Grid:
@@ -24,11 +58,18 @@ def return_grid(matrix: ReturnMatrix) -> Grid:
         rows.append((name, *(format_number(mean.mean) for mean in means)))
         if any(mean.low is not None for mean in means):
             rows.append(("  95% interval", *map(_interval, means)))
-    return Grid((SCORED_BY, *matrix.trained_with), rows, _notes(matrix))
+    scored = f"return {matrix.manner}, scored by" if matrix.manner else SCORED_BY
+    return Grid((scored, *matrix.trained_with), rows, _notes(matrix))
+
+
+def matrix_title(matrix: ReturnMatrix) -> str:
+    """Which trainings a matrix is about."""
+    return f"{matrix.group.title}, {matrix.manner}" if matrix.manner else matrix.group.title
 
 
 def _named(matrix: ReturnMatrix) -> dict[str, Mapping[str, SeedMean]]:
-    return {**matrix.returns, "events, paid on top": matrix.events}
+    events = {"events, paid on top": matrix.events} if matrix.events else {}
+    return {**matrix.returns, **events}
 
 
 def _notes(matrix: ReturnMatrix) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 from harness.eta.curve import curve_of
 from harness.record.manifest import Manifest
 from harness.results import Results
+from harness.results.table import RANDOM
 from harness.text import visible
 
 OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")
@@ -28,8 +29,9 @@ def write_cells(results: Results) -> str:
         SchemaError: A trace is damaged or written by a newer version.
     """
     rows = [_row(results, manifest) for manifest in results.manifests]
+    measured = dict.fromkeys([*results.metrics, *(name for row in rows for name in row if name not in KNOWN)])
     text = StringIO()
-    writer = csv.DictWriter(text, [*_describe_names(), *OWN, *results.metrics, NOT_MEASURED], lineterminator="\n")
+    writer = csv.DictWriter(text, [*_describe_names(), *OWN, *measured, NOT_MEASURED], lineterminator="\n")
     writer.writeheader()
     writer.writerows({name: plain_text(value) for name, value in row.items()} for row in rows)
     return text.getvalue()
@@ -39,9 +41,9 @@ def _row(results: Results, manifest: Manifest) -> dict[str, Any]:
     row = dict(zip(_describe_names(), _describe(manifest), strict=True))
     if manifest.status != "done":
         return row
-    measured = results.measured(manifest.cell)
-    values = {name: measured.own[name] for name in results.metrics}
-    failed = "; ".join(f"{name}: {why}" for name, why in measured.reasons.items())
+    numbers = results.numbers(manifest.cell)
+    values = {name: value for name, value in numbers.values.items() if not name.startswith(RANDOM)}
+    failed = "; ".join(f"{name}: {why}" for name, why in numbers.reasons.items())
     return {**row, **_own(results, manifest), **values, NOT_MEASURED: failed}
 
 
@@ -58,11 +60,15 @@ def _describe(manifest: Manifest) -> tuple[Any, ...]:
 
 
 def _own(results: Results, manifest: Manifest) -> dict[str, Any]:
-    reward = results.of(manifest.cell).recorded()
+    reward = results.recorded(manifest.cell)
     index = curve_of([reward]).index
     final = float(np.cumsum(reward)[-1]) if len(reward) else None
     sums = (index.negative_sum, index.positive_sum)
     return dict(zip(OWN, (index.first_negative, index.crossover, *sums, final), strict=True))
+
+
+KNOWN = {*_describe_names(), *OWN, NOT_MEASURED}
+"""Columns that every cell has."""
 
 
 def plain_text(value: Any) -> str:

@@ -66,7 +66,9 @@ def _label(combination: Comparison) -> Iterator[tuple[dict[str, Any], GroupCurve
     scorers = {"baseline": combination.baseline, "proposed": combination.proposed}
     trained = combination.names._asdict()
     for (scorer, taught), curve in combination.curves.items():
-        values = (*group.labels.values(), trained[taught], scorers[scorer], seeds)
+        labels = group.labels
+        places = (labels.get(kind, "") for kind in ("simulator", "algorithm", "robot", "task"))
+        values = (*places, trained[taught], scorers[scorer], seeds)
         yield {**dict(zip(LABELS, values, strict=True)), "training_steps": group.steps}, curve
 
 

@@ -3,13 +3,15 @@
 Each is an SVG file with all that tells what it shows. `missing` tells of cells that are not done.
 """
 
-from harness.eta.headline import SUCCESS
 from harness.report.figures.accumulated import draw_panels
-from harness.report.figures.learning import describe_learning, draw_learning
+from harness.report.figures.learning import describe_learning, draw_learning, learning_heading, learning_names
 from harness.report.figures.points import FEWEST, POINTS
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
-from harness.report.rows.comparison import rewards_text, seeds_text
+from harness.report.rows.behaviour import text_of
+from harness.report.rows.comparison import format_number, rewards_text, seeds_text
+from harness.report.rows.numbers import splits_of
+from harness.report.rows.returns import MEAN
 from harness.report.summary.svg import INTERVALS, Panel, draw_svg
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning
@@ -17,7 +19,9 @@ from harness.results.learning import Learning
 OF_ALL_RUNS = 8_000
 """The most points of all runs in a figure together, about 70 kB."""
 LEARNING_WIDTH, LEARNING_HEIGHT = 720.0, 250.0
-"""Width of the figure of learning, which stands alone, and height of its panel, [px]."""
+"""Width of the figure of learning, and height of its panels, [px]."""
+PANELS = 3
+"""How many panels it has, side by side."""
 RUNS = (
     "Thin: one run per seed. Thick: their mean, which the indices are taken from. Shaded: Ω₁ below 0, which I_N sums, "
     "and Ω₂ above 0, which I_P sums."
@@ -37,10 +41,15 @@ def runs_file(combination: Comparison, missing: str = "") -> bytes | None:
 
 
 def split_file(combination: Comparison, missing: str = "") -> bytes | None:
-    """The figure of both etas and their parts, each with its interval; None if no part of either can be drawn."""
-    splits = combination.splits if combination.is_split else {}
+    """The figure of every eta and its parts, each with its interval; None if no part of any can be drawn."""
+    splits = splits_of(combination)
     drawn = {name: draw_split(name, split) for name, split in splits.items()}
-    panels = [Panel(f"{name} = ruler x behaviour", chart) for name, chart in drawn.items() if chart is not None]
+    headings = {"eta": f"{MEAN} {combination.manner}: eta = ruler x behaviour"}
+    panels = [
+        Panel(headings.get(name, f"{name} = ruler x behaviour"), chart)
+        for name, chart in drawn.items()
+        if chart is not None
+    ]
     if not panels:
         return None
     told = [describe_split(name, split) for name, split in splits.items()]
@@ -48,12 +57,20 @@ def split_file(combination: Comparison, missing: str = "") -> bytes | None:
 
 
 def learning_file(combination: Comparison, learning: Learning, missing: str = "") -> bytes | None:
-    """The figure of the success rate over environment steps, under both rewards; None if success has no metric."""
-    if SUCCESS not in learning.random:
+    """The figure of the first measures over environment steps, under both rewards; None if none is known."""
+    names = learning_names(learning, combination)[:PANELS]
+    if not names:
         return None
-    chart = draw_learning(learning, SUCCESS)._replace(width=LEARNING_WIDTH, height=LEARNING_HEIGHT)
-    notes = [LEARNING, describe_learning(learning, SUCCESS)]
-    return _file("Success rate while learning", combination, missing, [Panel("", chart)], notes)
+    texts = {change.name: text_of(change) for change in combination.changes_of(combination.manner)}
+    of_each = {name: texts.get(name, format_number) for name in names}
+    charts = {name: draw_learning(learning, name, text) for name, text in of_each.items()}
+    told = [f"{learning_heading(name)}: {describe_learning(learning, name, text)}" for name, text in of_each.items()]
+    width = LEARNING_WIDTH / len(names)
+    panels = [
+        Panel(learning_heading(name), chart._replace(width=width, height=LEARNING_HEIGHT))
+        for name, chart in charts.items()
+    ]
+    return _file("Learning", combination, missing, panels, [LEARNING, *told])
 
 
 def _file(what: str, combination: Comparison, missing: str, panels: list[Panel], notes: list[str]) -> bytes:

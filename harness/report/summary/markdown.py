@@ -4,45 +4,46 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
-from harness.eta.behaviour_change import Change
+from harness.eta.scored_sums import BB, KK
+from harness.eta.splits import Split
 from harness.record.plan_file import EXPERIMENT
 from harness.report.facts import Fact, shared_facts
 from harness.report.page.question import question
-from harness.report.rows.behaviour import along_grid, behaviour_grids
+from harness.report.rows.behaviour import along_grid, behaviour_grids, behaviour_row
 from harness.report.rows.comparison import (
-    SCALES,
     SPLIT,
     TESTS,
     answer_text,
+    basis_text,
     count_cells,
-    path_grid,
-    ratio_grid,
+    format_number,
     ratio_text,
     ratio_with_interval,
     remarks_on_cells,
     rewards_text,
-    split_grid,
+    scales_text,
 )
+from harness.report.rows.numbers import number_grids
 from harness.report.summary.effort import duration_text, effort_of
 from harness.report.summary.missing import missing_text
 from harness.results import Results
 from harness.results.comparison import Comparison
-from harness.results.overview import NOTHING
+from harness.results.overview import NOTHING, overview_of
 from harness.text import visible
 
+SIDES = ("baseline", "proposed", "random")
 Pictures: TypeAlias = Mapping[str, str]
 """Paths of a combination's figures, by what they show."""
 
 SHOWN = {
     "runs": "Accumulated reward of every run and their mean",
     "split": "eta as ruler x behaviour",
-    "learning": "Success rate while learning",
+    "learning": "Behaviour while learning",
 }
-HEADINGS = (
-    *("", "combination", "reward", "the robot"),
-    *("eta_N", "= ruler x behaviour", "eta_P", "= ruler x behaviour"),
-    *("success: baseline", "proposed", "random", "seeds", "not done"),
-)
+NAMED = ("", "combination", "reward", "answer")
+ETAS = ("eta_N", "= ruler x behaviour", "eta_P", "= ruler x behaviour")
+RETURNED = ("mean return: baseline", "proposed", "eta", "= ruler x behaviour")
+LAST = ("proposed", "random", "seeds", "not done")
 NOT_TOLD = ("command", "system")
 """Facts that are left out: the command names folders of the machine, the system is the release of its kernel."""
 
@@ -64,9 +65,9 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
         *_overview(results, overview),
     ]
     for number, (combination, paths) in enumerate(zip(combinations, pictures, strict=True), 1):
-        parts += _section(number, combination, paths)
+        parts += _section(results, number, combination, paths)
     unfinished = [f"* {escape(line)}" for line in remarks_on_cells(results)]
-    parts += ["## Cells that are not done", "\n".join(unfinished)] if unfinished else []
+    parts += ["## Remarks", "\n".join(unfinished)] if unfinished else []
     return "\n\n".join([*parts, *what_it_took(results)]) + "\n"
 
 
@@ -81,52 +82,60 @@ def _overview(results: Results, path: str) -> list[str]:
     combinations = results.combinations
     if not combinations:
         return ["No combination: nothing is planned under a baseline and another reward."]
+    has_returns = any(it.main for it in combinations)
     rows = [
-        _row(number, combination, missing_text(results, combination))
+        _row(number, combination, has_returns, missing_text(results, combination))
         for number, combination in enumerate(combinations, 1)
     ]
-    parts = [markdown_table(HEADINGS, rows), f"{SCALES} {SPLIT} {TESTS}"]
+    measure = overview_of(combinations).measure
+    headings = (*NAMED, *(RETURNED if has_returns else ETAS), f"{measure}: baseline", *LAST)
+    parts = [markdown_table(headings, rows), f"{scales_text(results.subject)} {SPLIT} {TESTS}"]
     if not any(combination.seeds for combination in combinations):
         parts.append("No combination is finished: no seed is done under both of its rewards.")
     return [*parts, f"![eta of every combination, with ruler and behaviour]({path})"] if path else parts
 
 
-def _row(number: int, combination: Comparison, missing: str) -> tuple[str, ...]:
-    title, success = combination.group.title, combination.decisive
-    etas = {name: split.eta for name, split in combination.splits.items()}
-    parts = [text for name, eta in etas.items() for text in (ratio_with_interval(eta), _parts(combination, name))]
-    shares = [_share(success, who) for who in ("baseline", "proposed", "random")]
+def _row(number: int, combination: Comparison, has_returns: bool, missing: str) -> tuple[str, ...]:
+    title, change = combination.group.title, combination.decisive
+    numbers = _returned(combination) if has_returns else _etas(combination)
+    values = [NOTHING if change is None else behaviour_row(change)._asdict()[who] for who in SIDES]
     named = (str(number), title, rewards_text(combination), answer_text(combination.headline))
-    return (*named, *parts, *shares, str(len(combination.seeds)), missing)
+    return (*named, *numbers, *values, str(len(combination.seeds)), missing)
 
 
-def _parts(combination: Comparison, name: str) -> str:
+def _etas(combination: Comparison) -> list[str]:
+    return [text for split in combination.splits.values() for text in (ratio_with_interval(split.eta), _parts(split))]
+
+
+def _returned(combination: Comparison) -> list[str]:
+    main = combination.main
+    if main is None:
+        return [NOTHING] * 4
+    own = [format_number(main.returns[pair].mean) for pair in (BB, KK)]
+    return [*own, ratio_with_interval(main.ratio.eta), _parts(main.ratio)]
+
+
+def _parts(split: Split) -> str:
     """The parts of an eta: geometric means of both paths."""
-    split = combination.splits[name]
     if split.ruler.value is None and split.behaviour.value is None:
         return NOTHING
     return f"{ratio_text(split.ruler)} x {ratio_text(split.behaviour)}"
 
 
-def _share(success: Change | None, who: str) -> str:
-    value = getattr(success, who) if success else None
-    return NOTHING if value is None else f"{value:.1%}"
-
-
-def _section(number: int, combination: Comparison, paths: Pictures) -> list[str]:
+def _section(results: Results, number: int, combination: Comparison, paths: Pictures) -> list[str]:
     """Both answers, what they rest on, every remark, and the figures."""
     title = f"## {number}. {combination.group.title}: {rewards_text(combination)}"
-    headline, splits = combination.headline, combination.splits
-    numbers = (ratio_grid(splits), split_grid(splits), path_grid(splits))
-    grids = (*behaviour_grids(combination), along_grid(combination), *numbers)
-    shown = grids if combination.seeds else ()
+    headline = combination.headline
+    numbers = number_grids(combination, results.kind, with_paths=True)
+    shown = (*behaviour_grids(combination), along_grid(combination), *numbers) if combination.seeds else ()
     tables = [part for grid in shown if grid.rows for part in (grid.title, markdown_table(grid.headings, grid.rows))]
     notes = [f"* {escape(note)}" for grid in shown for note in grid.notes]
     images = [f"![{SHOWN[what]}]({path})" for what, path in paths.items()]
     parts = [
         escape(title),
         *(f"**{escape(mixture.text)}.**" for mixture in combination.mixtures),
-        f"**The robot: {answer_text(headline)}.** {escape(headline.robot)}",
+        f"**The {combination.group.subject}: {answer_text(headline)}.** {escape(headline.robot)}",
+        escape(basis_text(combination)),
         escape(headline.number and f"The number: {headline.number}"),
     ]
     return [part for part in [*parts, *tables, "\n".join(notes), *images] if part]

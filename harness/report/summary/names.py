@@ -12,5 +12,6 @@ def figure_stems(combinations: Iterable[Comparison]) -> list[str]:
 
 
 def _text(combination: Comparison) -> str:
-    labels = {**combination.group.labels, "robot": combination.group.robot.rsplit("/")[-1]}
+    labels = combination.group.labels
+    labels |= {"robot": labels["robot"].rsplit("/")[-1]} if "robot" in labels else {}
     return " ".join([*labels.values(), combination.proposed, "against", combination.baseline])

@@ -4,19 +4,19 @@ import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
+from harness.eta.splits import no_splits
 from harness.report.apart import tell_apart
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note
 from harness.report.figures.draw import CHARACTER
 from harness.report.figures.split import draw_ratio, ratio_axis
 from harness.report.figures.split_rows import SplitRow
-from harness.report.rows.comparison import BETTER, SCALES, ratio_text
+from harness.report.rows.comparison import BETTER, ratio_text, scales_text
+from harness.report.rows.numbers import splits_of
 from harness.report.summary.svg import INTERVALS, Panel, draw_svg
 from harness.results.comparison import Comparison
 
 NAME = 44
 """The most characters in a line of a name."""
-REWARD = 4
-"""Place of the proposed reward in a name."""
 LINE = 18.0
 """Distance from one number to the next, [px]."""
 AIR = 0.8
@@ -24,6 +24,10 @@ AIR = 0.8
 WIDTH = 340.0
 """Width of a panel with its numbers, [px]."""
 LEGEND = {"eta": "eta, equal to", "ruler": "ruler times", "behaviour": "behaviour"}
+
+
+NO_SPLIT = no_splits("not known")["eta_N"]
+"""Of a comparison without a mean return."""
 
 
 class Row(NamedTuple):
@@ -52,15 +56,16 @@ def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) ->
     shared, names = name_apart(combinations)
     labels = [_label(*given) for given in zip(names, combinations, missing, strict=True)]
     rows = list(_rows(combinations, labels))
-    panels = [Panel(name, _chart(name, rows, is_first=number == 0)) for number, name in enumerate(BETTER)]
+    of = ["eta"] if any(it.main for it in combinations) else list(BETTER)
+    panels = [Panel(name, _chart(name, rows, is_first=number == 0)) for number, name in enumerate(of)]
     title = "eta = ruler x behaviour of every combination"
-    return draw_svg(title, (title, shared), panels, [SCALES, INTERVALS])
+    return draw_svg(title, (title, shared), panels, [scales_text(combinations[0].group.subject), INTERVALS])
 
 
 def name_apart(combinations: Sequence[Comparison]) -> tuple[str, list[str]]:
     """What all combinations share, and for each combination what it does not share."""
     told = [_parts(combination) for combination in combinations]
-    apart = tell_apart(told, keep=REWARD if len(told) == 1 else None)
+    apart = tell_apart(told, keep=len(combinations[0].group.labels) if len(told) == 1 else None)
     return apart.shared, apart.names
 
 
@@ -106,7 +111,8 @@ def _places(row: Row) -> list[tuple[float, str]]:
 
 def _split(row: Row, name: str) -> list[SplitRow]:
     """An eta and the means of both paths. The combination's own figure shows the paths."""
-    split, place = row.combination.splits[name], row.middle
+    combination, place = row.combination, row.middle
+    split = splits_of(combination).get(name, combination.splits.get(name, NO_SPLIT))
     return [
         SplitRow("eta", split.eta, place - 1.0, "ink", "circle"),
         SplitRow("ruler", split.ruler, place, "ruler", "square"),

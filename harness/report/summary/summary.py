@@ -24,7 +24,6 @@ from harness.report.summary.missing import missing_text
 from harness.report.summary.names import figure_stems
 from harness.report.summary.overview_figure import draw_overview
 from harness.results import Results
-from harness.results.learning import learning_of
 
 RECORD, CELLS, SUMMARY = "results.json", "cells.csv", "summary.md"
 FIGURES = "figures"
@@ -41,6 +40,8 @@ def write_summary(results: Results, folder: Path) -> None:
     """
     if (folder / PLAN).exists():
         raise UsageError(f"--summary '{folder}' is the folder of an experiment: name another")
+    if not results.is_experiment:
+        raise UsageError("--summary does not go with a folder of recorded trainings: leave it out")
     figures, overview, pictures = _draw(results)
     files = {
         EXPERIMENT: results.experiment_text.encode(),
@@ -68,7 +69,7 @@ def _draw(results: Results) -> tuple[dict[str, bytes], str, list[Pictures]]:
     overview = keep("overview", draw_overview(combinations, missing))
     pictures: list[Pictures] = []
     for combination, stem, told in zip(combinations, figure_stems(combinations), missing, strict=True):
-        learning = learning_of(results, combination)
+        learning = results.learning(combination)
         drawn = {
             "runs": runs_file(combination, told),
             "split": split_file(combination, told),

@@ -5,12 +5,12 @@ from rich.text import Text
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SHORT, count_seeds
-from harness.report.rows.behaviour import behaviour_row, value_text
+from harness.report.rows.behaviour import behaviour_row
 from harness.report.rows.comparison import Grid, answer_text
 from harness.report.tables.grid import show_grid
 from harness.results.between import Between, Pair, Verdict
 from harness.results.comparison import Comparison
-from harness.results.overview import line_names, shared_text, short_value, success_text
+from harness.results.overview import line_names, measure_text, shared_text, short_value
 
 STYLES = {Verdict.BETTER.value.upper(): "bold green", Verdict.WORSE.value.upper(): "bold red"}
 READING = (
@@ -25,7 +25,7 @@ def between_table(found: Between) -> RenderableType:
     names = line_names(combinations)
     rows = [_row(name, pair) for name, pair in zip(names, found.pairs, strict=True)]
     parts: list[RenderableType] = [Text(shared_text(combinations, with_seeds=False), style="bold")]
-    subject = "the robot" if "robot" in combinations[0].group.labels else "the agent"
+    subject = f"the {combinations[0].group.subject}"
     decides = " / ".join(dict.fromkeys(_measure_text(it) for it in combinations))
     headings = ("", "the policy", decides, "seeds", subject, "eta_N", "eta_P")
     reading = Text(READING.format(subject=subject), style="dim")
@@ -52,11 +52,7 @@ def _measure_text(combination: Comparison) -> str:
 
 def _decisive(pair: Pair) -> str:
     """Both values of the measure that decides."""
-    change = pair.decisive
-    values = (change.baseline, change.proposed) if change else (None, None)
-    if change is None or None in values or change.measure.episodes is not None:
-        return success_text(change)
-    return ">".join(value_text(change, value) for value in values if value is not None)
+    return measure_text(pair.decisive)
 
 
 def _notes(pair: Pair) -> list[str]:

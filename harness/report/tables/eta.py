@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.rows.comparison import SCALES, index_grid, ratio_grid, split_grid, sum_grid
+from harness.report.rows.comparison import index_grid, ratio_grid, scales_text, split_grid, sum_grid
 from harness.report.tables.grid import show_grid
 from harness.score.compare import Comparison
 
@@ -27,7 +27,7 @@ def eta_table(comparison: Comparison) -> RenderableType:
     )
     for grid in grids:
         parts += show_grid(grid)
-    return Group(*parts, Text(f"\n{SCALES}"))
+    return Group(*parts, Text(f"\n{scales_text('robot')}"))
 
 
 def comparison_title(comparison: Comparison) -> str:

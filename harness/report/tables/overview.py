@@ -8,19 +8,21 @@ from rich.console import Group as Together
 from rich.text import Text
 
 from harness.eta.headline import Answer
-from harness.report.rows.comparison import Grid, advice, count_cells, remarks_on_cells, split_grid
+from harness.report.rows.comparison import Grid, advice, basis_text, count_cells, remarks_on_cells, split_grid
+from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.tables.grid import divide_columns, show_grid
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.overview import (
-    HEADINGS,
-    READING,
     group_name,
     line_names,
+    overview_of,
     overview_row,
+    reward_names,
     shared_text,
     varying_kinds,
 )
+from harness.results.return_matrix import ReturnMatrix
 
 STYLES = {Answer.HELPS.value.upper(): "bold green", Answer.HURTS.value.upper(): "bold red"}
 """Styles of rich for the answers. The words say everything without a colour too."""
@@ -38,7 +40,11 @@ def overview_table(results: Results, details: str) -> RenderableType:
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
     if len(combinations) == 1:
         parts += _sentences(results, combinations[0])
+    else:
+        parts += [part for line in _bases(combinations) for part in (Text(), Text(line))]
     parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
+    for matrix in _with_others(results):
+        parts += [Text(), Text(matrix_title(matrix), style="bold"), *show_grid(return_grid(matrix))]
     parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, remarks_on_cells(results))]
     return Together(*parts, *([Text(f"All numbers behind this: {details}")] if combinations else []))
 
@@ -47,7 +53,7 @@ def comparison_lines(combinations: Sequence[Comparison]) -> RenderableType:
     """A line for each of at least one comparison, below what is the same in all, and how to read them."""
     shared = Text(shared_text(combinations), style="bold")
     grids = (overview_grids(combinations, with_intervals=wanted) for wanted in (True, False))
-    return Together(shared, WideOrNarrow(*grids), Text(), Text(READING, style="dim"))
+    return Together(shared, WideOrNarrow(*grids), Text(), Text(overview_of(combinations).reading, style="dim"))
 
 
 class WideOrNarrow:
@@ -66,25 +72,36 @@ class WideOrNarrow:
 
 def overview_grids(combinations: Sequence[Comparison], *, with_intervals: bool) -> list[Grid]:
     """A line per comparison. If both groups and rewards vary, there is a grid for each group."""
-    varying = varying_kinds(combinations)
+    varying, overview = varying_kinds(combinations), overview_of(combinations)
     if not varying or len({it.proposed for it in combinations}) == 1:
         names = zip(line_names(combinations), combinations, strict=True)
-        rows = [overview_row(name, it, with_intervals) for name, it in names]
-        return [Grid(HEADINGS, rows, [])]
-    return [
-        Grid(HEADINGS, [overview_row(it.names.proposed, it, with_intervals) for it in members], [], name)
-        for name, members in groupby(combinations, key=lambda it: group_name(it, varying))
-    ]
+        rows = [overview_row(name, it, with_intervals, overview) for name, it in names]
+        return [Grid(overview.headings, rows, [])]
+    named = zip(reward_names(combinations), combinations, strict=True)
+    grouped = groupby(named, key=lambda pair: group_name(pair[1], varying))
+    blocks = [(name, [overview_row(*it, with_intervals, overview) for it in members]) for name, members in grouped]
+    return [Grid(overview.headings, of, [], name) for name, of in blocks]
 
 
 def _not_split(combinations: Sequence[Comparison]) -> list[str]:
     """Why a reward could not pay the runs of another one, each reason once. It explains why an eta was not split."""
-    told = (it.splits for it in combinations if it.seeds and not it.is_split)
+    told = (it.index_splits for it in combinations if it.main is None and it.seeds and not it.is_split)
     return list(dict.fromkeys(note for splits in told for note in split_grid(splits).notes))
+
+
+def _with_others(results: Results) -> list[ReturnMatrix]:
+    """The first table of returns of each group that has rewards which taught nobody: the lines above leave them out."""
+    first = {matrix.group: matrix for matrix in reversed(results.returns)}
+    return [it for it in first.values() if set(it.returns) - set(it.trained_with)]
+
+
+def _bases(combinations: Sequence[Comparison]) -> list[str]:
+    """Which episodes the verdicts rest on, where that needs saying, each once."""
+    return [line for line in dict.fromkeys(map(basis_text, combinations)) if line]
 
 
 def _sentences(results: Results, combination: Comparison) -> list[RenderableType]:
     """Both answers in sentences, and how to get an answer if there is none."""
     headline = combination.headline
-    lines = [headline.robot, headline.number, advice(results, combination)]
+    lines = [headline.robot, basis_text(combination), headline.number, advice(results, combination)]
     return [part for line in lines if line for part in (Text(), Text(line))]

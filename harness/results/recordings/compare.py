@@ -13,8 +13,9 @@ from harness.eta.swaps import Swaps
 from harness.record.recording.facts import REWARD
 from harness.results.along import Moments, changes_along, learning_changes
 from harness.results.comparison import Comparison, StepChange
+from harness.results.measured import EVALUATION
 from harness.results.recordings.episodes import Part
-from harness.results.recordings.runs import EVALUATION, MANNERS, Run, Runs
+from harness.results.recordings.runs import MANNERS, Run, Runs
 
 PAIRS = (BB, KK, BK, KB)
 

@@ -1,20 +1,20 @@
 """The recorded trainings of an experiment's cells, one study for each algorithm and environment."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from harness.errors import UsageError
+from harness.eta.curve import Kind
 from harness.record.cell import Cell
 from harness.record.floor import Floor, floors_in
 from harness.record.folder import RANDOM, recording_of
 from harness.record.recording.recorded_training import recordings_in
-from harness.record.store import REPORT
 from harness.results.comparison import Group
 from harness.results.metrics import require_measures
 from harness.results.recordings.runs import Runs, read_runs
 from harness.results.recordings.study import Study, compare_all
 from harness.results.records import Records
-from harness.text import file_stems
 
 
 class PlaceStudy(NamedTuple):
@@ -32,10 +32,38 @@ class PlaceStudy(NamedTuple):
     @property
     def title(self) -> str:
         """The algorithm and the environment in which it trained."""
-        return f"{self.group.task.label} · {self.group.algorithm.label}"
+        return self.group.title
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        labels = {"task": self.group.task.label, "algorithm": self.group.algorithm.label, "steps": self.group.steps}
+        study = self.study and self.study.to_json()
+        return {**labels, "reason": self.reason, "notes": list(self.notes), "study": study}
 
 
-def studies_of(results: Records) -> tuple[PlaceStudy, ...]:
+def study_of_loose(
+    folder: Path, runs: Runs, cells: Sequence[Cell], kind: Kind, shown: Sequence[str] | None = None
+) -> PlaceStudy:
+    """The study of recordings that lie loose.
+
+    Args:
+        folder: Where they lie.
+        runs: All of them.
+        cells: The same as cells.
+        kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
+        shown: Which measures, beside the one that decides; all of them if None.
+
+    Raises:
+        UsageError: A measure is not recorded.
+    """
+    if shown is not None:
+        require_measures(shown, runs.measures)
+        runs = runs.showing(shown)
+    (study,) = compare_all(folder, [runs], kind)
+    return PlaceStudy(runs.group, tuple(cells), study, "")
+
+
+def studies_of(results: Records, shown: Sequence[str] | None = None) -> tuple[PlaceStudy, ...]:
     """The studies of an experiment whose task is an environment. A group without a done cell is left out.
 
     The claims of all studies are corrected together.
@@ -47,9 +75,9 @@ def studies_of(results: Records) -> tuple[PlaceStudy, ...]:
     deciding = [name for name in told if isinstance(name, str)] if isinstance(told, list) else []
     read = {group: _runs_of(results, cells, deciding) for group, cells in results.groups.items()}
     compared = {group: runs for group, runs in read.items() if not isinstance(runs, str)}
-    if compared and results.shown_measures is not None:
-        require_measures(results.shown_measures, {name for runs in compared.values() for name in runs.measures})
-        compared = {group: runs.showing(results.shown_measures) for group, runs in compared.items()}
+    if compared and shown is not None:
+        require_measures(shown, {name for runs in compared.values() for name in runs.measures})
+        compared = {group: runs.showing(shown) for group, runs in compared.items()}
     studies = dict(zip(compared, compare_all(results.folder, list(compared.values()), results.kind), strict=True))
     return tuple(
         PlaceStudy(group, tuple(cells), studies[group], "")
@@ -57,13 +85,6 @@ def studies_of(results: Records) -> tuple[PlaceStudy, ...]:
         else PlaceStudy(group, tuple(cells), None, str(read[group]), _notes(results, cells))
         for group, cells in results.groups.items()
     )
-
-
-def page_names(studies: Sequence[PlaceStudy], name: str = REPORT) -> list[str]:
-    """A page for each study that compares something: `name`, or with several ``report-sac-fast.html``."""
-    titles = [told.title for told in studies if told.study is not None]
-    stem, _, ending = name.rpartition(".")
-    return [name] if len(titles) == 1 else [f"{stem}-{part}.{ending}" for part in file_stems(titles)]
 
 
 def _runs_of(results: Records, cells: Sequence[Cell], deciding: Sequence[str]) -> Runs | str:

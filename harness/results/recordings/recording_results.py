@@ -12,7 +12,7 @@ from harness.record.recording.recorded_training import RecordedTraining, read_re
 from harness.record.store import CELLS
 from harness.results.kept import Kept
 from harness.results.recordings.alike import Likeness, likeness_of
-from harness.results.recordings.episodes import Episodes, episodes_of
+from harness.results.recordings.episodes import Episodes, Part, episodes_of
 from harness.results.table import Numbers
 
 WHAT = "recording"
@@ -119,6 +119,11 @@ def numbers_in_environment(folder: Path, files: Path) -> Numbers:
     found = RecordingResults(folder, files / EVALUATION_RECORDING)
     part = found.episodes.part(0, found.steps)
     found.keep()
+    return numbers_of_part(part)
+
+
+def numbers_of_part(part: Part) -> Numbers:
+    """Measures and mean returns of some episodes, by the columns that they have in a table of cells."""
     did = {f"{BEHAVIOUR}{name}": value for name, value in part.behaviour.items()}
     return Numbers({**did, **{f"{RETURN}{name}": value for name, value in part.returns.items()}}, part.reasons)
 

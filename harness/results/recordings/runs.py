@@ -13,27 +13,25 @@ from harness.eta.behaviour_change import Measure
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling, rescaling_of
-from harness.record.cell import NO_ROBOT
+from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import recordings_in
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
-from harness.results.measured import DETERMINISTIC, STOCHASTIC, Moment
+from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, Moment
 from harness.results.recordings.alike import Likeness
 from harness.results.recordings.episodes import Episodes, Part, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
-TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evaluations"
+TRAINING, LAST = "over the training", "in its last fifth"
 """Where episodes are taken from."""
 MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, STOCHASTIC)), LAST, TRAINING)
 """What says most about the final policies comes first. Evaluations in the other manner say how their policies acted."""
 RANDOM = "random"
 """How actions were chosen without a policy; see `harness.record.recording.facts.Acted`."""
 NO_NAME = "an env without a name"
-UNKNOWN = "unknown"
-"""In place of the algorithm where nobody recorded it."""
 SUCCESS = "success"
 """The measure that decides if there is one of this name; see `harness.environment.SUCCESS`."""
 
@@ -254,7 +252,7 @@ def read_runs(
 
 def _group_of(env: str, steps: int) -> Group:
     """What is known of recordings that no experiment made: the env, and how long the shortest of them is."""
-    return Group(NO_ROBOT, Choice(env, (), env), Choice(UNKNOWN, (), UNKNOWN), steps, 0)
+    return Group(NO_ROBOT, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=NO_SIMULATOR)
 
 
 def _rescaled(rewards: Sequence[str], runs: Iterable[Run]) -> dict[tuple[str, str], Rescaling]:

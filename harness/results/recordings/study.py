@@ -14,7 +14,8 @@ from harness.registry.choice import split_list
 from harness.results.comparison import Comparison, correct_all
 from harness.results.metrics import require_measures
 from harness.results.recordings.compare import compare
-from harness.results.recordings.runs import EVALUATION, MANNERS, Runs, read_runs
+from harness.results.recordings.learning import learning_of
+from harness.results.recordings.runs import MANNERS, Runs, read_runs
 
 Table = Mapping[tuple[str, str], SeedMean]
 """R_r(q) over all seeds, by (r, q): who pays, and whose trainings are paid."""
@@ -51,7 +52,7 @@ class Study:
             "damaged": list(runs.damaged),
             "equal_trainings": [[key_to_json(key) for key in keys] for keys in runs.equal],
             "rescaled": [{"reward": name, "of": other, **it.to_json()} for (name, other), it in runs.rescaled.items()],
-            "comparisons": [_pair_to_json(comparison) for comparison in self.comparisons],
+            "comparisons": [_pair_to_json(runs, comparison) for comparison in self.comparisons],
             "returns": {
                 manner: [
                     {"paid_by": payer, "trained_by": trained, **mean.to_json()}
@@ -133,28 +134,14 @@ def _mean(runs: Runs, parts: Mapping[tuple[str, int], Any], manner: str, payer: 
     )
 
 
-def basis_text(comparison: Comparison) -> str:
-    """Which episodes the verdict rests on; empty without a seed."""
-    if not comparison.seeds:
-        return ""
-    count = comparison.episodes[comparison.manner]
-    told = f"{count:,} episode{'s' * (count != 1)} or more of each seed"
-    if comparison.manner == EVALUATION:
-        return f"The verdict rests on evaluations of the final policies, {told}."
-    return (
-        f"The verdict rests on the training itself, {told} {comparison.manner}: evaluations of the final policies were "
-        "not recorded for all seeds. harness.evaluate_policy records one."
-    )
-
-
-def _pair_to_json(comparison: Comparison) -> dict[str, Any]:
+def _pair_to_json(runs: Runs, comparison: Comparison) -> dict[str, Any]:
     headline = {"agent" if name == "behaviour" else name: told for name, told in comparison.headline.to_json().items()}
+    learning = learning_of(runs, comparison)
     return {
         "baseline": comparison.baseline,
         "proposed": comparison.proposed,
         "seeds": list(comparison.seeds),
         "headline": headline,
-        "rests_on": basis_text(comparison),
         "decided_in": comparison.manner,
         "deciding_measure": next(iter(comparison.deciding), None),
         "returns": {manner: split.to_json() for manner, split in comparison.returns.items()},
@@ -164,4 +151,5 @@ def _pair_to_json(comparison: Comparison) -> dict[str, Any]:
         "episodes": dict(comparison.episodes),
         "claims": comparison.claims,
         "smallest_p": smallest_p(len(comparison.seeds)) if comparison.seeds else None,
+        "learning": learning and learning.to_json()["metrics"],
     }

@@ -45,6 +45,7 @@ from harness.registry.given import Given, read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
 from harness.results.between import Between, Verdict, between
+from harness.results.load import require_arm
 from harness_plugins.exporters.csv_runs import write_runs
 
 TOY = Path(__file__).with_name("toy.py")
@@ -448,7 +449,7 @@ def test_trainings_are_exported_as_csv(results: Results, tmp_path: Path):
 def test_commands_that_need_an_arm_say_so(results: Results):
     """And what to do instead."""
     with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*harness report"):
-        results.require_arm("harness transfer")
+        require_arm(results, "harness transfer")
 
 
 def test_folders_merge(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
@@ -472,7 +473,7 @@ def test_a_cell_that_is_done_in_both_folders_is_taken_once(
     merge([folder, tmp_path / "other"], tmp_path / "both")
     both = load_results(tmp_path / "both", plugins=[TOY])
     assert [manifest.cell for manifest in both.done] == [manifest.cell for manifest in results.done]
-    assert report(folder, tmp_path / "other").startswith("4 cells: 4 done")
+    assert "\n4 cells: 4 done\n" in report(folder, tmp_path / "other")
 
 
 def _write_again(cell: Path, part: str, change: Callable[[RecordedTraining], RecordedTraining]) -> None:
@@ -525,8 +526,8 @@ def report(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) 
 def test_the_report_is_printed(folder: Path, report: Callable[..., str]):
     """The cells, and a line for each comparison."""
     text = report(folder)
-    assert "toy · random" in text
-    assert "right against near" in text
+    assert "random · toy · against near" in text
+    assert "The mean return with right minus that with near" in text
 
 
 def test_the_report_is_a_page(folder: Path, tmp_path: Path, report: Callable[..., str]):
@@ -595,14 +596,14 @@ def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report:
     """JSON, a row for each cell, and the comparisons as a table; they are read without any cell."""
     target = tmp_path / "records"
     report(folder, "--summary", target)
-    kept = {"experiment.toml", "results.json", "cells.csv", "figures", "summary.md"}
+    kept = {"experiment.toml", "results.json", "cells.csv", "curves.parquet", "figures", "summary.md"}
     assert {path.name for path in target.iterdir()} == kept
     told = json.loads((target / "results.json").read_text())
     assert told == json.loads(report(folder, "--json"))
     assert [study["algorithm"] for study in told["studies"]] == ["random"]
     rows = list(csv.DictReader((target / "cells.csv").read_text().splitlines()))
     assert len(rows) == 4
-    assert all(float(row["return near, in evaluations"]) <= 0.0 for row in rows)
+    assert all(float(row["return_near"]) <= 0.0 for row in rows)
     assert "right against near" in (target / "summary.md").read_text()
     assert "right against near" in report(target)
 
@@ -611,10 +612,11 @@ def test_records_show_what_they_say(folder: Path, tmp_path: Path, report: Callab
     """Figures of every comparison, which the page shows: a line for each reward, and the parts of eta."""
     report(folder, "--summary", tmp_path / "records")
     figures = {path.name: path.read_text() for path in (tmp_path / "records" / "figures").iterdir()}
-    stem = "toy-random-right-against-near"
-    assert sorted(figures) == [f"{stem}.{what}.svg" for what in ("learning", "runs", "split")]
+    stem = "random-toy-right-against-near"
+    own = [f"{stem}.{what}.svg" for what in ("learning", "runs", "split")]
+    assert sorted(figures) == ["overview.svg", *own]
     shown = (tmp_path / "records" / "summary.md").read_text()
     assert "| gymnasium |" in shown.partition("## What it took")[2]
     assert all(f"(figures/{name})" in shown for name in figures)
-    assert all(word in figures[f"{stem}.learning.svg"] for word in (">right<", ">near<", ">Return, as paid<"))
+    assert all(word in figures[f"{stem}.learning.svg"] for word in (">right<", ">near<", ">Success while learning<"))
     assert all(word in figures[f"{stem}.split.svg"] for word in (">ruler<", ">behaviour<"))

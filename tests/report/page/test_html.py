@@ -11,7 +11,7 @@ from harness.report.figures.split_rows import describe_split
 from harness.report.page.comparison import describe_comparison
 from harness.report.page.html import write_html
 from harness.report.page.question import question
-from harness.report.rows.comparison import SCALES, SPLIT
+from harness.report.rows.comparison import SPLIT, scales_text
 from tests.report.conftest import MIXTURE
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
@@ -93,7 +93,7 @@ def test_paragraph_says_what_eta_does_not(build):
     """The paragraph names what was compared and says that eta is no measure of behaviour."""
     (combination,) = build().combinations
     text = describe_comparison(combination)
-    for fact in ("baseline", "arp", "fd100-reach", "mujoco", "sac", "40 environment steps", SCALES):
+    for fact in ("baseline", "arp", "fd100-reach", "mujoco", "sac", "40 environment steps", scales_text("robot")):
         assert fact in text
 
 
@@ -203,7 +203,7 @@ def test_behaviour_has_its_result(build, write):
 def test_one_seed_has_a_page(build, write):
     """One seed gives ratios and figures without intervals."""
     page = write(build(seeds=1))
-    assert len(page.figures) == 9
+    assert len(page.figures) == 11
     assert "eta_N, eta_P: one seed" in page.text
 
 
@@ -317,11 +317,13 @@ def test_import_is_light():
 
 
 def test_learning_is_drawn_where_it_was_recorded(build, write):
-    """With a caption in words; nothing of it where policies were evaluated at the end alone."""
+    """With a caption in words; of the training itself where policies were evaluated at the end alone."""
     page = write(build(learned={10: 1, 20: 2}))
     assert re.search(r"random actions baseline 25\.0% after 10 steps, 75\.0% after 40 steps;", page.text)
-    assert page.figures[0].startswith("Success rate over environment steps.")
-    assert "Success rate while learning" not in write(build()).text
+    assert page.figures[0].startswith("Over environment steps. Success rate while learning.")
+    trained = write(build()).text
+    assert "Return, as paid while learning" in trained
+    assert "in each twentieth of the training" in trained
 
 
 def test_paths_of_the_end_effector_are_folded(build, write):

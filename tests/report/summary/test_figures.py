@@ -105,7 +105,7 @@ def test_learning_names_its_curves(learned):
     """Both rewards and the floor, in the legend, and in words below."""
     told = words(learning_file(*learned))
     assert {"baseline", "arp", "random actions", "success rate", "100%"} <= set(told)
-    assert any(text.startswith("baseline 25.0% after 10 steps") for text in told)
+    assert any(text.startswith("Success rate while learning: baseline 25.0% after 10 steps") for text in told)
 
 
 def test_learning_shows_intervals(learned):

@@ -6,7 +6,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from harness.report.rows.comparison import SCALES, index_grid, ratio_grid, split_grid
+from harness.report.rows.comparison import index_grid, ratio_grid, scales_text, split_grid
 from harness.report.tables.eta import UNKNOWN, comparison_title, eta_table, runs_text
 
 
@@ -27,7 +27,7 @@ def test_every_number_stands_whole(compare, width):
     splits = comparison.decomposition.splits
     for grid in (ratio_grid(splits), split_grid(splits), index_grid(comparison.decomposition)):
         assert all(value in text for row in grid.rows for value in row[1:])
-    assert SCALES in squeezed
+    assert scales_text("robot") in squeezed
     assert max(map(len, text.splitlines())) <= width
 
 

@@ -10,9 +10,9 @@ from gymnasium.spaces import Box
 
 import harness
 from harness.eta.scored_sums import BB, BK, KB, KK
+from harness.report.rows.comparison import basis_text
 from harness.results.recordings import load_study
 from harness.results.recordings.runs import EVALUATION, LAST, TRAINING
-from harness.results.recordings.study import basis_text
 
 PULLS, EPISODES, SEEDS = 4, 10, 6
 FACTOR, BONUS = 3.0, 2.0

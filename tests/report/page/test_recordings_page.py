@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.report.trainings.page import write_study_page
-from harness.results.recordings import load_study
+from harness.report.page.html import write_html
+from harness.results import load_results
 from tests.results.recordings.conftest import PAYS, record
 
 pytest.importorskip("jinja2")
@@ -20,7 +20,7 @@ def pages(folder: Path, rewards: int, **facts) -> tuple[str, str]:
         for seed in range(3):
             arms = np.linspace(0.0, 1.0, 10) + 0.01 * seed
             record(folder / f"{reward}-{seed}", reward, seed, arms, pays=pays, **facts)
-    write_study_page(load_study(folder), folder / "page.html")
+    write_html(load_results(folder), folder / "page.html")
     page = (folder / "page.html").read_text(encoding="utf-8")
     words = re.sub(r"(?s)<(style|script).*?</\1>|<[^>]*>", " ", page)
     return page, " ".join(unescape(words).split())
@@ -62,7 +62,7 @@ def test_every_measure_and_every_ruler_has_a_learning_curve(of_two):
     """The rewards that taught nobody are rulers too."""
     page, _ = of_two
     for name in ("Success", "Arm", "Return paid by plain", "Return paid by loss"):
-        assert f"<h4>{name}</h4>" in page
+        assert f"<h4>{name} while learning</h4>" in page
 
 
 def test_pairs_of_several_rewards_are_a_map(of_four):
@@ -70,13 +70,13 @@ def test_pairs_of_several_rewards_are_a_map(of_four):
     page, words = of_four
     table = re.search(r'(?s)<table class="map">.*?</table>', page)[0]
     assert (table.count("<tr>"), table.count("<a ")) == (1 + 3, 6)
-    assert "Its success, proposed - baseline [pp]" in words
+    assert "Success, proposed - baseline, in percentage points." in words
 
 
 def test_every_training_paid_by_every_reward_is_open(of_four):
     """However many there are."""
     _, words = of_four
-    assert "paid by trained by plain trained by thrice trained by loss trained by tiny" in words
+    assert "return in its last fifth, scored by plain thrice loss tiny" in words
 
 
 def test_nothing_is_loaded(of_two):
@@ -99,7 +99,7 @@ def test_names_are_text(tmp_path):
     pays = {odd: PAYS["plain"], "thrice": PAYS["thrice"]}
     for reward in pays:
         record(tmp_path / str(len(reward)), reward, 0, [0.1, 0.2], pays=pays)
-    write_study_page(load_study(tmp_path), tmp_path / "page.html")
+    write_html(load_results(tmp_path), tmp_path / "page.html")
     assert odd not in (tmp_path / "page.html").read_text(encoding="utf-8").replace("&lt;b&gt;&amp;amp;[red]", "")
 
 

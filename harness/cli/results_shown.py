@@ -1,0 +1,91 @@
+"""Results on standard output and in files, as ``harness run``, ``report`` and ``eta`` show them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from harness.cli.lines import complain, say
+
+if TYPE_CHECKING:
+    from harness.results import Results
+
+
+def show_results(
+    results: "Results",
+    command: str,
+    *,
+    as_json: bool = False,
+    html: Path | None = None,
+    details: bool = False,
+    summary: Path | None = None,
+) -> int:
+    """Write and print what is asked for; by default the overview.
+
+    Args:
+        results: What to show.
+        command: The command that shows everything behind the overview.
+        as_json: Whether to print JSON.
+        html: Where to write the page.
+        details: Whether to print everything that the overview rests on.
+        summary: The folder for committed records.
+
+    Returns:
+        The exit status: 1 if something is damaged.
+
+    Raises:
+        UsageError: Something cannot be written.
+    """
+    from harness.cli.not_measured import complain_of_metrics
+
+    complain_of_metrics(results)
+    if html is not None:
+        write_page_of(results, html)
+        say(f"Report: {html}", err=True)
+    if summary is not None:
+        from harness.report.summary.summary import write_summary
+
+        write_summary(results, summary)
+        say(f"Summary: {summary}", err=True)
+    if as_json:
+        from harness.report.document import report_text
+
+        typer.echo(report_text(results))
+    elif details or (html is None and summary is None):
+        _print_tables(results, details, command)
+    for line in results.damaged_recordings:
+        complain(f"left out, damaged: {line}")
+    return 1 if results.damaged_recordings else 0
+
+
+def write_page_of(results: "Results", html: Path) -> None:
+    """Write the page.
+
+    Raises:
+        UsageError: The extra ``report`` is missing, or the page cannot be written.
+    """
+    from harness.cli.audits import audits_of
+    from harness.files.sums import note_made
+    from harness.report.page.html import write_html
+
+    write_html(results, html, audits_of(results))
+    if results.is_experiment and html.absolute().parent == results.folder.absolute():
+        note_made(html)  # as the folder's SHA256SUMS tells
+
+
+def _print_tables(results: "Results", details: bool, command: str) -> None:
+    """The overview, or all there is; in both what policies are worth in other simulators."""
+    from harness.cli.terminal import show
+    from harness.report.tables.comparison import comparison_table
+    from harness.report.tables.overview import overview_table
+    from harness.report.tables.ranking import ranking_table
+    from harness.report.tables.transfer import transfer_table
+    from harness.transfer.matrix import load_transfers
+
+    transfers = load_transfers(results)
+    show(comparison_table(results) if details else overview_table(results, command))
+    ranking = ranking_table(results, details)
+    if ranking is not None:
+        show(ranking)
+    if transfers.matrices:
+        show(transfer_table(transfers))

@@ -1,0 +1,36 @@
+"""Every number of a comparison: mean returns and both indices, and what they split into."""
+
+from harness.eta.curve import Kind
+from harness.eta.splits import Splits
+from harness.report.rows.comparison import Grid, index_grid, path_grid, ratio_grid, split_grid, sum_grid
+from harness.report.rows.returns import return_splits, returns_grid
+from harness.results.comparison import Comparison
+
+OF_SUMS = "I_N and I_P of the summed reward: eta = proposed / baseline"
+
+
+def splits_of(comparison: Comparison) -> Splits:
+    """The eta of the mean return in the manner that decides, then those of both indices, as far as they are split."""
+    main = {} if comparison.main is None else {"eta": comparison.main.ratio}
+    return {**main, **(comparison.index_splits if comparison.is_split else {})}
+
+
+def number_grids(comparison: Comparison, kind: Kind, with_paths: bool = False) -> list[Grid]:
+    """The grids that have something to show, in the order in which they are read.
+
+    Args:
+        comparison: The comparison.
+        kind: Of the curves that the indices are read from.
+        with_paths: Whether both paths of every split are shown too.
+    """
+    returned, splits = return_splits(comparison), comparison.index_splits
+    grids = [returns_grid(comparison)]
+    for found in (returned, splits or comparison.splits):
+        if not found:
+            continue
+        ratios = ratio_grid(found)
+        grids.append(ratios._replace(title=OF_SUMS) if returned and found is not returned else ratios)
+        grids += [split_grid(found), *([path_grid(found)] if with_paths else [])]
+    decomposition = comparison.decomposition
+    grids += [sum_grid(decomposition.total if decomposition else None), index_grid(decomposition, kind)]
+    return [grid for grid in grids if grid.rows or grid.notes]

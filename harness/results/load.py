@@ -1,0 +1,86 @@
+"""Reads the results in a folder, whatever was trained: arms, policies in environments, or recordings that lie loose."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from harness.errors import UsageError
+from harness.eta.curve import Kind
+from harness.record.store import Store
+from harness.registry.given import read_given
+from harness.registry.registry import Registry, load_registry
+from harness.results.recordings.loose import LooseStore
+from harness.results.recordings.results import RecordedResults
+from harness.results.recordings.runs import has_recordings
+from harness.results.results import Results
+
+
+def load_results(
+    folder: str | Path,
+    kind: Kind = "accumulated",
+    metrics: Iterable[str] | str | None = None,
+    plugins: Iterable[str | Path | type] = (),
+    *,
+    pairs: bool = False,
+) -> Results:
+    """The results in an experiment's folder, or of the recorded trainings in a folder.
+
+    Args:
+        folder: The folder of the experiment, or one in which recorded trainings lie, at any depth.
+        kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
+        metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`. If an
+            environment was trained in: which of its measures, beside the one that decides.
+        plugins: Files and classes beside the installed plugins; see `harness.registry.given.read_given`.
+        pairs: Whether every two rewards are compared, and not each with the baseline alone. All claims are corrected
+            together, so more of them have larger p-values. In environments that is always so.
+
+    Raises:
+        UsageError: The folder holds no results, or a named metric is not registered.
+        PluginError: A named metric is broken.
+        SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
+    """
+    return read_results(Path(folder), load_registry(given=read_given(plugins)), kind, metrics, pairs=pairs)
+
+
+def read_results(
+    folder: Path,
+    registry: Registry,
+    kind: Kind = "accumulated",
+    metrics: Iterable[str] | str | None = None,
+    *,
+    is_temporary: bool = False,
+    pairs: bool = False,
+) -> Results:
+    """The same, with plugins that are loaded already.
+
+    Args:
+        folder: See `load_results`.
+        registry: The plugins.
+        kind: See `load_results`.
+        metrics: See `load_results`.
+        is_temporary: Whether the folder is soon gone, so that no command may name it.
+        pairs: See `load_results`.
+    """
+    if not Store.is_experiment(folder) and has_recordings(folder):
+        loose = LooseStore(folder)
+        return RecordedResults(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose)
+    store = Store.open(folder)
+    cells = store.read_plan().cells
+    kinds = {cell.is_in_environment for cell in cells}
+    if len(kinds) > 1:
+        raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")
+    if kinds == {True}:
+        return RecordedResults(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=store)
+    return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=store, pairs=pairs)
+
+
+def require_arm(results: Results, command: str) -> None:
+    """Check that the cells are of an arm of the harness, and left traces.
+
+    Raises:
+        UsageError: They are in an environment; `command` says what needs more.
+    """
+    if isinstance(results, RecordedResults):
+        raise UsageError(
+            f"{command} needs traces of an arm, and the cells of '{results.folder}' are recorded trainings in an "
+            f"environment: harness report '{results.folder}' compares them"
+        )

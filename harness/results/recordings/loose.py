@@ -1,0 +1,52 @@
+"""Recordings that no experiment made, read as the done cells of a plan."""
+
+from pathlib import Path
+
+from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, Cell
+from harness.record.manifest import Manifest
+from harness.record.plan_file import StoredPlan
+from harness.record.store import Store
+from harness.registry.choice import Choice
+from harness.results.recordings.runs import Run, Runs, read_runs
+
+
+class LooseStore(Store):
+    """A folder in which recorded trainings lie, at any depth.
+
+    Attributes:
+        runs: The trainings.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """Read all recordings.
+
+        Raises:
+            UsageError: There are none, or none that can be compared.
+        """
+        super().__init__(folder)
+        self.runs: Runs = read_runs(folder)
+        self._run_of = {self._cell(run): run for run in self.runs.members.values()}
+
+    def read_plan(self) -> StoredPlan:
+        """A plan of these trainings; the reward that was given first is the baseline."""
+        return StoredPlan(self.runs.trained[0], False, {}, tuple(self._run_of), {})
+
+    def examine(self, cell: Cell) -> Manifest:
+        """All of them are done."""
+        return Manifest(cell, status="done")
+
+    def manifests(self) -> list[Manifest]:
+        """Of all trainings."""
+        return list(map(self.examine, self._run_of))
+
+    def cell_folder(self, cell: Cell) -> Path:
+        """The folder of the recording."""
+        return self._run_of[cell].path
+
+    def _cell(self, run: Run) -> Cell:
+        group = self.runs.group
+        reward = Choice(run.reward, (), run.reward)
+        return Cell(
+            NO_SIMULATOR, NO_ROBOT, group.task, group.algorithm, reward, run.seed, group.steps,
+            group.evaluation_episodes, evaluation_horizon=EVALUATION_HORIZON,
+        )  # fmt: skip
