@@ -14,6 +14,7 @@ from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.results.combine import combine
 from harness.results.comparison import Comparison
+from harness.results.frames import Frames
 from harness.results.learning import Learning, learning_of
 from harness.results.overview import overview_html
 from harness.results.records import Records
@@ -67,6 +68,10 @@ class Results(Records):
             SchemaError: A file is damaged or written by a newer version.
         """
         return learning_of(self, combination)
+
+    def frames(self, cell: Cell) -> Frames | None:
+        """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""
+        return None
 
     def older_keys(self) -> dict[str, Any]:
         """What a report says as JSON for readers of version 0.1 alone; these keys leave with the next format."""

@@ -12,6 +12,7 @@ from harness.report.figures.profile import describe_profile, draw_profile
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
+from harness.report.page.frames import frames_of
 from harness.report.page.matrix import SYMBOLS, badge_of
 from harness.report.page.outcomes import Bar, outcome_bars
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
@@ -72,7 +73,7 @@ def comparison_section(
         "symbol": SYMBOLS[headline.answer],
         "robot": f"{headline.robot} {basis_text(combination)}".strip(),
         "number": headline.number,
-        "returns": returned if returned.rows or returned.notes else None,
+        "returns": returned._replace(title="") if returned.rows or returned.notes else None,
         "mixtures": [mixture.text for mixture in combination.mixtures],
         "advice": advice(results, combination),
         "tests": claims_text(combination),
@@ -82,6 +83,7 @@ def comparison_section(
         "outcomes": bars,
         "episodes": links.all if links else [],
         "endings": _endings(links, bars),
+        "frames": frames_of(results, combination),
         "showing": [
             {"baseline": links.showing(BASELINE, it), "proposed": links.showing(PROPOSED, it)} if links else {}
             for it in changes

@@ -122,7 +122,7 @@ def _told(results: Results) -> dict[str, str]:
 def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:
     """A title for each comparison: what is not the same in all. The title of a single comparison says everything."""
     if len(combinations) == 1:
-        return [f"{matrix.shared}: {rewards_text(combinations[0])}"]
+        return [f"{combinations[0].group.title}: {rewards_text(combinations[0])}"]
     return [title_of(combination, entry.place) for combination, entry in zip(combinations, matrix.entries, strict=True)]
 
 

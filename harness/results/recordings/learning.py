@@ -26,11 +26,24 @@ def learning_of(runs: Runs, comparison: Comparison) -> Learning | None:
 
 
 def _curve(runs: Runs, reward: str, members: Sequence[Run]) -> LearningCurve:
-    parts = [(end, [run.episodes.part(begin, end) for run in members]) for begin, end in stretches(runs.steps)]
+    parts = _evaluated(runs, members) or [
+        (end, [run.episodes.part(begin, end) for run in members]) for begin, end in stretches(runs.steps)
+    ]
     points = {name: tuple(_point(end, of, name, runs) for end, of in parts) for name in runs.measures}
     for paid in runs.rewards:
         points[return_name(paid)] = tuple(_return_point(end, of, paid) for end, of in parts)
     return LearningCurve(reward, (), points)
+
+
+def _evaluated(runs: Runs, members: Sequence[Run]) -> list[tuple[int, list[Part]]]:
+    """What policies did in the evaluations that all trainings have; empty if there are none before the end."""
+    every = runs.group.evaluate_every
+    if not every or not all(run.before and run.evaluation for run in members):
+        return []
+    found = [{it.facts.after // every * every: it.whole for it in run.before} for run in members]
+    last = [run.evaluation.whole for run in members if run.evaluation]
+    in_all = set.intersection(*map(set, found))
+    return [*((due, [of[due] for of in found]) for due in sorted(in_all)), (runs.steps, last)]
 
 
 def _point(end: int, parts: Sequence[Part], measure: str, runs: Runs) -> Point:

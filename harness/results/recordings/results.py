@@ -15,6 +15,7 @@ from harness.record.store import Store
 from harness.registry.choice import split_list
 from harness.registry.registry import Registry
 from harness.results.comparison import Comparison
+from harness.results.frames import Frames, read_frames
 from harness.results.learning import Learning
 from harness.results.measured import Measured, Moment
 from harness.results.recordings.learning import learning_of
@@ -164,6 +165,12 @@ class RecordedResults(Results):
             of = {(run.reward, run.seed): run for run in runs}
             found |= {cell.id: of[key] for cell in it.cells if (key := (cell.reward.label, cell.seed)) in of}
         return found
+
+    def frames(self, cell: Cell) -> Frames | None:
+        """See `Results`."""
+        if not self.is_experiment:
+            return Frames("recordings that no experiment made hold no policies, so no episode can be played again")
+        return read_frames(self.folder, self.manifest(cell))
 
     def older_keys(self) -> dict[str, Any]:
         """See `Results`: ``studies``; of recordings that lie loose the keys of the only one stand alone."""

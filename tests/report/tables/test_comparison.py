@@ -71,7 +71,7 @@ def test_names_stay_readable_in_a_narrow_window(build):
     results = build()
     words = [word for row in behaviour_grids(results.combinations[0])[0].rows for word in row[0].split()]
     text = printed(results, width=60)
-    text = text[text.index("Behaviour of") : text.index("Mean return of")]
+    text = text[text.index("Behaviour of") : text.index("Behaviour while")]
     _, *tables = re.split("^─+$", text, flags=re.MULTILINE)
     assert len(tables) == 2
     for table in tables:

@@ -1,0 +1,133 @@
+"""Episodes of a policy's evaluation in an environment, played again so that the environment draws them."""
+
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.environment import AnyEnv, Environment
+from harness.errors import UsageError
+from harness.experiment.environments.acting import Acting
+from harness.policy import load_policy
+from harness.record.cell import Cell
+from harness.record.folder import EVALUATION_RECORDING, POLICY
+from harness.record.recording.recorded_training import RecordedTraining, read_recording
+from harness.recorder.evaluate_policy import FIRST_SEED
+from harness.registry.registry import Registry
+from harness.registry.spec import blamed_on
+from harness.text import one_line_of
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+DRAWN = "rgb_array"
+"""The render mode whose pictures are arrays."""
+SUCCESS = "success"
+
+
+class PlayedAgain:
+    """One cell: its policy in a new env, and what was recorded of its evaluation.
+
+    Attributes:
+        cell: The cell.
+        episodes: Rows of the recording, of each episode.
+    """
+
+    def __init__(self, cell: Cell, folder: Path, registry: Registry) -> None:
+        """Make an env, and load the policy.
+
+        Args:
+            cell: The cell.
+            folder: Its folder.
+            registry: The plugins.
+
+        Raises:
+            UsageError: The env has no render mode that gives pictures.
+            PluginError: The environment cannot be made.
+            SchemaError: A file of the cell is damaged.
+        """
+        self.cell = cell
+        self._recorded = read_recording(folder / EVALUATION_RECORDING)
+        self.episodes = _episodes_of(self._recorded)
+        policy = load_policy(folder / POLICY)
+        with blamed_on(registry.get("environments", cell.task.name), "an env was made"):
+            environment: Environment = cell.task.build(registry, "environments")
+            self._env = environment.make()
+        _let_draw(self._env, cell)
+        self._act = Acting(self._env, policy, None if cell.deterministic else np.random.default_rng(FIRST_SEED))
+
+    def close(self) -> None:
+        """Close the env."""
+        self._env.close()
+
+    def play(self, number: int, clock: NDArray[np.int_]) -> dict[int, "Image.Image"]:
+        """Pictures of an episode by its steps, of those of the clock; episodes have to be played in order.
+
+        Raises:
+            UsageError: The env cannot draw, or the episode is not the one that was recorded.
+        """
+        length = len(self.episodes[number])
+        wanted = {min(int(step), length) for step in clock}
+        observation, _ = self._env.reset(seed=FIRST_SEED + number)
+        pictures, step, ended = {0: self._draw()}, 0, False
+        while not ended and step < length:
+            observation, _, terminated, truncated, _ = self._env.step(self._act(observation))
+            step, ended = step + 1, bool(terminated or truncated)
+            if step in wanted:
+                pictures[step] = self._draw()
+        was_cut = length == self._recorded.facts.horizon
+        if step < length or not (ended or was_cut):
+            raise UsageError(
+                f"Cell {self.cell.id}: episode {number} took {length} steps when it was evaluated, and takes "
+                f"{'more' if step == length else step} here. Is another version of the environment installed?"
+            )
+        return pictures
+
+    def told(self, rows: NDArray[np.int_]) -> str:
+        """What its own reward has paid so far, and the first measure of behaviour."""
+        told = [f"paid {self._recorded.rewards[self.cell.reward.name][rows].sum():.4g}"]
+        for name, values in list(self._recorded.behaviour.items())[:1]:
+            if len(rows) and np.isfinite(values[rows[-1]]):
+                told.append(f"{name.replace('_', ' ')} {values[rows[-1]]:.3g}")
+        return "   ".join(told)
+
+    def outcome(self, rows: NDArray[np.int_]) -> str:
+        """How an episode with these rows ended, in a word or two."""
+        if SUCCESS in self._recorded.behaviour:
+            return SUCCESS if self._recorded.behaviour[SUCCESS][rows[-1]] else f"no {SUCCESS}"
+        return "ended" if self._recorded.terminated[rows[-1]] else "time-out"
+
+    def _draw(self) -> "Image.Image":
+        from PIL import Image
+
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of libraries that are tried in vain; an exception follows
+                drawn: Any = self._env.render()
+        except Exception as error:  # an env of anybody, and the graphics driver under it
+            raise UsageError(
+                f"{self.cell.task.label} cannot draw here: {one_line_of(str(error))}. Without a screen set "
+                "MUJOCO_GL=egl, or MUJOCO_GL=osmesa; harness doctor says what works"
+            ) from error
+        if not isinstance(drawn, np.ndarray) or drawn.ndim != 3:
+            raise UsageError(f"{self.cell.task.label} draws no picture: its render() gave {type(drawn).__name__}")
+        return Image.fromarray(drawn)
+
+
+def _episodes_of(recorded: RecordedTraining) -> list[NDArray[np.int_]]:
+    """The rows of each episode that ended, in order."""
+    ends = np.flatnonzero(recorded.terminated | recorded.truncated) + 1
+    return [np.arange(begin, end) for begin, end in zip([0, *ends], ends, strict=False)]
+
+
+def _let_draw(env: AnyEnv, cell: Cell) -> None:
+    """Have the env draw into arrays.
+
+    An environment's `make` takes no render mode, for training needs none. It is set afterwards: envs look at it when
+    they draw.
+    """
+    if DRAWN not in env.metadata.get("render_modes", ()):
+        raise UsageError(f"{cell.task.label} cannot be drawn: its env has no render mode '{DRAWN}'")
+    env.unwrapped.render_mode = DRAWN
