@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from harness.registry.choice import Choice
     from harness.registry.registry import Registry
     from harness.results import Results
+    from harness.results.return_matrix import ReturnMatrix
     from harness.results.score_matrix import ScoreMatrix
     from harness.score.recording import Recording
 
@@ -35,9 +36,9 @@ def score(
 
     folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None
     if folder is not None and _is_of_environments(folder):
-        refuse_flags({"--all": every, "--out": out})
+        refuse_flags({"--out": out})
         registry = load_registry(given=read_given(plugin))
-        return _score_recordings(folder, split_list(reward or []), task, registry, as_json)
+        return _score_recordings(folder, split_list(reward or []), every, task, registry, as_json)
     if task is not None:
         raise UsageError("--task goes with a folder of recorded trainings in an environment: leave it out")
     if not reward and not every:
@@ -65,25 +66,51 @@ def _is_of_environments(folder: Path) -> bool:
 
 
 def _score_recordings(
-    folder: Path, names: "Sequence[str]", task: str | None, registry: "Registry", as_json: bool
+    folder: Path, names: "Sequence[str]", every: bool, task: str | None, registry: "Registry", as_json: bool
 ) -> int:
-    """Give the actions of recorded trainings to new envs, and pay them; status 1 if one could not be paid."""
+    """Give the actions of recorded trainings to new envs, and pay them; status 1 if one could not be paid.
+
+    With `every` and no name nothing is paid anew: what all rewards paid is recorded already.
+    """
     from harness.experiment.environments.paid_again import PayAgain
     from harness.record.out_folder import refuse_links
 
     refuse_links(folder)
     told = []
-    for paid in PayAgain(registry, names, task).run(folder):
+    for paid in PayAgain(registry, names, task).run(folder) if names or not every else ():
         told.append(paid)
         if not as_json:
             say(f"{paid.folder}: {_what_was_paid(paid)}")
         for line in paid.failed:
             complain(f"{paid.folder}: {line}")
+    returns = _returns_of(folder)
     if as_json:
-        say_json({"recordings": [paid.to_json() for paid in told]})
-    elif any(paid.names for paid in told):
+        matrices = [matrix.to_json() for matrix in returns]
+        say_json({"recordings": [paid.to_json() for paid in told], "matrices": matrices})
+    else:
+        _print_returns(returns)
         say(f"What they come to: harness report {folder}")
     return 1 if any(paid.refused or paid.failed for paid in told) else 0
+
+
+def _returns_of(folder: Path) -> "list[ReturnMatrix]":
+    """What every reward paid, of each group of trainings in the manner that says most."""
+    from harness.results import load_results
+
+    try:
+        matrices = load_results(folder).returns
+    except UsageError:  # one reward alone: that is no reason not to pay its recordings
+        return []
+    return list({matrix.group: matrix for matrix in reversed(matrices)}.values())
+
+
+def _print_returns(matrices: "Sequence[ReturnMatrix]") -> None:
+    from harness.cli.terminal import show
+    from harness.report.rows.returns import matrix_title, return_grid
+    from harness.report.tables.grid import show_titled
+
+    for matrix in matrices:
+        show(show_titled(matrix_title(matrix), return_grid(matrix)))
 
 
 def _what_was_paid(paid: "Paid") -> str:

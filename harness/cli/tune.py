@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from harness.cli.flags import tune as flags
-from harness.cli.flags.shared import AsJson, ExecutorName, Jobs, PluginFiles, RewardNames, RobotName, TaskName
+from harness.cli.flags.shared import AsJson, ExecutorName, Jobs, Measures, PluginFiles, RewardNames, RobotName, TaskName
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.lines import say, say_json
 from harness.errors import UsageError
@@ -30,6 +30,7 @@ def tune(
     baseline: flags.Baseline = None,
     task: TaskName = None,
     robot: RobotName = None,
+    measure: Measures = None,
     search: flags.Ranges = None,
     trials: flags.Trials = None,
     seeds: flags.Seeds = None,
@@ -50,19 +51,20 @@ def tune(
     Writes DIR/tuned.toml, an experiment file for harness run. The same command goes on where it stopped.
     """
     from harness.experiment.experiment import RunOptions
-    from harness.registry.given import read_given
+    from harness.registry.given import read_given, split_measures
     from harness.registry.registry import load_registry
     from harness.tune.tune import default_folder, run_searches
     from harness.tune.tuning import resolve
 
+    measures, files = split_measures(measure or ())
     options = RunOptions(jobs=jobs, executor=executor)
     given = {
         "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
         "search": _parse_search(search), "trials": trials, "seeds": seeds, "steps": steps,
         "validation_episodes": validation_episodes, "per_reward": per_reward, "pruner": pruner, "batch": batch,
-        "seed": seed,
+        "seed": seed, "measure": measures or None,
     }  # fmt: skip
-    registry = load_registry(given=read_given(plugin))
+    registry = load_registry(given=read_given(plugin, files))
     setup = resolve(_read(file, {key: value for key, value in given.items() if value is not None}), registry)
     folder = out or default_folder(setup)
     with kept_when_interrupted("finished cells are kept", folder):
@@ -107,8 +109,8 @@ def _watch(trials: int) -> "Watch":
             yield progress
 
     def tell(rewards: tuple[str, ...], trial: "TrialRecord") -> None:
-        success, distance = outcome_text(trial)
-        told = f": {trial.reason}" if trial.reason else f": success {success}, final distance {distance}"
+        values = ", ".join(f"{name} {text}" for name, text in outcome_text(trial).items())
+        told = f": {trial.reason or values}"
         where = f"[trial {trial.number + 1}/{trials}] {' and '.join(rewards)}"
         say(f"{where} · {params_text(trial)} · {trial.status}{told}", err=True)
 

@@ -11,7 +11,7 @@ from harness.env.make import build_world
 from harness.executor import NO_SCALARS
 from harness.experiment.checkpoints.attempt import Attempt
 from harness.experiment.checkpoints.trace_parts import TraceParts
-from harness.experiment.evaluation.evaluate import facts_of
+from harness.experiment.evaluation.evaluate import evaluate, facts_of
 from harness.experiment.evaluation.evaluator import Evaluator
 from harness.experiment.evaluation.scalars import named_scalars
 from harness.experiment.progress.beat import Beat
@@ -98,6 +98,10 @@ class ArmWorld:
     def record_random(self, policy: Policy, path: Path) -> None:
         """See `CellWorld`."""
         self._evaluator.record_random(policy, path)
+
+    def validate(self, policy: Policy, episodes: int, path: Path, seed: int) -> None:
+        """See `CellWorld`."""
+        evaluate(build_world(self._cell, self._robot, self._registry), policy.act, episodes, path, seed)
 
     def scalars(self, path: Path) -> dict[str, float]:
         """See `CellWorld`."""

@@ -67,6 +67,16 @@ class CellWorld(Protocol):
     def record_random(self, policy: Policy, path: Path) -> None:
         """Record random actions: what policies of this kind are held against."""
 
+    def validate(self, policy: Policy, episodes: int, path: Path, seed: int) -> None:
+        """Record episodes that no evaluation has, to choose among policies by them.
+
+        Args:
+            policy: The policy that acts, without drawing.
+            episodes: How many.
+            path: Where the recording is written.
+            seed: Of the starts and targets.
+        """
+
     def scalars(self, path: Path) -> dict[str, float]:
         """What a recorded evaluation came to, by the names that trackers show."""
 

@@ -37,6 +37,7 @@ def evaluate_policy(
     horizon: int = EVALUATION_HORIZON,
     acted: Acted = "",
     after: int = 0,
+    first_seed: int = FIRST_SEED,
 ) -> None:
     """Record whole episodes of a finished policy; ``harness report`` then judges by them, not by the training.
 
@@ -60,6 +61,7 @@ def evaluate_policy(
         acted: ``"deterministic"``, ``"stochastic"``, or ``"random"`` for actions that no policy chose: reports show
             what these come to beside the trained policies. Empty where that is not known.
         after: Environment steps of training before it, if the training goes on; 0 for the final policy.
+        first_seed: The seed that the env is reset with for the first episode; the next one has the next.
 
     Raises:
         UsageError: Something of that cannot be used, there is no such env, or `path` holds another recording.
@@ -86,7 +88,7 @@ def evaluate_policy(
     )
     try:
         for episode in range(episodes):
-            observation, _ = recorded.reset(seed=FIRST_SEED + episode)
+            observation, _ = recorded.reset(seed=first_seed + episode)
             ended = False
             while not ended:
                 observation, _, terminated, truncated, _ = recorded.step(policy(observation))

@@ -13,13 +13,14 @@ from harness.experiment.experiment import ExperimentRun, RunOptions
 from harness.experiment.plan import Plan
 from harness.experiment.workers.order import Order
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION
+from harness.record.folder import EVALUATION, recording_of
 from harness.record.manifest import read_manifest
+from harness.record.recording.recorded_training import read_recording
 from harness.record.store import Store
 from harness.record.trace import read_trace
 from harness.registry.choice import build_defaults
 from harness.registry.registry import Registry
-from harness.tune.outcome import JUDGES, Outcome, outcome_of
+from harness.tune.outcome import JUDGES, Outcome, outcome_in_environment, outcome_of
 from harness.tune.validation import REASON, ValidatePolicy, validate_all
 
 TRIALS, VALIDATION = "trials", "validation"
@@ -91,7 +92,10 @@ class Measurer:
         reason = order.folder / REASON
         if reason.exists():
             return reason.read_text()
+        recorded = order.folder / recording_of(EVALUATION)
         try:
+            if recorded.is_dir():
+                return outcome_in_environment(read_recording(recorded))
             return outcome_of(
                 read_trace(order.folder / EVALUATION), *build_defaults(self.registry, "metrics", JUDGES).values()
             )

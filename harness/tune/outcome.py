@@ -5,7 +5,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from harness.metric import Metric
+from harness.record.recording.recorded_training import RecordedTraining
 from harness.record.trace import Trace
+from harness.results.recordings.episodes import episodes_of
 
 JUDGES = ("success_rate", "final_distance")
 """The metrics that an outcome is made of."""
@@ -15,13 +17,17 @@ class Outcome(NamedTuple):
     """How a policy did in the validation episodes."""
 
     success: float
-    """Share of the episodes that reach the target."""
-    final_distance: float
-    """Mean distance at the end of an episode, [m]."""
+    """Share of the episodes that reach the target; in an environment the mean of the measure that decides."""
+    final_distance: float | None
+    """Mean distance at the end of an episode, [m]; None in an environment."""
+    measure: str = ""
+    """The name of the measure that decides in an environment; empty of an arm."""
+    better: str = "higher"
+    """Which values of that measure are better: ``higher`` or ``lower``."""
 
 
 def outcome_of(trace: Trace, success_rate: Metric, final_distance: Metric) -> Outcome:
-    """The outcome that a validation recorded.
+    """The outcome that a validation of an arm recorded.
 
     Raises:
         ValueError: No episode was finished.
@@ -32,16 +38,32 @@ def outcome_of(trace: Trace, success_rate: Metric, final_distance: Metric) -> Ou
     return Outcome(success, distance)
 
 
+def outcome_in_environment(recording: RecordedTraining) -> Outcome:
+    """The outcome that a validation in an environment recorded.
+
+    Raises:
+        ValueError: Nothing measures what the agent does, or the measure that decides is not known.
+    """
+    facts = recording.facts
+    if not facts.behaviour:
+        raise ValueError("no measure says what the agent does, and a reward cannot judge: give --measure behaviour.py")
+    name = facts.behaviour[0]
+    part = episodes_of(recording).part(0, len(recording))
+    value = part.behaviour[name]
+    if value is None:
+        raise ValueError(f"{name} is not known: {part.reasons.get(name, 'no validation episode was finished')}")
+    return Outcome(value, None, name, "lower" if name in facts.lower_is_better else "higher")
+
+
 def mean_outcome(outcomes: Sequence[Outcome]) -> Outcome:
     """The mean outcome of several policies with equal weights."""
-    return Outcome(
-        statistics.fmean(outcome.success for outcome in outcomes),
-        statistics.fmean(outcome.final_distance for outcome in outcomes),
-    )
+    distances = [outcome.final_distance for outcome in outcomes if outcome.final_distance is not None]
+    success = statistics.fmean(outcome.success for outcome in outcomes)
+    return outcomes[0]._replace(success=success, final_distance=statistics.fmean(distances) if distances else None)
 
 
 def score(outcome: Outcome, episodes: int) -> float:
-    """One number to maximise: success, and among equals the final distance.
+    """One number to maximise: success, and among equals the final distance; in an environment what decides there.
 
     Args:
         outcome: Of a trial.
@@ -49,6 +71,9 @@ def score(outcome: Outcome, episodes: int) -> float:
 
     Returns:
         The success, and less than half of that least difference on top, the more the nearer the arm ends: it orders
-        trials of equal success, all those that never succeed above all, and no others.
+        trials of equal success, all those that never succeed above all, and no others. In an environment the measure
+        that decides, with its sign changed if less is better.
     """
+    if outcome.final_distance is None:
+        return -outcome.success if outcome.better == "lower" else outcome.success
     return outcome.success + 0.5 / (episodes * (1.0 + outcome.final_distance))

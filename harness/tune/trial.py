@@ -40,10 +40,18 @@ class TrialRecord:
             "number": self.number,
             "status": self.status,
             "params": {key: list(value) if isinstance(value, tuple) else value for key, value in self.params.items()},
-            "success_rate": self.outcome.success if self.outcome else None,
-            "final_distance": self.outcome.final_distance if self.outcome else None,
+            **self._outcome_to_json(),
             "cells": self.cells,
             "reason": self.reason,
+        }
+
+    def _outcome_to_json(self) -> dict[str, float | None]:
+        outcome = self.outcome
+        if outcome is not None and outcome.final_distance is None:
+            return {outcome.measure: outcome.success}
+        return {
+            "success_rate": outcome.success if outcome else None,
+            "final_distance": outcome.final_distance if outcome else None,
         }
 
 

@@ -66,7 +66,8 @@ def tune(
 
 def default_folder(setup: Setup) -> Path:
     """A folder named for what is searched, so that the same search finds its trials again."""
-    names = f"{setup.experiment['sim'][0]['name']}-{setup.base.name}".replace("/", "-")  # of a qualified name
+    places = setup.experiment.get("sim") or [setup.experiment["task"]]
+    names = f"{places[0]['name']}-{setup.base.name}".replace("/", "-")  # of a qualified name
     return DEFAULT_FOLDER / f"tune-{names}-{setup.id}"
 
 
@@ -81,7 +82,7 @@ def run_searches(
     """
     watch = watch or Watch()
     require_optuna()
-    for metric in JUDGES:
+    for metric in JUDGES if setup.experiment.get("sim") else ():
         registry.get("metrics", metric)
     executor = options.build_executor(registry)
     with tuning_folder(folder, setup):

@@ -13,8 +13,8 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.errors import UsageError, sentence
-from harness.experiment.environments.plan import kind_of_task
 from harness.experiment.plan import (
+    DEFAULT_TASK,
     Episodes,
     Names,
     Plan,
@@ -42,22 +42,23 @@ MOST_TRIALS = 10_000
 Trials: TypeAlias = Annotated[int, Field(gt=0, le=MOST_TRIALS)]
 
 
-def _arp() -> list[Given]:
-    return ["arp"]
-
-
 @checked_dataclass(frozen=True)
 class Tuning:
     """A search; each field is a key of a tuning file and a flag of ``harness tune``."""
 
-    sim: Annotated[Names, Field(description="simulator to train in")]
     algo: Annotated[
         Names,
         Field(description="algorithm, with the parameters that stay fixed and the values at which the search begins"),
     ]
-    reward: Annotated[Names, Field(description="proposed rewards")] = Field(default_factory=_arp)
-    baseline: Annotated[Given, Field(description="reward that the proposed rewards are compared with")] = "baseline"
-    task: Annotated[Given, Field(description="task to train on")] = "fd100-reach"
+    sim: Annotated[list[Given], Field(description="simulator to train in; none if the task is an environment")] = Field(
+        default_factory=list
+    )
+    reward: Annotated[Names | None, Field(description="proposed rewards")] = None
+    baseline: Annotated[Given | None, Field(description="reward that the proposed rewards are compared with")] = None
+    task: Annotated[Given, Field(description="task to train on, or an environment")] = DEFAULT_TASK
+    measure: Annotated[
+        list[str], Field(description="measures of an environment that come first; the first one judges")
+    ] = Field(default_factory=list)
     robot: Annotated[str | None, Field(description="robot; None: the task's own")] = None
     search: Annotated[
         dict[str, str | list[Any]],
@@ -142,7 +143,9 @@ def check_tuning(data: Mapping[str, Any], noun: str = NOUN) -> Tuning:
     Raises:
         UsageError: A key is unknown or missing, or a value is of the wrong type or out of range.
     """
-    missing = [key for key in ("sim", "algo") if not data.get(key)]
+    has_arm = data.get("task", DEFAULT_TASK) == DEFAULT_TASK or data.get("sim") == ""
+    needed = ("sim", "algo") if has_arm else ("algo",)
+    missing = [key for key in needed if not data.get(key)]
     if missing:
         flags, keys = (" and ".join(form.format(key) for key in missing) for form in ("--{} NAME", "'{}'"))
         in_file = f"the key{'s' * (len(missing) > 1)} {keys} in a file"
@@ -168,9 +171,8 @@ def resolve(tuning: Tuning, registry: Registry) -> Setup:
     Raises:
         UsageError: A name or parameter is unknown, a library is missing, or the algorithm cannot do the task.
     """
-    if kind_of_task(tuning.task, registry) == "environments":
-        raise UsageError(f"harness tune searches in tasks of the harness, and '{tuning.task}' is an environment")
-    given = {key: getattr(tuning, key) for key in ("sim", "algo", "reward", "baseline", "task", "robot", "steps")}
+    names = ("sim", "algo", "reward", "baseline", "task", "robot", "steps", "measure")
+    given = {key: value for key in names if (value := getattr(tuning, key)) is not None}
     plan = expand(check_experiment(given, NOUN), registry)
     for _, reason in plan.skipped:
         raise UsageError(f"Nothing to search: {reason}")
@@ -197,5 +199,6 @@ def _keys(tuning: Tuning, resolved: Mapping[str, Any], space: Sequence[Dimension
     values = {field.name: getattr(tuning, field.name) for field in fields(tuning) if field.name != "trials"}
     names = ("sim", "algo", "reward", "baseline", "task", "robot")
     search = {dimension.name: dimension.text for dimension in space}
-    keys = {**values, **{name: resolved[name] for name in names}, "search": search}
-    return tomllib.loads(tomli_w.dumps(keys))
+    keys = {**values, **{name: resolved.get(name) for name in names}, "search": search}
+    told = {key: value for key, value in keys.items() if value not in (None, [])}
+    return tomllib.loads(tomli_w.dumps(told))

@@ -8,6 +8,8 @@ from rich.text import Text
 from harness.tune.trial import Search, TrialRecord, Tuned
 
 SHOWN = 10
+OF_ARM = ("success", "final distance")
+"""What is shown where no trial has an outcome."""
 
 
 def tuning_table(tuned: Tuned) -> RenderableType:
@@ -20,11 +22,14 @@ def params_text(trial: TrialRecord) -> str:
     return ", ".join(f"{name}={_value_text(value)}" for name, value in trial.params.items())
 
 
-def outcome_text(trial: TrialRecord) -> tuple[str, str]:
-    """Success and final distance; a dash if there is none."""
-    if trial.outcome is None:
-        return "-", "-"
-    return f"{trial.outcome.success:.1%}", f"{trial.outcome.final_distance:.4f} m"
+def outcome_text(trial: TrialRecord) -> dict[str, str]:
+    """What the policies of a trial did, by what it is called; empty if nothing is known."""
+    outcome = trial.outcome
+    if outcome is None:
+        return {}
+    if outcome.final_distance is None:
+        return {outcome.measure.replace("_", " "): f"{outcome.success:.4g}"}
+    return {"success": f"{outcome.success:.1%}", "final distance": f"{outcome.final_distance:.4f} m"}
 
 
 def _search_parts(search: Search) -> list[RenderableType]:
@@ -44,12 +49,15 @@ def _search_parts(search: Search) -> list[RenderableType]:
 def _table(search: Search) -> Table:
     """The table of a search. Its settings may wrap, its numbers may not."""
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
-    for heading in ("trial", "success", "final distance", "cells"):
+    told = [outcome_text(trial) for trial in search.ranked[:SHOWN]]
+    measured = list(dict.fromkeys(name for outcome in told for name in outcome)) or list(OF_ARM)
+    for heading in ("trial", *measured, "cells"):
         table.add_column(Text(heading), justify="right", no_wrap=True)
     table.add_column(Text("status"), no_wrap=True)
     table.add_column(Text("settings"), overflow="fold")
-    for trial in search.ranked[:SHOWN]:
-        row = [str(trial.number), *outcome_text(trial), str(trial.cells), trial.status, params_text(trial)]
+    for trial, outcome in zip(search.ranked[:SHOWN], told, strict=True):
+        values = [outcome.get(name, "-") for name in measured]
+        row = [str(trial.number), *values, str(trial.cells), trial.status, params_text(trial)]
         table.add_row(*map(Text, row), style="bold" if trial == search.best else "")
     return table
 

@@ -4,24 +4,24 @@ Their starts and targets are drawn from another seed than those of the evaluatio
 (`harness.experiment.evaluation.evaluate`). So no comparison that follows uses the episodes that chose the settings.
 """
 
+import shutil
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from harness.env.make import build_world
 from harness.errors import one_line
-from harness.experiment.evaluation.evaluate import evaluate
+from harness.experiment.watch import UNWATCHED
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, run_orders
+from harness.experiment.world import world_of
 from harness.policy import Policy, load_policy
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, POLICY, partial_folder, publish
+from harness.record.folder import EVALUATION, POLICY, partial_folder, publish, recording_of
 from harness.record.manifest import read_manifest
 from harness.registry.given import Given, given_from_json, given_to_json
 from harness.registry.registry import Registry, load_registry
-from harness.robot.load import load_robot
 
 VALIDATION_SEED = 20_230_705
 """Seed of the starts and targets of every validation. It is not the evaluation's, and not a small number."""
@@ -33,7 +33,7 @@ REASON = "reason.txt"
 class ValidatePolicy:
     """One policy to validate, as a worker is told to do it.
 
-    It leaves a folder with the trace `EVALUATION`, or with the `REASON` why there is none.
+    It leaves a folder with the recording of these episodes, or with the `REASON` why there is none.
 
     Attributes:
         cell_folder: Of the done cell that trained it.
@@ -64,7 +64,7 @@ class ValidatePolicy:
         try:
             cell, policy = read_manifest(self.cell_folder).cell, load_policy(self.cell_folder / POLICY)
             registry = load_registry(given=self.plugins)
-            record_validation(cell, registry, policy, self.episodes, partial / EVALUATION)
+            record_validation(cell, registry, policy, self.episodes, partial, report)
         except (Exception, SystemExit) as error:
             traceback.print_exc()
             _leave_reason(folder, one_line(error))
@@ -89,14 +89,17 @@ def validate_all(orders: Sequence[Order], at_once: int) -> None:
     run_orders([order for order in orders if not order.folder.exists()], at_once, hear)
 
 
-def record_validation(cell: Cell, registry: Registry, policy: Policy, episodes: int, path: Path) -> None:
-    """Let `policy` do `episodes` episodes in the cell's simulator, one in each env of a batch, and record them."""
-    world = build_world(cell, load_robot(cell.robot, registry), registry)
-    evaluate(world, policy.act, episodes, path, VALIDATION_SEED)
+def record_validation(
+    cell: Cell, registry: Registry, policy: Policy, episodes: int, folder: Path, report: Report
+) -> None:
+    """Let `policy` do `episodes` episodes where the cell was trained, and record them in `folder`."""
+    world = world_of(cell, registry, folder, report, UNWATCHED)
+    world.validate(policy, episodes, folder / f"{recording_of(EVALUATION)}{world.suffix}", VALIDATION_SEED)
 
 
 def _leave_reason(folder: Path, reason: str) -> None:
     partial = partial_folder(folder)
     (partial / EVALUATION).unlink(missing_ok=True)
+    shutil.rmtree(partial / recording_of(EVALUATION), ignore_errors=True)
     (partial / REASON).write_text(reason)
     publish(partial, folder)

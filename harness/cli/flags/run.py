@@ -54,16 +54,6 @@ Deterministic = Annotated[
         show_default="deterministic",
     ),
 ]
-Measures = Annotated[
-    Names,
-    typer.Option(
-        "--measure",
-        help="In an environment, what decides: a Python file of functions that measure behaviour, or the name of a "
-        "measure.",
-        show_default="success, else the first measure",
-        metavar="FILE|NAME,...",
-    ),
-]
 EvaluationHorizon = Annotated[
     int | None,
     typer.Option(

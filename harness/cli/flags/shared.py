@@ -83,3 +83,13 @@ Jobs = Annotated[
     int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
+Measures = Annotated[
+    Names,
+    typer.Option(
+        "--measure",
+        help="In an environment, what decides: a Python file of functions that measure behaviour, or the name of a "
+        "measure.",
+        show_default="success, else the first measure",
+        metavar="FILE|NAME,...",
+    ),
+]

@@ -54,7 +54,6 @@ class EnvironmentWorld:
         """Make nothing yet; see `harness.experiment.world.world_of`."""
         self._cell, self._registry, self._folder, self._report = cell, registry, folder, report
         self.runs_on: Mapping[str, Any] = describe_environment(cell, None, registry)
-        self._environment: Environment
         self._algorithm: Algorithm
         self._batch: EnvironmentBatch | None = None
         self._told, self._steps = time.monotonic(), 0
@@ -62,7 +61,6 @@ class EnvironmentWorld:
 
     def build(self, algorithm: Algorithm) -> None:
         """See `CellWorld`. Envs are made when the training begins or goes on."""
-        self._environment = self._cell.task.build(self._registry, "environments")
         self._algorithm = algorithm
         for library in self._learners:
             importlib.import_module(library)
@@ -119,6 +117,10 @@ class EnvironmentWorld:
         """See `CellWorld`."""
         self._evaluate(policy.floor(), np.random.default_rng([FIRST_SEED, 1]), "random", path)
 
+    def validate(self, policy: Policy, episodes: int, path: Path, seed: int) -> None:
+        """See `CellWorld`."""
+        self._evaluate(policy, None, "deterministic", path, episodes=episodes, first_seed=seed)
+
     def scalars(self, path: Path) -> dict[str, float]:
         """See `CellWorld`: what the reward paid, and all measures."""
         return evaluation_scalars(read_recording(path), self._cell.reward.name)
@@ -150,7 +152,15 @@ class EnvironmentWorld:
         return RecordRewards(env, path, seed=self._cell.seed, pay=True, number=number, **self._columns(env))
 
     def _evaluate(
-        self, policy: Policy, rng: np.random.Generator | None, acted: Acted, path: Path, after: int = 0
+        self,
+        policy: Policy,
+        rng: np.random.Generator | None,
+        acted: Acted,
+        path: Path,
+        after: int = 0,
+        *,
+        episodes: int | None = None,
+        first_seed: int = FIRST_SEED,
     ) -> None:
         if path.exists():  # of a process that was killed
             shutil.rmtree(path)
@@ -160,10 +170,11 @@ class EnvironmentWorld:
                 env,
                 path,
                 seed=self._cell.seed,
-                episodes=self._cell.evaluation_episodes,
+                episodes=episodes or self._cell.evaluation_episodes,
                 horizon=self._cell.evaluation_horizon,
                 acted=acted,
                 after=after,
+                first_seed=first_seed,
                 **self._columns(env),
             )
 
@@ -182,6 +193,11 @@ class EnvironmentWorld:
 
     def _blamed(self, doing: str) -> Any:
         return blamed_on(self._registry.get("environments", self._cell.task.name), doing)
+
+    @cached_property
+    def _environment(self) -> Environment:
+        built: Environment = self._cell.task.build(self._registry, "environments")
+        return built
 
     @cached_property
     def _learners(self) -> tuple[str, ...]:

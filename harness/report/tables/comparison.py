@@ -20,7 +20,7 @@ from harness.report.rows.comparison import (
 )
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.returns import EXPLANATION, READING, matrix_title, return_grid
-from harness.report.tables.grid import show_grid
+from harness.report.tables.grid import show_grid, show_titled
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.return_matrix import ReturnMatrix
@@ -63,4 +63,4 @@ def _combination_block(results: Results, combination: Comparison) -> RenderableT
 
 def _return_block(matrix: ReturnMatrix) -> RenderableType:
     """Every training under every reward."""
-    return Group(Text(matrix_title(matrix), style="bold"), *show_grid(return_grid(matrix)), Text())
+    return show_titled(matrix_title(matrix), return_grid(matrix))

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from rich import box
 from rich.cells import cell_len
-from rich.console import Console, ConsoleOptions, RenderableType
+from rich.console import Console, ConsoleOptions, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -32,6 +32,11 @@ def show_grid(grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> list[Rendera
     parts = [Text(grid.title, style="bold"), *parts] if grid.rows and grid.title else parts
     parts += map(Text, grid.notes)
     return [Text(), *parts] if parts else []
+
+
+def show_titled(title: str, grid: Grid) -> RenderableType:
+    """The grid below a title."""
+    return Group(Text(title, style="bold"), *show_grid(grid), Text())
 
 
 class GridTable:

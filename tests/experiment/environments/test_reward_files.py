@@ -290,7 +290,6 @@ def test_id_in_a_recording_imports_nothing(tmp_path: Path, say: Say):
     [
         ((), "No reward is given: name a file of functions with --plugin"),
         (("--reward", "nothing"), "No reward or measure 'nothing'"),
-        (("--all",), "--all does not go with a folder of recorded trainings"),
         (("--task", PENDULUM), "--task does not go with an experiment"),
     ],
 )

@@ -1,0 +1,83 @@
+"""Pictures of an evaluation episode, for the page."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from harness.experiment.environments.frames import PICTURES, draw_frames
+from harness.experiment.experiment import run
+from harness.report.page.frames import frames_of
+from harness.results.frames import FRAMES, MOST_BYTES, STRIP, frames_folder, read_frames
+from harness.results.recordings.results import RecordedResults
+
+pytest.importorskip("PIL")
+TOY = Path(__file__).parent / "toy.py"
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> RecordedResults:
+    """Two rewards, drawn."""
+    found = run(
+        task="toy", algo="random", steps=16, seeds=2, evaluation_episodes=2, jobs=1, plugins=[TOY], out=tmp_path
+    )
+    assert isinstance(found, RecordedResults)
+    draw_frames(found, 1)
+    return found
+
+
+def test_the_first_seed_of_a_comparison_is_drawn(results: RecordedResults):
+    """Under both rewards; no other cell is."""
+    drawn = [cell for cell in results.done_cells if (frames_folder(results.folder, cell.id) / STRIP).is_file()]
+    assert sorted((cell.reward.label, cell.seed) for cell in drawn) == [("near", 0), ("right", 0)]
+
+
+def test_pictures_stand_side_by_side(results: RecordedResults):
+    """As many as there are steps to show, within the bound."""
+    from PIL import Image
+
+    found = read_frames(results.folder, results.manifest(results.done_cells[0]))
+    with Image.open(frames_folder(results.folder, results.done_cells[0].id) / STRIP) as strip:
+        assert strip.width == 160 * len(found.steps)
+    assert found.steps[0] == 0
+    assert 2 <= len(found.steps) <= PICTURES
+    assert len(found.strip) <= MOST_BYTES
+
+
+def test_the_page_has_both_sides(results: RecordedResults):
+    """With words for those who cannot see them."""
+    strips = frames_of(results, results.combinations[0])
+    assert [side.title for side in strips.sides] == ["Baseline: near", "Proposed: right"]
+    assert all(side.source.startswith("data:image/webp;base64,") for side in strips.sides)
+    assert all("Pictures after 0, " in side.told for side in strips.sides)
+
+
+def test_pictures_of_another_training_are_not_shown(results: RecordedResults):
+    """A cell that was done again has none."""
+    cell = results.done_cells[0]
+    place = frames_folder(results.folder, cell.id) / FRAMES
+    place.write_text(json.dumps({**json.loads(place.read_text()), "made_of": "0" * 64}))
+    assert read_frames(results.folder, results.manifest(cell)).reason == "the pictures are those of another training"
+
+
+@pytest.mark.parametrize("content", ["", "[]", '{"steps": "many"}', "\x00"])
+def test_what_is_not_sound_is_a_reason(results: RecordedResults, content: str):
+    """One line in place of the pictures; nothing else stops."""
+    cell = results.done_cells[0]
+    (frames_folder(results.folder, cell.id) / FRAMES).write_text(content)
+    found = read_frames(results.folder, results.manifest(cell))
+    assert found.reason
+    assert not found.strip
+
+
+def test_an_environment_that_cannot_draw_says_why(tmp_path: Path):
+    """In the place of the pictures."""
+    (tmp_path / "blind.py").write_text(TOY.read_text().replace('["rgb_array"]', "[]").replace('"toy"', '"blind"'))
+    found = run(
+        task="blind", algo="random", steps=16, seeds=1, evaluation_episodes=2, jobs=1, plugins=[tmp_path / "blind.py"],
+        out=tmp_path / "out",
+    )  # fmt: skip
+    assert isinstance(found, RecordedResults)
+    draw_frames(found, 1)
+    told = [side.told for side in frames_of(found, found.combinations[0]).sides]
+    assert all("cannot be drawn: its env has no render mode 'rgb_array'" in line for line in told)

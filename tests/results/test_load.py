@@ -1,0 +1,63 @@
+"""One function reads every folder that holds results."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.results import load_results
+from harness.results.load import require_arm
+from harness.results.recordings.results import RecordedResults
+from tests.results.recordings.conftest import PAYS, record
+
+
+@pytest.fixture
+def loose(tmp_path: Path) -> Path:
+    """Recordings by three rewards, three seeds each."""
+    pays = {**PAYS, "half": lambda arm: arm / 2.0}
+    for reward in pays:
+        for seed in range(3):
+            record(tmp_path / f"{reward}-{seed}", reward, seed, np.linspace(0.0, 1.0, 10) + 0.01 * seed, pays=pays)
+    return tmp_path
+
+
+def test_recordings_are_cells_of_a_plan(loose: Path):
+    """Each is done; the reward that was given first is the baseline."""
+    results = load_results(loose)
+    assert isinstance(results, RecordedResults)
+    assert not results.is_experiment
+    assert results.baseline == "plain"
+    assert sorted((it.cell.reward.label, it.cell.seed) for it in results.done) == sorted(
+        (reward, seed) for reward in ("plain", "thrice", "half") for seed in range(3)
+    )
+
+
+def test_recordings_have_comparisons_and_returns(loose: Path):
+    """Every two rewards; a table of returns for each manner."""
+    results = load_results(loose)
+    assert [(it.baseline, it.proposed) for it in results.combinations] == [
+        ("plain", "thrice"), ("plain", "half"), ("thrice", "half"),
+    ]  # fmt: skip
+    assert [matrix.manner for matrix in results.returns] == ["in its last fifth", "over the training"]
+    assert results.to_json()["format"] == 1
+
+
+def test_recordings_have_a_row_each(loose: Path):
+    """In pandas, with what every reward paid."""
+    pytest.importorskip("pandas")
+    table = load_results(loose).to_pandas()
+    assert len(table) == 9
+    assert {"return_plain", "behaviour_success"} <= set(table.columns)
+
+
+def test_a_folder_of_nothing_is_refused(tmp_path: Path):
+    """With what to name."""
+    with pytest.raises(UsageError, match="is no experiment"):
+        load_results(tmp_path)
+
+
+def test_what_needs_an_arm_says_so(loose: Path):
+    """And what to do instead."""
+    with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*: harness report '.*' compares"):
+        require_arm(load_results(loose), "harness transfer")
