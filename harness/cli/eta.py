@@ -13,7 +13,7 @@ from harness.cli.results_shown import show_results
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.score.compare import Comparison
+    from harness.score.compare import ComparedRuns
 
 
 def eta(
@@ -75,7 +75,7 @@ def eta(
     return 0
 
 
-def _show(comparison: "Comparison", plot: Path | None, as_json: bool) -> None:
+def _show(comparison: "ComparedRuns", plot: Path | None, as_json: bool) -> None:
     if plot is not None:
         from harness.report.page.eta import write_eta_page
 

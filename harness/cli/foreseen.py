@@ -45,7 +45,7 @@ def _by_combination(cells: Sequence["Cell"]) -> Iterator[str]:
 
 def _evaluations(cell: "Cell") -> Iterator[str]:
     """How long episodes may be where nothing but an environment ends them: every cell of a run has the same horizon."""
-    if cell.is_in_environment:
+    if "environments" in cell.plugins:
         episodes = f"{cell.evaluation_episodes:,} episodes of each policy"
         yield f"Evaluations: {episodes}, each cut after {cell.evaluation_horizon:,} steps if it goes on so long"
 

@@ -59,10 +59,9 @@ def score(
 def _is_of_environments(folder: Path) -> bool:
     """Whether a folder holds recorded trainings in environments: of an experiment, or loose ones."""
     from harness.record.store import Store
+    from harness.results.recordings.runs import has_recordings
 
-    if Store.is_experiment(folder):
-        return any(cell.is_in_environment for cell in Store.open(folder).read_plan().cells)
-    return holds_recordings([folder])
+    return has_recordings(folder) if Store.is_experiment(folder) else holds_recordings([folder])
 
 
 def _score_recordings(

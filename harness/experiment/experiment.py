@@ -28,13 +28,12 @@ from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
-from harness.registry.choice import choose, split_list
+from harness.registry.choice import choose
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.load import read_results
-from harness.results.metrics import load_metrics, require_measures
 from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
@@ -270,8 +269,7 @@ class BegunRun:
         store, options, waiting = self.asked.store, self.asked.options, self.waiting
         # What else was begun stays too: run_cell says what becomes of it.
         store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-        metrics = None if self.asked.plan.is_in_environment else options.metrics
-        ended = EndedCells(store, self.asked.registry, self.asked.plan, metrics)
+        ended = EndedCells(store, self.asked.registry, self.asked.plan, options.metrics)
         trackers = Trackers(self.asked.trackers, on_trouble)
         tracking = Tracking(trackers, store.folder, read_left(store.folder))
         followed = Followed(store, ended, tracking, on_event, self.again)
@@ -336,7 +334,7 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         reasons = dict.fromkeys(reason for _, reason in plan.skipped)
         raise UsageError(f"Nothing can be run: {'; '.join(reasons)}")
     if options.metrics is not None:
-        _require_metrics(options.metrics, plan, registry)
+        plan.require_metrics([options.metrics] if isinstance(options.metrics, str) else options.metrics)
     if options.only:
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))
@@ -345,14 +343,6 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
             f"--out '{store.folder}'", store.read_plan().cells, (*plan.cells, *(cell for cell, _ in plan.skipped))
         )
     return ExperimentRun(plan, store, registry, executor, options, trackers)
-
-
-def _require_metrics(names: str | Sequence[str], plan: Plan, registry: Registry) -> None:
-    """Raise UsageError unless there are these metrics, or these measures of the environment."""
-    if plan.is_in_environment:
-        require_measures(split_list(names), plan.measures)
-    else:
-        load_metrics(registry, names)
 
 
 def default_folder(plan: Plan) -> Path:

@@ -36,7 +36,7 @@ def describe_installation(cells: Iterable[Cell], registry: Registry) -> dict[str
     cells = list(cells)
     specs = {(kind, spec.name): spec for cell in cells for kind, spec in specs_of(cell, registry).items()}
     plugins = {f"source of {NOUNS[kind]} '{name}'": source_hash(spec.load()) for (kind, name), spec in specs.items()}
-    arms = {cell.robot: load_robot(cell.robot, registry) for cell in cells if not cell.is_in_environment}
+    arms = {cell.robot: load_robot(cell.robot, registry) for cell in cells if "robots" in cell.plugins}
     driven = {cell.robot for cell in cells if cell.drives_with_servo}
     robots = {f"robot '{name}'": arm.driven_digest if name in driven else arm.digest for name, arm in arms.items()}
     digests = {"source of harness": digest_of_modules(["harness"]), **plugins, **robots}

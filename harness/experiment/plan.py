@@ -2,7 +2,7 @@
 
 import hashlib
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
@@ -11,9 +11,9 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.errors import UsageError
-from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, unnamed
+from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, table_of, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
-from harness.record.cell import NO_SIMULATOR, Cell
+from harness.record.cell import Cell
 from harness.record.plan_file import control_seeds
 from harness.registry.choice import Choice, split_list
 from harness.registry.parameters import build
@@ -117,7 +117,7 @@ class Plan:
         control: Where the baseline is compared with itself, the null control: by each seed the other seed that it is
             trained with again.
         warnings: What to know before anything is trained, a line each.
-        measures: If the task is an environment: what it measures, by name; the first one decides.
+        require_metrics: Raises UsageError unless there are metrics, or measures of the environments, of these names.
     """
 
     baseline: str
@@ -126,12 +126,7 @@ class Plan:
     resolved: dict[str, Any]
     control: Mapping[int, int] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
-    measures: tuple[str, ...] = ()
-
-    @property
-    def is_in_environment(self) -> bool:
-        """Whether the task is an environment."""
-        return any(cell.is_in_environment for cell in self.cells)
+    require_metrics: Callable[[Sequence[str]], None] = field(default=lambda names: None, compare=False)
 
     @property
     def id(self) -> str:
@@ -204,7 +199,7 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
         _resolve(experiment, tasks, algorithms, registry.needs()),
         control=control,
         warnings=(*registry.broken_files(), *dict.fromkeys(line for it in tasks for line in it.warnings)),
-        measures=tuple(dict.fromkeys(name for it in tasks for name in it.measures)),
+        require_metrics=tasks[0].require_metrics if len(tasks) == 1 else _require_any(tasks),
     )
 
 
@@ -249,20 +244,18 @@ def _resolve(
 ) -> dict[str, Any]:
     """The keys of an experiment file, defaults and all."""
     first, robots = tasks[0], {it.robot for it in tasks}
-    in_environment = first.simulators == (NO_SIMULATOR,)
     rewards = dict.fromkeys(reward for it in tasks for reward in it.rewards)
     named = [table_of(it.task) for it in tasks]
     told = {
         "sim": [table_of(choice) for choice in first.simulators],
         "algo": [table_of(choice) for choice in algorithms],
-        "reward": [choice.name if in_environment else table_of(choice) for choice in rewards],
-        "baseline": first.baseline.name if in_environment else table_of(first.baseline),
+        "reward": [first.tell_reward(choice) for choice in rewards],
+        "baseline": first.tell_reward(first.baseline),
         "task": named[0] if len(named) == 1 else named,
         "robot": first.robot if len(robots) == 1 else None,
         "evaluation_horizon": first.horizon,
     }
-    brought = ("sim", "robot") if in_environment else ("evaluation_horizon",)
-    return {key: value for key, value in {**_given(experiment, needs), **told}.items() if key not in brought}
+    return {key: value for key, value in {**_given(experiment, needs), **told}.items() if key not in first.brought}
 
 
 def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -274,7 +267,17 @@ def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[s
     return {**values, **plugins, "seeds": experiment.seed_list}
 
 
-def table_of(choice: Choice) -> dict[str, Any]:
-    """As an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
-    params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
-    return {"name": choice.name, **params}
+def _require_any(tasks: Sequence[TaskPlan]) -> Callable[[Sequence[str]], None]:
+    """Of several tasks one has to have the metrics: another one may lack them."""
+
+    def require(names: Sequence[str]) -> None:
+        problems = []
+        for task in tasks:
+            try:
+                task.require_metrics(names)
+            except UsageError as error:
+                problems.append(error)
+        if len(problems) == len(tasks):
+            raise problems[0]
+
+    return require

@@ -54,7 +54,7 @@ def function_digests(cell: Cell, registry: Registry) -> dict[str, str]:
     They are the file of its reward, under ``reward calm``, and those of all measures, under ``measure height``. The
     environment's own rewards and measures are part of the environment.
     """
-    if not cell.is_in_environment:
+    if "rewards" in cell.plugins:  # a plugin, which is hashed as such
         return {}
     decisive = [it for it in registry.functions if it.noun == "measure" or it.name == cell.reward.name]
     return {f"{it.noun} {it.name}": it.file.digest for it in decisive}

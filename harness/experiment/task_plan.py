@@ -11,10 +11,11 @@ from harness.errors import UsageError, sentence
 from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
 from harness.experiment.task_form import task_for
 from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR
-from harness.registry.choice import Choice, choose
+from harness.registry.choice import Choice, choose, split_list
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
+from harness.results.metrics import load_metrics, require_measures
 from harness.robot import Robot
 from harness.robot.load import load_robot
 from harness.simulator import require_drives
@@ -90,7 +91,9 @@ class TaskPlan:
         rewards: All others, in their order. The baseline is among them if it is compared with itself.
         fit: How an algorithm can train in it by a reward.
         horizon: In an environment: steps after which an episode of an evaluation is cut.
-        measures: What an environment measures, by name; the first one decides.
+        tell_reward: How an experiment file holds a reward.
+        brought: Keys of an experiment file that the task leaves without a meaning, because it brings these things.
+        require_metrics: Raises UsageError unless there are metrics, or measures of the environment, of these names.
         warnings: What to know before anything is trained, a line each.
     """
 
@@ -100,8 +103,10 @@ class TaskPlan:
     baseline: Choice
     rewards: tuple[Choice, ...]
     fit: Callable[[Choice, Choice], Fit]
+    tell_reward: Callable[[Choice], Any]
+    brought: tuple[str, ...]
+    require_metrics: Callable[[Sequence[str]], None]
     horizon: int = EVALUATION_HORIZON
-    measures: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property
@@ -173,7 +178,11 @@ def _with_arm(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
             fits[algorithm] = _fit(algorithm, task, arm, registry, asked.steps)
         return fits[algorithm]
 
-    return TaskPlan(task, simulators, robot, baseline, rewards, fit)
+    def require(names: Sequence[str]) -> None:
+        load_metrics(registry, names)
+
+    brought = ("evaluation_horizon",)
+    return TaskPlan(task, simulators, robot, baseline, rewards, fit, table_of, brought, require)
 
 
 def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:
@@ -205,6 +214,9 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
     def fit(algorithm: Choice, reward: Choice) -> Fit:
         return Fit(task, why_not_in(looked, algorithm, reward.name, registry, asked.steps))
 
+    def require(names: Sequence[str]) -> None:
+        require_measures(split_list(names), looked.measures)
+
     return TaskPlan(
         task,
         (NO_SIMULATOR,),
@@ -212,9 +224,11 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
         _named(baseline),
         tuple(map(_named, rewards)),
         fit,
-        asked.evaluation_horizon or EVALUATION_HORIZON,
-        looked.measures,
-        () if looked.measures else (UNMEASURED,),
+        tell_reward=lambda reward: reward.name,
+        brought=("sim", "robot"),
+        require_metrics=require,
+        horizon=asked.evaluation_horizon or EVALUATION_HORIZON,
+        warnings=() if looked.measures else (UNMEASURED,),
     )
 
 
@@ -229,3 +243,9 @@ def _locate(robot: str, registry: Registry) -> str:
         return robot
     # A link to a URDF stays one: what lies beside it is looked for where the user says that it is.
     return str(path.resolve() if path.is_dir() else path.parent.resolve() / path.name)
+
+
+def table_of(choice: Choice) -> dict[str, Any]:
+    """As an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
+    params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
+    return {"name": choice.name, **params}

@@ -39,12 +39,12 @@ def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
 
 
 def refuse_mixed(where: str, cells: Iterable[Cell], others: Iterable[Cell]) -> None:
-    """See that all cells, or none, have an environment for a task: their reports have nothing in common.
+    """See that all cells are made of the same kinds of plugins: an environment has none of what an arm has.
 
     Raises:
         UsageError: It is not so.
     """
-    if len({cell.is_in_environment for cell in (*cells, *others)}) > 1:
+    if len({tuple(cell.plugins) for cell in (*cells, *others)}) > 1:
         raise UsageError(
             f"{where}: an experiment in an environment and one with a robot of the harness do not go into one folder. "
             "Name another"

@@ -6,14 +6,18 @@ from functools import cached_property, partial
 
 from harness.errors import Unscored
 from harness.metric import Metric
+from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, TRACE
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.cell_results import CellResults
+from harness.results.floors import Floors
 from harness.results.kept import Kept
+from harness.results.measured import Values
 from harness.results.metrics import load_metrics, with_fingerprints
+from harness.results.table import Numbers, metric_columns, numbers_of
 from harness.score.scored_runs import Payer
 
 
@@ -40,6 +44,26 @@ class DoneCells:
     def metrics(self) -> dict[str, Metric]:
         """Every registered metric, or those that were chosen, by name."""
         return load_metrics(self._registry) if self._chosen is None else self._chosen
+
+    @property
+    def columns(self) -> list[str]:
+        """The columns of a table of cells that come first among those of numbers, although no cell may have them."""
+        return metric_columns(self.metrics)
+
+    def numbers(self, done: Manifest) -> Callable[[Values], Numbers]:
+        """What the table of cells says of a done cell: a function of what random actions did there.
+
+        The cell that acts at random may end later.
+        """
+        found = self.of(done)
+        measured = found.measured({})
+        found.finish()
+        return lambda random: numbers_of(measured._replace(random=random), self.metrics)
+
+    def floors(self, ended: Iterable[Manifest]) -> Callable[[Cell], Values]:
+        """What random actions did, a function of the cell."""
+        known = {manifest.cell: manifest for manifest in ended}
+        return Floors(self._store, known.values(), lambda cell: self.of(known[cell])).of
 
     def of(self, done: Manifest) -> CellResults:
         """The results of a done cell."""

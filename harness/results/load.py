@@ -5,9 +5,12 @@ from pathlib import Path
 
 from harness.errors import UsageError
 from harness.eta.curve import Kind
+from harness.record.cell import Cell
 from harness.record.store import Store
 from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
+from harness.results.done_cells import DoneCells
+from harness.results.recordings.done_recordings import DoneRecordings
 from harness.results.recordings.loose import LooseStore
 from harness.results.recordings.results import RecordedResults
 from harness.results.recordings.runs import has_recordings
@@ -71,6 +74,22 @@ def read_results(
     if kinds == {True}:
         return RecordedResults(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=store)
     return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=store, pairs=pairs)
+
+
+def done_cells_of(
+    cells: Iterable[Cell], store: Store, registry: Registry, metrics: Iterable[str] | str | None = None
+) -> DoneCells | DoneRecordings:
+    """What keeps the results of an experiment's cells as they end.
+
+    Args:
+        cells: The cells of the plan.
+        store: The folder of the experiment.
+        registry: The plugins.
+        metrics: See `load_results`.
+    """
+    if any(cell.is_in_environment for cell in cells):
+        return DoneRecordings(store)
+    return DoneCells(store, registry, metrics)
 
 
 def require_arm(results: Results, command: str) -> None:

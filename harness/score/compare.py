@@ -27,8 +27,8 @@ HELD = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
-    """The comparison of two groups of recorded runs.
+class ComparedRuns:
+    """Two groups of recorded runs, compared.
 
     Attributes:
         decomposition: Both etas, split where both rewards are known and the distances are recorded.
@@ -60,6 +60,7 @@ class Comparison:
     def to_json(self) -> dict[str, Any]:
         """What ``harness eta --json`` prints."""
         return {
+            "format": 1,
             **self.decomposition.to_json(),
             "rewards": self.rewards,
             "runs": self.runs,
@@ -89,7 +90,7 @@ def compare_recordings(
     with_events: bool = False,
     baseline_reward: str | None = None,
     proposed_reward: str | None = None,
-) -> Comparison:
+) -> ComparedRuns:
     """Indices and etas of two groups of runs, read in lock-step: files of any length, in bounded memory.
 
     Args:
@@ -117,7 +118,7 @@ def compare_recordings(
     elif missing is None:
         missing = "one group's reward is not finite on the other group's runs"
     names = ("baseline", "proposed")
-    return Comparison(
+    return ComparedRuns(
         _corrected(decompose(curves, _are_paired(*groups), missing)),
         curves,
         {name: guess.choice for name, guess in zip(names, guesses, strict=True)},

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from harness.errors import UsageError
-from harness.experiment.plan import Plan, table_of
+from harness.experiment.plan import Plan
+from harness.experiment.task_plan import table_of
 from harness.record.cell import Cell
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import tomli_w
 
-from harness.experiment.plan import table_of
+from harness.experiment.task_plan import table_of
 from harness.files.whole_file import write_whole
 from harness.registry.choice import choose
 from harness.registry.registry import Registry

@@ -23,9 +23,8 @@ from harness.experiment.plan import (
     Steps,
     check_experiment,
     expand,
-    table_of,
 )
-from harness.experiment.task_plan import Given
+from harness.experiment.task_plan import Given, table_of
 from harness.registry.choice import Choice
 from harness.registry.parameters import build
 from harness.registry.registry import Registry

@@ -21,7 +21,7 @@ from harness.record.trace import COLUMN, FLAGS, INTEGERS, SCALARS, Trace, TraceW
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
-from harness.score.compare import Comparison, compare_recordings
+from harness.score.compare import ComparedRuns, compare_recordings
 from harness.score.open_recording import match_recordings
 from harness.score.scorer import score_trace
 
@@ -251,10 +251,10 @@ RECORDED = {
 
 
 @pytest.fixture
-def compare(tmp_path: Path) -> Callable[..., Comparison]:
+def compare(tmp_path: Path) -> Callable[..., ComparedRuns]:
     """Compares two groups of two recorded runs each, of which the last `columns` columns are recorded."""
 
-    def compare_files(columns: int = 6, **flags: Any) -> Comparison:
+    def compare_files(columns: int = 6, **flags: Any) -> ComparedRuns:
         groups = []
         for name, rows in RECORDED.items():
             (tmp_path / name).mkdir(exist_ok=True)

@@ -24,7 +24,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
 from harness.report.rows.comparison import format_p
 from harness.report.tables.eta import eta_table
-from harness.score.compare import Comparison, compare_recordings
+from harness.score.compare import ComparedRuns, compare_recordings
 from harness.score.open_recording import match_recordings, open_recording
 
 Pay = Callable[[float, float, float], float]
@@ -72,7 +72,7 @@ def groups(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def compare(baseline: Path | str, proposed: Path | str, **given: Any) -> Comparison:
+def compare(baseline: Path | str, proposed: Path | str, **given: Any) -> ComparedRuns:
     """Compare all CSV files of two folders, or what two patterns match."""
     patterns = [f"{where}/*.csv" if Path(where).is_dir() else str(where) for where in (baseline, proposed)]
     return compare_recordings(*map(match_recordings, patterns), load_registry(), **given)

@@ -11,7 +11,7 @@ from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.comparison import Group
-from harness.results.done_cells import DoneCells
+from harness.results.load import done_cells_of
 
 
 class EndedCells:
@@ -20,7 +20,7 @@ class EndedCells:
     def __init__(
         self, store: Store, registry: Registry, plan: Plan, metrics: str | Sequence[str] | None = None
     ) -> None:
-        self._cells, self._plan = DoneCells(store, registry, metrics), plan
+        self._cells, self._plan = done_cells_of(plan.cells, store, registry, metrics), plan
         self._rewards: dict[Group, dict[Choice, None]] = {}
         for cell in plan.cells:
             self._rewards.setdefault(Group.of(cell), {})[cell.reward] = None
@@ -33,7 +33,7 @@ class EndedCells:
         Raises:
             OSError: The table cannot be written.
         """
-        if ended.status == "done" and not ended.cell.is_in_environment:
+        if ended.status == "done":
             self.keep(ended)
         self._table.add(ended)
         self._table.refresh()

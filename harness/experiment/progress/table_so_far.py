@@ -2,16 +2,14 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
-from harness.metric import Metric
 from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.results.done_cells import DoneCells
-from harness.results.floors import Floors
-from harness.results.measured import Measured
-from harness.results.recordings.recording_results import numbers_in_environment
-from harness.results.table import Numbers, metric_columns, numbers_of, write_table
+from harness.results.measured import Values
+from harness.results.recordings.done_recordings import DoneRecordings
+from harness.results.table import Numbers, write_table
 
 EVERY = 30.0
 """The least seconds between two tables. With many cells a table takes longer to write."""
@@ -20,7 +18,9 @@ EVERY = 30.0
 class TableSoFar:
     """The table of an experiment while its cells end."""
 
-    def __init__(self, store: Store, cells: DoneCells, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, store: Store, cells: DoneCells | DoneRecordings, clock: Callable[[], float] = time.monotonic
+    ) -> None:
         """Read nothing yet.
 
         Args:
@@ -29,7 +29,7 @@ class TableSoFar:
             clock: Tells seconds.
         """
         self._store, self._cells, self._clock = store, cells, clock
-        self._measured: dict[str, tuple[Manifest, Measured | Numbers | None]] = {}
+        self._measured: dict[str, tuple[Manifest, Callable[[Values], Numbers] | None]] = {}
         self._missing: dict[str, Manifest] = {}
         self._due = -math.inf
 
@@ -51,14 +51,8 @@ class TableSoFar:
         if not self._missing:
             return
         if self._can_be_read():
-            write_table(self._store.folder, self._rows(), metric_columns(self._metrics))
+            write_table(self._store.folder, self._rows(), self._cells.columns)
         self._due = self._clock() + EVERY
-
-    @property
-    def _metrics(self) -> Mapping[str, Metric]:
-        """Metrics know the arm alone."""
-        in_environment = any(manifest.cell.is_in_environment for manifest, _ in self._measured.values())
-        return {} if in_environment else self._cells.metrics
 
     def _can_be_read(self) -> bool:
         """Take in what has ended; whatever a plugin raises here, the report will meet and tell: the run goes on."""
@@ -72,24 +66,12 @@ class TableSoFar:
         self._missing.clear()
         return True
 
-    def _measure(self, manifest: Manifest) -> Measured | Numbers | None:
-        """All but random actions: the cell that does them may not have ended. Metrics know the arm alone."""
-        if manifest.status != "done":
-            return None
-        if manifest.cell.is_in_environment:
-            return numbers_in_environment(self._store.folder, self._store.cell_folder(manifest.cell))
-        found = self._cells.of(manifest)
-        measured = found.measured({})
-        found.finish()
-        return measured
+    def _measure(self, manifest: Manifest) -> Callable[[Values], Numbers] | None:
+        """All but random actions: the cell that does them may not have ended."""
+        return self._cells.numbers(manifest) if manifest.status == "done" else None
 
     def _rows(self) -> list[tuple[Manifest, Numbers | None]]:
-        ended = {manifest.cell: manifest for manifest, _ in self._measured.values()}
-        floors = Floors(self._store, ended.values(), lambda cell: self._cells.of(ended[cell]))
-
-        def numbers(manifest: Manifest, measured: Measured | Numbers | None) -> Numbers | None:
-            if not isinstance(measured, Measured):
-                return measured
-            return numbers_of(measured._replace(random=floors.of(manifest.cell)), self._metrics)
-
-        return [(manifest, numbers(manifest, measured)) for manifest, measured in self._measured.values()]
+        floor_of = self._cells.floors(manifest for manifest, _ in self._measured.values())
+        return [
+            (manifest, numbers and numbers(floor_of(manifest.cell))) for manifest, numbers in self._measured.values()
+        ]

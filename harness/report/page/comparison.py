@@ -1,7 +1,10 @@
 """One comparison as the page tells it: the answer, the behaviour, the number, what the rewards pay for."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from harness.report.answers import badge_of, symbol_of
 from harness.report.apart import BETWEEN
 from harness.report.figures.accumulated import draw_panels
 from harness.report.figures.chart import Chart
@@ -13,7 +16,6 @@ from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
 from harness.report.page.frames import frames_of
-from harness.report.page.matrix import SYMBOLS, badge_of
 from harness.report.page.outcomes import Bar, outcome_bars
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
 from harness.report.rows.behaviour import (
@@ -57,6 +59,17 @@ class Panel(NamedTuple):
     caption: str
 
 
+EMPTY: Mapping[str, Any] = MappingProxyType(
+    {
+        **dict.fromkeys(("returns", "frames", "behaviour", "payoffs")),
+        **dict.fromkeys(("advice", "tests", "summary", "number"), ""),
+        **dict.fromkeys(("mixtures", "strips", "outcomes", "episodes", "endings", "showing", "learning", "splits"), ()),
+        **dict.fromkeys(("curves", "profiles", "other_behaviour", "numbers", "trajectories"), ()),
+    }
+)
+"""What the template shows of a comparison of which nothing is known."""
+
+
 def comparison_section(
     results: Results, combination: Comparison, title: str, points: int, audits: Audits, links: EpisodeLinks | None
 ) -> dict[str, Any]:
@@ -70,7 +83,7 @@ def comparison_section(
         "title": title,
         "answer": answer_text(headline),
         "badge": badge_of(headline.answer),
-        "symbol": SYMBOLS[headline.answer],
+        "symbol": symbol_of(headline.answer),
         "robot": f"{headline.robot} {basis_text(combination)}".strip(),
         "number": headline.number,
         "returns": returned._replace(title="") if returned.rows or returned.notes else None,

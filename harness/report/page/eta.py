@@ -1,21 +1,40 @@
 """Two groups of recorded runs compared, as one HTML file that opens anywhere, offline."""
 
 from pathlib import Path
+from typing import Any
 
 from harness.eta.curve import GroupCurve
+from harness.eta.headline import Answer
 from harness.eta.scored_sums import BB, KK
+from harness.report.answers import badge_of, symbol_of, word_of
 from harness.report.figures.accumulated import draw_curve
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
+from harness.report.figures.split import draw_split
+from harness.report.figures.split_rows import describe_split
+from harness.report.page.comparison import EMPTY, Panel
+from harness.report.page.html import NO_SECTIONS, SHARED, TEMPLATE
 from harness.report.page.page import render_page, write_page
+from harness.report.rows.comparison import (
+    index_grid,
+    path_grid,
+    ratio_grid,
+    scales_text,
+    split_grid,
+    sum_grid,
+)
 from harness.report.tables.eta import comparison_title, runs_text
-from harness.score.compare import Comparison
+from harness.score.compare import ComparedRuns
 
-TEMPLATE = Path(__file__).parent / "eta.html.j2"
 FIGURE = "The {kind} reward of every run over environment steps, and the mean of each group."
+THIN = "Thin: one line per run. Thick: the mean of a group, which the indices are taken from."
+NO_VERDICT = (
+    "Nothing says how the robot behaves: these files have rewards alone. Rewards cannot tell whether it behaves "
+    "better, or only the numbers are bigger."
+)
 
 
-def write_eta_page(comparison: Comparison, path: Path) -> None:
+def write_eta_page(comparison: ComparedRuns, path: Path) -> None:
     """Write every run's curve and the means to `path`, in one go: a reader finds the old file or the new one, whole.
 
     Raises:
@@ -24,15 +43,51 @@ def write_eta_page(comparison: Comparison, path: Path) -> None:
     page = render_page(
         TEMPLATE,
         "--plot",
-        title=comparison_title(comparison),
-        runs=runs_text(comparison),
-        number=comparison.number,
-        figure=draw_chart(draw_groups(comparison), FIGURE.format(kind=comparison.kind)),
+        **{
+            **NO_SECTIONS,
+            "question": comparison_title(comparison),
+            "comparisons": [_section(comparison)],
+            "is_open": True,
+            "told": {**SHARED, "subject": "robot", "cells": "Runs"},
+            "cell_count": runs_text(comparison),
+        },
     )
     write_page(page, path, "The figure")
 
 
-def draw_groups(comparison: Comparison) -> Chart:
+def _section(comparison: ComparedRuns) -> dict[str, Any]:
+    """What the template shows of both groups."""
+    decomposition, splits = comparison.decomposition, comparison.decomposition.splits
+    drawn = [(name, draw_split(name, split), describe_split(name, split)) for name, split in splits.items()]
+    figure = draw_chart(draw_groups(comparison), FIGURE.format(kind=comparison.kind))
+    return {
+        **EMPTY,
+        "title": runs_text(comparison),
+        "answer": word_of(Answer.CANNOT_TELL),
+        "badge": badge_of(Answer.CANNOT_TELL),
+        "symbol": symbol_of(Answer.CANNOT_TELL),
+        "robot": NO_VERDICT,
+        "number": comparison.number,
+        "summary": scales_text("robot"),
+        "splits": [
+            Panel(f"{name} = ruler x behaviour", draw_chart(chart, told), told)
+            for name, chart, told in drawn
+            if chart is not None
+        ],
+        "curves": [Panel("Both groups", figure, THIN)],
+        "numbers": [
+            grid
+            for grid in (
+                *(of(splits) for of in (ratio_grid, split_grid, path_grid)),
+                sum_grid(decomposition.total),
+                index_grid(decomposition, comparison.kind),
+            )
+            if grid.rows or grid.notes
+        ],
+    }
+
+
+def draw_groups(comparison: ComparedRuns) -> Chart:
     """Both groups in one panel: a thin line per run, a thick one for their mean."""
     lines = [
         line

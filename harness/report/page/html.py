@@ -1,10 +1,11 @@
 """The report as one HTML file that opens anywhere, offline."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from harness.report.answers import LEGEND
 from harness.report.document import report_text
 from harness.report.facts import repeat_of
 from harness.report.figures.forest import EXPLANATION as FOREST
@@ -56,6 +57,31 @@ OPEN = 2
 """Up to this many comparisons are shown in full. If there are more, each is a line that opens."""
 
 
+SHARED: Mapping[str, str] = MappingProxyType(
+    {
+        "learning": TRAINED,
+        "crossover": CROSSOVER,
+        "split": SPLIT,
+        "paths": f"{PATHS} {TOTAL}",
+        "tests": TESTS,
+        "forest": FOREST,
+        "payoffs": PAYOFFS,
+        "payoff_title": PAYOFF_TITLE,
+        "returns": MEAN,
+        "legend": LEGEND,
+    }
+)
+"""Texts of the template."""
+NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
+    {
+        **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer")),
+        **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads"), ()),
+        **dict.fromkeys(("again", "experiment"), ""),
+    }
+)
+"""What the template shows where there is nothing but comparisons."""
+
+
 def write_html(results: Results, path: Path, audits: Audits = MappingProxyType({})) -> None:
     """Write the report to `path`, in one go: a reader finds the old file or the new one, whole.
 
@@ -104,19 +130,8 @@ def _render(results: Results, audits: Audits) -> str:
 def _told(results: Results) -> dict[str, str]:
     """Texts that all comparisons share."""
     is_evaluated = any(it.group.evaluate_every for it in results.combinations)
-    return {
-        "subject": results.subject,
-        "cells": "Cells" if results.is_experiment else "Recordings",
-        "learning": LEARNING if is_evaluated else TRAINED,
-        "crossover": CROSSOVER,
-        "split": SPLIT,
-        "paths": f"{PATHS} {TOTAL}",
-        "tests": TESTS,
-        "forest": FOREST,
-        "payoffs": PAYOFFS,
-        "payoff_title": PAYOFF_TITLE,
-        "returns": MEAN,
-    }
+    cells, learning = "Cells" if results.is_experiment else "Recordings", LEARNING if is_evaluated else TRAINED
+    return {**SHARED, "subject": results.subject, "cells": cells, "learning": learning}
 
 
 def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:

@@ -10,15 +10,13 @@ from harness.eta.headline import SHORT, Answer
 from harness.eta.index import Ratio
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
+from harness.report.answers import badge_of, symbol_of, word_of
 from harness.report.apart import tell_apart
 from harness.report.rows.behaviour import behaviour_row, percentage, text_of
 from harness.report.rows.comparison import answer_text, format_number, interval_text, ratio_text
 from harness.report.summary.cells import plain_text
 from harness.results.comparison import Comparison, Group
 from harness.results.overview import NOTHING
-
-SYMBOLS = {Answer.HELPS: "▲", Answer.HURTS: "▼", Answer.NO_DIFFERENCE: "=", Answer.CANNOT_TELL: "?"}
-"""Symbols that tell the answers apart without colour."""
 
 
 class Sortable(NamedTuple):
@@ -75,11 +73,6 @@ COLUMNS = (
 """The columns of the table as a file."""
 
 
-def badge_of(answer: Answer) -> str:
-    """The class that colours an answer."""
-    return answer.name.lower().replace("_", "-")
-
-
 def anchor_of(place: int) -> str:
     """The anchor of a comparison on the page, by its place, counted from 0."""
     return f"combination-{place + 1}"
@@ -101,7 +94,7 @@ def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     found = {(entry.proposed, entry.place): entry for entry in entries}
     rows = [(reward, [found.get((reward, place)) for place in places]) for reward in rewards]
     counts = [
-        (badge_of(answer), answer.value.upper(), sum(entry.badge == badge_of(answer) for entry in entries))
+        (badge_of(answer), word_of(answer), sum(entry.badge == badge_of(answer) for entry in entries))
         for answer in Answer
     ]
     shared = apart.shared if len(baselines) > 1 else f"{apart.shared}, against {''.join(baselines)}"
@@ -169,7 +162,7 @@ def _entry(number: int, place: str, combination: Comparison, kinds: _Kinds) -> E
         f"{combination.proposed} (A/A)" if combination.is_control else combination.proposed,
         answer_text(headline),
         badge_of(headline.answer),
-        SYMBOLS[headline.answer],
+        symbol_of(headline.answer),
         difference,
         (*returned, *etas, *_measured(change)),
     )

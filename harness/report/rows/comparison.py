@@ -15,6 +15,7 @@ from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import smallest_p
 from harness.record.forms import Status
 from harness.record.plan_file import EXPERIMENT
+from harness.report.answers import word_of
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC
@@ -65,7 +66,7 @@ def seeds_text(seeds: Sequence[int]) -> str:
 
 def answer_text(headline: Headline) -> str:
     """The answer about the robot, as a badge shows it."""
-    return headline.answer.value.upper()
+    return word_of(headline.answer)
 
 
 def scales_text(subject: str) -> str:

@@ -4,7 +4,8 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import SHORT, count_seeds
+from harness.eta.headline import SHORT, Answer, count_seeds
+from harness.report.answers import LOOKS
 from harness.report.rows.behaviour import behaviour_row
 from harness.report.rows.comparison import Grid, answer_text
 from harness.report.tables.grid import show_grid
@@ -12,7 +13,10 @@ from harness.results.between import Between, Pair, Verdict
 from harness.results.comparison import Comparison
 from harness.results.overview import line_names, measure_text, shared_text, short_value
 
-STYLES = {Verdict.BETTER.value.upper(): "bold green", Verdict.WORSE.value.upper(): "bold red"}
+STYLES = {
+    Verdict.BETTER.value.upper(): LOOKS[Answer.HELPS].style,
+    Verdict.WORSE.value.upper(): LOOKS[Answer.HURTS].style,
+}
 READING = (
     "before > after. the policy: whether the proposed reward's policies do better or worse than before, by a test over "
     "the seeds that are in both. {subject}: whether the proposed reward helps beside the baseline."

@@ -5,12 +5,12 @@ from rich.text import Text
 
 from harness.report.rows.comparison import index_grid, ratio_grid, scales_text, split_grid, sum_grid
 from harness.report.tables.grid import show_grid
-from harness.score.compare import Comparison
+from harness.score.compare import ComparedRuns
 
 UNKNOWN = "an unknown reward"
 
 
-def eta_table(comparison: Comparison) -> RenderableType:
+def eta_table(comparison: ComparedRuns) -> RenderableType:
     """What ``harness eta`` prints: the number in words first, then what it rests on, as ``harness report`` shows it."""
     splits = comparison.decomposition.splits
     parts: list[RenderableType] = [
@@ -30,13 +30,13 @@ def eta_table(comparison: Comparison) -> RenderableType:
     return Group(*parts, Text(f"\n{scales_text('robot')}"))
 
 
-def comparison_title(comparison: Comparison) -> str:
+def comparison_title(comparison: ComparedRuns) -> str:
     """Which rewards were compared, as far as they are known."""
     names = {who: name or UNKNOWN for who, name in comparison.rewards.items()}
     return f"proposed {names['proposed']} against {names['baseline']}"
 
 
-def runs_text(comparison: Comparison) -> str:
+def runs_text(comparison: ComparedRuns) -> str:
     """How many runs there are, and which part of them is not compared."""
     parts = []
     for who, count in comparison.runs.items():

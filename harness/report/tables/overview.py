@@ -7,7 +7,7 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.console import Group as Together
 from rich.text import Text
 
-from harness.eta.headline import Answer
+from harness.report.answers import STYLES
 from harness.report.rows.comparison import Grid, advice, basis_text, count_cells, remarks_on_cells, split_grid
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.tables.grid import divide_columns, show_grid
@@ -23,9 +23,6 @@ from harness.results.overview import (
     varying_kinds,
 )
 from harness.results.return_matrix import ReturnMatrix
-
-STYLES = {Answer.HELPS.value.upper(): "bold green", Answer.HURTS.value.upper(): "bold red"}
-"""Styles of rich for the answers. The words say everything without a colour too."""
 
 
 def overview_table(results: Results, details: str) -> RenderableType:

@@ -210,7 +210,7 @@ def read_runs(
     if not everything:
         told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
-    env, env_notes = env_of(folder, everything)
+    env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
     seeds, seed_notes = _with_seeds([it for it in everything if not it.facts.evaluation])
     evaluated = [it for it in everything if it.facts.evaluation]
     evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
