@@ -50,19 +50,19 @@ class TrainingEnv(Protocol):
 
     @property
     def observation_space(self) -> "Space[Any]":
-        """Of all envs together: a box of shape (num_envs, observation_size), float32."""
+        """The space of all envs together: a box of shape (num_envs, observation_size), float32."""
 
     @property
     def single_observation_space(self) -> "Space[Any]":
-        """Of one env: a box of shape (observation_size,), float32."""
+        """The space of one env: a box of shape (observation_size,), float32."""
 
     @property
     def action_space(self) -> "Space[Any]":
-        """Of all envs together."""
+        """The space of all envs together."""
 
     @property
     def single_action_space(self) -> "Space[Any]":
-        """Of one env: a box, or a `gymnasium.spaces.Discrete`."""
+        """The space of one env: a box, or a `gymnasium.spaces.Discrete`."""
 
     def reset(self, *, seed: int | None = None) -> tuple[Float32, dict[str, Any]]:
         """Begin an episode in every env; returns the observations, (num_envs, observation_size), and infos."""

@@ -41,7 +41,7 @@ def audit_table(audit: Audit, title: str, setting: str, against: str) -> Rendera
 
 
 def _rescaling(audit: Audit, title: str, against: str) -> list[Text]:
-    """That the reward is the other one but for its scale; empty if it is not."""
+    """A sentence that says that the reward is the other one but for its scale; empty if it is not."""
     if audit.rescaling is None:
         return []
     return [

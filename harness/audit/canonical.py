@@ -175,7 +175,7 @@ def _following(sample: Sample, distance: Float) -> Sample:
 
 
 def _mean(value: Any, count: int) -> Float:
-    """Of each env's `count` values, (n * count,) to (n,)."""
+    """The mean of each env's `count` values, (n * count,) to (n,)."""
     mean: Float = np.asarray(value, np.float64).reshape(-1, count).mean(axis=1)
     return mean
 

@@ -36,7 +36,7 @@ class Timing:
 
     @cached_property
     def seconds(self) -> dict[str, float]:
-        """Of each part the median over the rounds, [s]."""
+        """The median over the rounds for each part, [s]."""
         return {part: statistics.median(times.seconds[part] for times in self.rounds) for part in PARTS}
 
     @property

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 METERED = ("simulator", "reward", "trace", "env")
 """Parts of the training that have a meter."""
 ENGINE = ("reset", "drive", "place")
-"""Of `harness.simulator.Simulation`: what an env calls while it trains."""
+"""The methods of `harness.simulator.Simulation` that an env calls while it trains."""
 
 
 class Stopwatch(Watch):

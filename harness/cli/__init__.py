@@ -3,7 +3,7 @@
 import sys
 
 INTERRUPTED = 130
-"""As a shell says it: 128 and the number of SIGINT."""
+"""The exit status of an interrupted command, as a shell says it: 128 and the number of SIGINT."""
 
 
 def main(args: list[str] | None = None) -> None:

@@ -66,7 +66,7 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
 )
 """Every command by the heading that it stands under in the help: what one needs first comes first."""
 UNFORESEEN = 70
-"""As EX_SOFTWARE of sysexits.h."""
+"""The exit status after an error that nobody foresaw, EX_SOFTWARE of sysexits.h."""
 
 
 def _show_version(wanted: bool) -> None:

@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from harness.results import Results
 
 EPISODES = 20
-"""Of each scripted policy: half a second for a robot and task, and the answer no longer changes."""
+"""The episodes of each scripted policy: half a second for a robot and task, and the answer no longer changes."""
 GAMMA = 0.95
-"""As ``harness audit`` has it."""
+"""The discount that ``harness audit`` has too."""
 
 
 def audits_of(results: "Results") -> "Audits":

@@ -57,7 +57,7 @@ def _time(found: "Foreseen") -> str:
 
 
 def about(seconds: float) -> str:
-    """As ``about 12 min``."""
+    """A duration as text, ``about 12 min``."""
     for size, unit in ((3600, "h"), (60, "min")):
         if seconds >= 2 * size:
             return f"about {seconds / size:.0f} {unit}"
@@ -65,7 +65,7 @@ def about(seconds: float) -> str:
 
 
 def _size(count: float) -> str:
-    """As ``about 1.2 MB``."""
+    """A size as text, ``about 1.2 MB``."""
     power = 0
     while count >= 1000.0 and power < len(UNITS) - 1:
         count, power = count / 1000.0, power + 1

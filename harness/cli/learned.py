@@ -12,19 +12,19 @@ def learned_texts(success: float | None, mean: float | None) -> list[str]:
 
 
 def success_text(success: float | None) -> str:
-    """As ``success 64 %``; empty before an episode has ended."""
+    """The share of successes as text, ``success 64 %``; empty before an episode has ended."""
     return "" if success is None else f"success {100 * success:.0f} %"
 
 
 def return_text(mean: float | None) -> str:
-    """As ``return 31.2``, in eight characters at most behind the word; empty before an episode has ended."""
+    """The mean return as text, ``return 31.2``, with up to eight characters; empty before an episode has ended."""
     if mean is None:
         return ""
     return f"return {mean:,.0f}" if 1e3 <= abs(mean) < 1e6 else f"return {mean:.3g}"
 
 
 def unended_text(cell: Cell, steps: int, mean: float | None) -> str:
-    """That no episode of a training has ended, where nothing but the environment ends them; empty before it is odd.
+    """A line if no episode of a training has ended, where only the environment ends them; empty before that is odd.
 
     Args:
         cell: Which training.

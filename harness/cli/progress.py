@@ -134,7 +134,7 @@ class LiveProgress:
         self._progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
 
     def _done_so_far(self, task: Task) -> str:
-        """Of a cell its steps, where there is room; of all cells how many have ended."""
+        """The steps of a cell, if there is room; of all cells, how many have ended."""
         if task.id == self._overall:
             return f"{self._ended}/{self._total}"
         return f"{task.completed:,.0f}/{task.total:,.0f}" if self._console.width >= WIDE else ""
@@ -197,7 +197,7 @@ def _return(task: Task) -> str:
 
 
 def _left(task: Task) -> str:
-    """As ``1:02 left``."""
+    """The time that is left as text, ``1:02 left``."""
     seconds = task.time_remaining
     if seconds is None:
         return "-:-- left"
@@ -211,6 +211,6 @@ def _parts(cell: Cell) -> tuple[str, ...]:
 
 
 def _differing_parts(cells: Sequence[Cell]) -> list[int]:
-    """Of the parts of a name those that tell the cells apart; all where there is but one cell."""
+    """The parts of a name that tell the cells apart; all of them if there is but one cell."""
     columns = list(zip(*map(_parts, cells), strict=True))
     return [index for index, column in enumerate(columns) if len(set(column)) > 1] or list(range(len(columns)))

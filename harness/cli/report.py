@@ -61,7 +61,7 @@ def report(
 
 
 def _show_committed(folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:
-    """Of records nothing can be computed anew; what they say is shown."""
+    """Show what records say. Nothing can be computed anew of them."""
     from harness.cli.terminal import show
     from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
 

@@ -50,5 +50,5 @@ def _detail(one: "Progress", found: "FolderStatus") -> str:
 
 
 def _time_left(seconds: float | None) -> str:
-    """As ``; about 12 min left``."""
+    """The time that is left as text, ``; about 12 min left``."""
     return "" if seconds is None else f"; {about(seconds)} left"

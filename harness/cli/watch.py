@@ -48,7 +48,7 @@ class Pages:
         return str(sum(1 for _ in self._folder.glob("cells/[!.]*/manifest.json")))
 
     def page(self) -> str:
-        """As HTML.
+        """The page as HTML.
 
         Raises:
             HarnessError: The folder cannot be read.

@@ -18,7 +18,7 @@ from harness.robot.kinematics import link_frames, read_only
 from harness.robot.shapes import Shape
 
 ROUNDS = 200
-"""Of projections at most; what is not decided by then is closer to the clearance than `EXACT`."""
+"""The most projections; what is not decided by then is closer to the clearance than `EXACT`."""
 EXACT = 1e-6
 """[m]."""
 

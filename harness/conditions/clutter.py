@@ -12,11 +12,12 @@ from harness.robot.inverse_kinematics import reach_position
 MARGIN = 0.03
 """More than the clearance, from the arm at its start and from the target, [m]."""
 TRIES = 20
-"""Of a place for an obstacle; one that finds none is left out."""
+"""How often a place for an obstacle is tried; an obstacle that finds none is left out."""
 WAYS, POSES = 12, 12
 """Ways from start to target that are tried, and poses looked at on each half of one."""
 SPREAD = 0.15
-"""Of an obstacle from the line between end effector and target, along each axis, as a share of the arm's reach."""
+"""How far an obstacle lies from the line between end effector and target, along each axis, as a share of the arm's
+reach."""
 
 
 def draw_clutter(

@@ -112,7 +112,7 @@ class Senses:
         self._blocks[:] = -1
 
     def _noise_now(self) -> list[NDArray[np.float64]]:
-        """Of joints, speeds, their changes, target and action in the present steps, (num_envs, ...) each."""
+        """The noise of joints, speeds, their changes, target and action in the present steps, (num_envs, ...) each."""
         steps = self._episodes.step.astype(int)
         blocks = steps // BLOCK
         for k in np.flatnonzero(blocks != self._blocks):

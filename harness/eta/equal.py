@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeAlias
 
 Key: TypeAlias = tuple[str, int]
-"""Of a training: its reward and its seed."""
+"""The reward and the seed of a training."""
 
 
 def equal_trainings(digests: Mapping[Key, str]) -> tuple[tuple[Key, ...], ...]:

@@ -21,7 +21,7 @@ Bounds: TypeAlias = tuple[float, float]
 """The least and the greatest value that something can have; infinite where nothing is known."""
 UNBOUNDED: Bounds = (-math.inf, math.inf)
 SHARE: Bounds = (0.0, 1.0)
-"""Of a share of episodes, and of a mean over them of something between 0 and 1."""
+"""The bounds of a share of episodes, and of a mean over them of something between 0 and 1."""
 ROUNDING = 1e-9
 """By so much a mean may pass its bounds: the way along a straight line may be computed as shorter than the line."""
 

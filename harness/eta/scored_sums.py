@@ -44,7 +44,7 @@ class ScoredSums:
         return _left_out(self.whole, self.without, self.paired)
 
     def geometric(self) -> tuple[Sums, tuple[Sums, ...]]:
-        """Of either training under its own reward: geometric means of single runs' sizes, with all and without each.
+        """Geometric means of single runs' sizes, either training under its own reward: with all runs, without each.
 
         Takes runs that are not 0.
         """

@@ -56,7 +56,7 @@ class Split:
 
     @property
     def opposition(self) -> str:
-        """That one path says the behaviour got better and the other that it got worse; empty where none does."""
+        """A sentence if one path says that the behaviour got better and the other that it got worse; else empty."""
         parts = [path.behaviour for path in self.paths]
         values = [part.value for part in parts if part.near_zero is None and part.value is not None]
         if len(values) < 2 or (values[0] - 1.0) * (values[1] - 1.0) >= 0.0:
@@ -68,7 +68,7 @@ class Split:
 
     @property
     def averaging(self) -> str:
-        """That the mean curve says something else than the seeds do one by one; empty where it does not."""
+        """A sentence if the mean curve says something else than the seeds do one by one; else empty."""
         whole, single = self.eta.value, self.per_seed.value
         if whole is None or single is None or self.eta.near_zero is not None or min(whole, single) <= 0.0:
             return ""

@@ -15,7 +15,7 @@ import numpy as np
 from harness.arrays import Float, Mask
 
 ALL_UP_TO = 13
-"""Of so many seeds all ways are tried, 4,096; of more, so many drawn ones."""
+"""Up to this many seeds all ways are tried, 4,096; of more seeds, so many drawn ways."""
 DRAWN = 4_096
 SEED = 105
 ALPHA = 0.05

@@ -268,7 +268,7 @@ def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[s
 
 
 def _require_any(tasks: Sequence[TaskPlan]) -> Callable[[Sequence[str]], None]:
-    """Of several tasks one has to have the metrics: another one may lack them."""
+    """A check that passes if one of several tasks has the metrics: another one may lack them."""
 
     def require(names: Sequence[str]) -> None:
         problems = []

@@ -246,6 +246,6 @@ def _locate(robot: str, registry: Registry) -> str:
 
 
 def table_of(choice: Choice) -> dict[str, Any]:
-    """As an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
+    """A choice as an experiment file holds it; a parameter that is None is left out, for TOML has no word for it."""
     params = {key: value for key, value in choice.to_json()["params"].items() if value is not None}
     return {"name": choice.name, **params}

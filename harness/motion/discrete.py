@@ -29,7 +29,7 @@ class Discrete:
 
     @property
     def jumps(self) -> bool:
-        """As the mode that is chosen from."""
+        """Whether the mode that is chosen from jumps."""
         return self.inner.jumps
 
     def decode(self, choices: NDArray[np.integer], qpos: Float) -> Float:
@@ -62,7 +62,7 @@ class Discrete:
         return self.inner.advance(qpos, qvel, action)
 
     def stay(self, qpos: Float) -> Float:
-        """As the mode that is chosen from."""
+        """The action of the mode that is chosen from, with which an arm stays."""
         return self.inner.stay(qpos)
 
     def increments(self) -> Float:

@@ -26,7 +26,7 @@ ON_THE_WAY = 1e-7
 """An end effector this close to where it should be is there, [m]."""
 
 REFINEMENTS = 2
-"""Of the share of a piece that joints at their limits do."""
+"""How often the share of a piece is refined that joints at their limits do."""
 
 MISSED = 0.1
 """A point that they miss by more than this share of the way to it cannot be reached."""
@@ -232,4 +232,4 @@ def _smallest(limit: Float, movement: Float) -> Float:
 
 
 HUGE = 1e9
-"""As good as no limit, and squares of it are numbers."""
+"""A number that is as good as no limit, and whose square is a number."""

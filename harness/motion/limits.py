@@ -116,7 +116,7 @@ class JointLimits:
             object.__setattr__(self, name, value)
 
     def _braked(self, qpos: Float, qvel: Float, speed: Float) -> tuple[Float, Float]:
-        """As `advance`, for speeds that differ from the last ones by no more than allowed: slow enough to stop."""
+        """The same as `advance`, for speeds that differ from the last ones by what is allowed: slow enough to stop."""
         low, high = self._braking_bounds(qpos, qvel)
         speed = np.maximum(np.minimum(speed, high), low)
         return np.minimum(np.maximum(qpos + speed * self.period, self.lower), self.upper), speed

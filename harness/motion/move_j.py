@@ -59,4 +59,4 @@ class MoveJ:
 
 
 _ONE, _MINUS_ONE = np.array(1.0), np.array(-1.0)
-"""As arrays: numpy turns a float into one at every call."""
+"""Arrays, because numpy turns a float into one at every call."""

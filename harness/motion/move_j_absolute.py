@@ -10,7 +10,7 @@ from harness.motion.limits import JointLimits
 from harness.motion.motion import Move, Setting
 
 INCREMENT = 0.1
-"""Of a discrete choice, as a share of half a joint's range."""
+"""The way of a discrete choice, as a share of half a joint's range."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,8 @@ SMALL = 1e-4
 MOSTLY = 0.5
 """A delay that explains this share of a difference is its explanation."""
 BESIDE = 3.0
-"""Whose error is so many times the other's is the one that is off; so much more where joints turn is told."""
+"""A simulator whose error is so many times the other's is the one that is off; so much more where joints turn is
+told."""
 NOTE = (
     "Turning: how many times larger the distance of the tips is where joints change their speed than elsewhere. "
     "Contact: from the first one on that either sees, to the end of the dive; no forces are compared."

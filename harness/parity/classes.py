@@ -12,7 +12,7 @@ from harness.robot import Robot
 
 SLOW, SMOOTH, FAST, SINGULAR, CONTACT = "slow", "smooth", "fast", "singular", "contact"
 CREEP = Pace(0.2, 0.1)
-"""Of slow motions."""
+"""The pace of slow motions."""
 SHORTEST, LONGEST = 0.3, 1.0
 """A fast joint keeps its direction so long, [s]."""
 CHOICES = 32
@@ -27,7 +27,7 @@ class Told(NamedTuple):
     """What a class asks of the joints at most, over all its motions."""
 
     speed: float
-    """As a share of a joint's largest speed."""
+    """The speed as a share of a joint's largest speed."""
     acceleration: float
     """The same of accelerations."""
     singular_value: float
@@ -140,5 +140,5 @@ def draw_singular(robot: Robot, rng: np.random.Generator, steps: int, period: fl
 
 
 def in_order(motions: Mapping[str, Float]) -> dict[str, Float]:
-    """As they are shown."""
+    """The classes in the order in which they are shown."""
     return {name: motions[name] for name in (SLOW, SMOOTH, FAST, SINGULAR, CONTACT) if name in motions}

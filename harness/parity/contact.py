@@ -12,7 +12,7 @@ GRACE = 5
 """Control periods after the first contact that still count: later ones tell how the arms bounce."""
 
 CONTACT_KEYS = ("contact_disagreement", "dives", "mean_contact_delay_s", "max_contact_delay_s")
-"""Of the JSON."""
+"""Keys of the JSON."""
 
 
 @dataclass(frozen=True)

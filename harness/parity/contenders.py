@@ -19,7 +19,7 @@ class Missing(NamedTuple):
 
     name: str
     extra: str | None
-    """Of its distribution, which brings the library."""
+    """The extra of its distribution that brings the library."""
     remedy: str
     """What to type."""
 

@@ -11,7 +11,7 @@ from harness.report.figures.chart import Axis, Chart, Line, linear_axis
 from harness.report.figures.points import select_points
 
 COLOURS = 7
-"""Of the page's style sheet, ``pair-0`` and so on: apart for every kind of colour vision."""
+"""The colours of the page's style sheet, ``pair-0`` and so on: apart for every kind of colour vision."""
 DASHES = ("", "8 4", "2 3", "8 3 2 3", "14 4")
 """Lines of pairs may cover one another: each has its own dashes as well. Their number and the colours' share no
 factor, so that all 35 combinations come."""

@@ -12,7 +12,7 @@ from harness.report.rows.comparison import Grid
 from harness.results.overview import NOTHING
 
 MEASURES = ("tip max\n[mm]", "tip mean\n[mm]", "joint max\n[deg]", "contact\ndiffers", "contact\nlater [s]")
-"""Of a pair."""
+"""The measures of a pair."""
 SIMULATOR_NOTE = (
     f"Placed: at {POSES} or more random poses, against the robot's own forward kinematics. Driven: against where the "
     "arm was told to be. Largest errors. Step: one control period of one arm, median, the simulators taking turns."

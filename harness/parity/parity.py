@@ -23,7 +23,7 @@ from harness.parity.track import Track
 from harness.simulator import family_of
 
 FORMAT = 1
-"""Of the JSON."""
+"""The version of the JSON."""
 NO_DIVES = f"the arm reaches no point {DEPTH:g} m below the ground"
 
 

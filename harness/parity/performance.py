@@ -17,11 +17,11 @@ class Performance(NamedTuple):
     driven: Track
     dived: Track | None
     others: dict[str, Track]
-    """Of the other classes of motions."""
+    """The tracks of the other classes of motions."""
 
     @property
     def classes(self) -> dict[str, Track]:
-        """Of every class of motions."""
+        """The tracks of every class of motions."""
         dived = {} if self.dived is None else {CONTACT: self.dived}
         return {SMOOTH: self.driven, **dived, **self.others}
 

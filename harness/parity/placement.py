@@ -16,9 +16,9 @@ class Placement(NamedTuple):
     """The largest errors over all poses."""
 
     error_m: float
-    """Of the tip, against the robot's own forward kinematics, [m]."""
+    """The error of the tip, against the robot's own forward kinematics, [m]."""
     error_rad: float
-    """Of a joint, against where it was placed, [rad]."""
+    """The error of a joint, against where it was placed, [rad]."""
 
 
 def random_poses(robot: Robot, seed: int, episodes: int) -> Float:

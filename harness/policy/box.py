@@ -7,7 +7,7 @@ Ends = tuple[float, ...]
 MOST_ACTIONS = 100
 """At once: an arm has one for each of its joints."""
 LARGEST = 1e18
-"""Of the ends: their difference is finite in float32."""
+"""The largest size of an end: the difference of both ends is finite in float32."""
 
 
 def describe_box(low: Ends, high: Ends) -> dict[str, Any]:

@@ -15,11 +15,11 @@ from harness.record.folder import CARD, WEIGHTS
 
 FORMAT = 2
 MOST_CARD_BYTES = 2**20
-"""Of a card: ours have two thousand, most of them the training cell."""
+"""The most bytes of a card: ours have two thousand, most of them the training cell."""
 MOST_WEIGHT_BYTES = 64 * 2**20
-"""Of the arrays: those of three layers of 2,048, and 100 times what reaching takes."""
+"""The most bytes of the arrays: those of three layers of 2,048, and 100 times what reaching takes."""
 MOST_HEADER_BYTES = 2**20
-"""Of the names and shapes before the arrays: 10,000 of them."""
+"""The most bytes of the names and shapes before the arrays: 10,000 of them."""
 Weights = Mapping[str, Float32]
 
 

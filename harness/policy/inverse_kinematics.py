@@ -26,7 +26,7 @@ KINDS = ("revolute", "continuous", "prismatic")
 LONGEST_PERIOD = 1e3
 """[s]; ours is a fiftieth."""
 SHAPES = {"joints": (4, 4), "axes": (3,), "lower": (), "upper": (), "max_speed": (), "max_change": ()}
-"""Of each array's part for one joint."""
+"""The shape of each array's part for one joint."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,5 +168,5 @@ class KnownArm:
 
     @cached_property
     def reach(self) -> float:
-        """As of `harness.robot.Robot`."""
+        """The arm's reach, as `harness.robot.Robot` has it."""
         return chain_length(self.chain, self.lower, self.upper)

@@ -22,7 +22,7 @@ class Floor(NamedTuple):
 
     @classmethod
     def of(cls, cell: Cell) -> Self:
-        """That of a cell."""
+        """The floor of a cell."""
         return cls(cell.simulator, cell.robot, cell.task, cell.evaluation_episodes, cell.evaluation_horizon)
 
 

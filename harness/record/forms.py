@@ -9,9 +9,9 @@ from pydantic import AfterValidator, ConfigDict, Field, StringConstraints, TypeA
 from typing_extensions import TypedDict
 
 MOST_CELLS = 1_000_000
-"""Of a plan."""
+"""The most cells of a plan."""
 MOST_FILES = 100_000
-"""Of a cell's folder."""
+"""The most files of a cell's folder."""
 
 
 def _inside(path: str) -> str:

@@ -19,7 +19,7 @@ from harness.record.forms import Status, require_form
 SEALED_SINCE = 2
 """The first format of manifests, those of transfers included, that names the digests of its folder's files."""
 SHOWN_DIGITS = 8
-"""Of a hash of sources, where people read it."""
+"""The digits of a hash of sources, where people read it."""
 OF_A_GOAL = ("error", "unit")
 """Left out of the file where the task has none: it is as it was before there were any."""
 Told = TypeVar("Told")

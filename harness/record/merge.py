@@ -31,7 +31,7 @@ from harness.record.united_plan import unite
 from harness.record.verify import read_transfer_ending
 
 RANKS: tuple[Status, ...] = ("done", "failed", "skipped")
-"""Of a cell that is in several folders the first of these is taken."""
+"""The states of a cell that is in several folders: the one with the first of these is taken."""
 
 
 class LeftOut(NamedTuple):
@@ -104,7 +104,7 @@ def _choose(folders: Sequence[Path]) -> Merged:
 
 
 def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[LeftOut]) -> Store | None:
-    """Whose cell is taken; None where it has not ended anywhere."""
+    """The store whose cell is taken; None if the cell has not ended anywhere."""
     found: dict[Status, list[tuple[Store, Manifest]]] = {}
     for store in stores:
         manifest = store.examine(cell)
@@ -137,7 +137,7 @@ def _digests_of_steps(store: Store, manifest: Manifest) -> dict[str, str]:
 
 
 def _choose_transfers(cell: Cell, stores: Iterable[Store], merged: Merged) -> None:
-    """Of each simulator the first evaluation that is done, else the first that failed."""
+    """Take the first evaluation of each simulator that is done, else the first that failed."""
     ranks: dict[Path, Status] = {}
     for store in stores:
         for folder, status in _transfers_of(cell, store, merged.left_out):

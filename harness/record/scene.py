@@ -22,10 +22,10 @@ from harness.record.forms import EXACT, Name, require_form
 
 FORMAT = 1
 MOST_BYTES = 4 * 2**20
-"""Of a file; one that we write has a tenth of it."""
+"""The most bytes of a file; one that we write has a tenth of it."""
 MOST_JOINTS, MOST_BODIES, MOST_TRIANGLES = 16, 1_000, 50_000
 ROUNDING = 1e-6
-"""Of rotations and unit vectors."""
+"""The rounding of rotations and unit vectors."""
 FULL = 32_767
 """Points are whole numbers up to it, in parts of the largest coordinate of their body."""
 

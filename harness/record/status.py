@@ -15,7 +15,7 @@ from harness.record.store import Store
 
 @dataclass(frozen=True)
 class Progress:
-    """Of one cell.
+    """The progress of one cell.
 
     Attributes:
         cell: Which.
@@ -35,7 +35,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class FolderStatus:
-    """Of an experiment's folder.
+    """The status of an experiment's folder.
 
     Attributes:
         folder: The folder.

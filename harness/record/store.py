@@ -209,7 +209,7 @@ class Store:
         return partial
 
     def manifests(self) -> list[Manifest]:
-        """Of all cells that have ended, by start; those that cannot be read are left out.
+        """The manifests of all cells that have ended, by start; those that cannot be read are left out.
 
         Raises:
             NewerFormat: A newer version wrote one.

@@ -54,7 +54,7 @@ FORMAT = 2
 """Format 1 has no `held` and no `terminated`: both events ended an episode."""
 FORMAT_KEY = b"harness.trace"
 FACTS_KEY = b"harness.facts"
-"""Of the `EpisodeFacts`; a file of an earlier version has none."""
+"""The key of the `EpisodeFacts`; a file of an earlier version has none."""
 NOTHING_KNOWN = EpisodeFacts()
 
 TRACE_BYTES, MOST_ROWS = 2**35, 200_000_000

@@ -86,7 +86,7 @@ def _with_seed_list(plan: StoredPlan) -> dict[str, Any]:
 
 
 def _in_order(plan: StoredPlan) -> tuple[Cell, ...]:
-    """As one experiment has its cells: seeds outermost, the null control's last."""
+    """Cells in the order in which one experiment has them: seeds outermost, the null control's last."""
     ranks: Mapping[Any, int] = {
         choice: rank
         for rank, choice in enumerate(

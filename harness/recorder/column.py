@@ -64,7 +64,7 @@ class Column:
 
     @property
     def key(self) -> str | None:
-        """Of ``info``, if it is read there."""
+        """The key of ``info``, if it is read there."""
         return self.given if isinstance(self.given, str) and self.given != OWN else None
 
     @property

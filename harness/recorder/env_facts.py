@@ -28,7 +28,7 @@ def env_facts(env: Any) -> dict[str, Any]:
 
 
 def _first_spec(env: Any) -> EnvSpec | None:
-    """That of the first env of a batch which was made of single envs."""
+    """The spec of the first env of a batch that was made of single envs."""
     return env.envs[0].spec if isinstance(env, SyncVectorEnv) else None
 
 
@@ -57,7 +57,7 @@ def plain(value: Any) -> Any:
 
 
 def versions_of(env: Any, learners: Collection[str] = LEARNERS) -> dict[str, str]:
-    """Of Python, of what records, of the env's package and of those `learners` that are loaded."""
+    """The versions of Python, of what records, of the env's package and of those `learners` that are loaded."""
     home = type(env.unwrapped).__module__.partition(".")[0]
     loaded = {name: getattr(sys.modules.get(name), "__version__", None) for name in (home, *learners)}
     return {

@@ -17,7 +17,7 @@ from harness.recorder.record_rewards import RecordRewards
 
 EPISODES = 100
 FIRST_SEED = 1_000_000_007
-"""Of the first episode; the next one has the next. Trainings hardly ever use it."""
+"""The seed of the first episode; the next one has the next. Trainings hardly ever use it."""
 
 
 def evaluate_policy(

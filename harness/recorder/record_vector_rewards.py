@@ -22,7 +22,7 @@ from harness.recorder.recorder import Recorder, differs, kept
 
 Array = NDArray[Any]
 RESET_MASK = "reset_mask"
-"""Of the options of ``reset``: the envs that are reset, (num_envs,)."""
+"""The option of ``reset`` that says which envs are reset, (num_envs,)."""
 
 
 class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):

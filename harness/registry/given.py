@@ -24,7 +24,7 @@ from harness.registry.sources import imports_of
 from harness.registry.spec import Spec
 
 MOST_BYTES = 2**20
-"""Of a file with plugins."""
+"""The most bytes of a file with plugins."""
 MOST_BESIDE = 100
 """Files beside it that a file may import."""
 ENDING = ".py"
@@ -56,7 +56,7 @@ class PluginFile:
 
     @property
     def name(self) -> str:
-        """Of the file, without its folder: what stands for the distribution."""
+        """The name of the file, without its folder: it stands for the distribution."""
         return Path(self.path).name
 
     @property

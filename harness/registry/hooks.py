@@ -43,7 +43,7 @@ def _faults_of(hook: FunctionType) -> Iterator[str]:
 
 
 def _name_of(hook: FunctionType) -> str:
-    """Of the hook that a function implements: mostly its own."""
+    """The name of the hook that a function implements: mostly its own."""
     return getattr(hook, f"{PROJECT}_impl").get("specname") or hook.__name__
 
 

@@ -23,7 +23,7 @@ from harness.registry.sources import BESIDE
 from harness.registry.spec import Spec
 
 OF_FILE = "__harness_file__"
-"""Of the module of a plugin file: the `PluginFile`."""
+"""The attribute of the module of a plugin file that holds the `PluginFile`."""
 
 
 def import_file(file: PluginFile) -> ModuleType:
@@ -169,7 +169,7 @@ def _copy(file: PluginFile, name: str, text: str) -> Path:
 
 
 def _folder_of(file: PluginFile) -> Path:
-    """Of the copies of a file and of those beside it; removed when this process ends."""
+    """The folder of the copies of a file and of those beside it; it is removed when this process ends."""
     folder = Path(_own_folder().name) / file.digest[:16]
     folder.mkdir(exist_ok=True)
     return folder

@@ -49,7 +49,7 @@ class Plugin:
 
     @property
     def complaint(self) -> str:
-        """Whose it is and what is wrong with it, in a line."""
+        """A line that says whose it is and what is wrong with it."""
         package = f"{self.distribution} {self.version}".rstrip()
         return f"plugin '{self.name}' of {package} is {self.status}: {self.reason}"
 
@@ -175,14 +175,14 @@ def conflict(specs: list[Spec]) -> str:
 
 
 def _meant(specs: list[Spec]) -> Spec | None:
-    """Whose a name is that these claim: the only one's, or the harness's own; None where that cannot be told."""
+    """The spec meant by a name that several claim: the only one, or the harness's own; None if nobody can tell."""
     ours = [spec for spec in specs if spec.is_built_in]
     candidates = ours or specs
     return candidates[0] if len(candidates) == 1 else None
 
 
 def _usable_names(specs: list[Spec]) -> Iterator[str]:
-    """Of those that claim one name: the plain name, and the qualified names of the others."""
+    """The names of specs that claim one name: the plain name, and the qualified names of the others."""
     meant = _meant(specs)
     owners = [canonical(spec.distribution) for spec in specs]
     for spec in specs:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 BESIDE = "__harness_beside__"
-"""Of the module of a plugin file: the copies of the files beside it that it imports."""
+"""The attribute of the module of a plugin file that holds the copies of the files beside it that it imports."""
 
 
 def source_hash(target: Any) -> str:
@@ -21,7 +21,7 @@ def source_hash(target: Any) -> str:
 
 
 def source_files(target: Any) -> list[Path]:
-    """Of a class its own file, those of the classes that it is derived from, and what it names in ``sources``.
+    """The file of a class, those of the classes that it is derived from, and what it names in ``sources``.
 
     Of what a plugin file has, also the files beside it that it imports.
 
@@ -43,7 +43,7 @@ def _is_pythons_own(part: Any) -> bool:
 
 
 def _module_files(name: str) -> list[Path]:
-    """Of a module, or of all modules of a package."""
+    """The files of a module, or of all modules of a package."""
     spec = importlib.util.find_spec(name)
     if spec is None:
         return []
@@ -96,7 +96,7 @@ def _is_plain(value: Any) -> bool:
 
 
 def _files_behind(module: str) -> list[Path]:
-    """Of a module and of those that it imports from its own distribution, and so on."""
+    """The files of a module and of those that it imports from its own distribution, and so on."""
     root, found, waiting = module.partition(".")[0], dict[str, Path | None](), [module]
     while waiting:
         name = waiting.pop()
@@ -149,5 +149,5 @@ def _digest(files: Iterable[Path]) -> str:
 
 @lru_cache(maxsize=512)
 def _content(file: str) -> bytes:
-    """Of a source file, as it was when it was first asked for: what runs was loaded before."""
+    """The content of a source file, as it was when it was first asked for: what runs was loaded before."""
     return Path(file).read_bytes()

@@ -50,7 +50,7 @@ class Spec:
 
     @property
     def title(self) -> str:
-        """Whose it is, to begin a message with: ``Algorithm 'cem' of package cem-algo 0.1``."""
+        """The name with its owner, to begin a message with: ``Algorithm 'cem' of package cem-algo 0.1``."""
         return f"{sentence(NOUNS[self.kind])} '{self.name}' of package {self.package}"
 
     @property

@@ -14,7 +14,7 @@ from harness.text import one_line_of
 NONE: Mapping[str, Any] = MappingProxyType({})
 
 MOST_BYTES = 2**19
-"""Of a file: an experiment with a list of 10,000 seeds has a fifth of it."""
+"""The most bytes of a file: an experiment with a list of 10,000 seeds has a fifth of it."""
 MOST_DEPTH = 20
 """Tables and lists within one another; ours have four."""
 

@@ -11,7 +11,7 @@ class Look(NamedTuple):
     symbol: str
     """Tells the answers apart without colour."""
     style: str = ""
-    """Of rich, for the word in a terminal; empty for plain text."""
+    """The style of rich for the word in a terminal; empty for plain text."""
 
 
 LOOKS = {

@@ -17,7 +17,7 @@ from harness.results.measured import Moment, Values, moments_by_due
 from harness.results.records import Records
 
 STRETCHES = 20
-"""Of a training, each a point of its curve: the mean over the episodes that ended in it."""
+"""How many stretches a training has, each a point of its curve: the mean over the episodes that ended in it."""
 PAID = "return, as paid"
 """What the curve of an arm's own reward is called."""
 

@@ -36,7 +36,8 @@ class Measured(NamedTuple):
     """All values of one cell."""
 
     manners: Mapping[str, Values]
-    """Of the trained policy by how it acted, and of the training itself; in the order in which they are shown."""
+    """Values of the trained policy by how it acted, and of the training itself; in the order in which they are
+    shown."""
     episodes: Mapping[str, int]
     """How many finished episodes each manner rests on."""
     random: Values

@@ -28,7 +28,7 @@ class Policies(NamedTuple):
     """The policies that one reward trained, in one group of cells."""
 
     names: tuple[str, ...]
-    """Of the measures."""
+    """The names of the measures."""
     measure: Callable[[str, int], Measure]
     """A function of a measure's name and of how many episodes it is a share of, if it is a share."""
     did: Mapping[int, Did]

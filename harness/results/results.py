@@ -22,7 +22,7 @@ from harness.results.return_matrix import ReturnMatrix, return_matrices
 from harness.results.table import Numbers, cell_to_json, metric_columns, numbers_of, table_of, write_table
 
 FORMAT = 1
-"""Of what reports say as JSON; docs/json.md explains it."""
+"""The version of what reports say as JSON; docs/json.md explains it."""
 
 
 class Results(Records):

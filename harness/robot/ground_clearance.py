@@ -11,7 +11,7 @@ from harness.arrays import Float, Mask
 from harness.robot.shapes import Shape
 
 MARGIN = 1e-9
-"""Of a ball around shapes, [m]: more than rounding, so that no shape reaches lower than its ball."""
+"""The margin of a ball around shapes, [m]: more than rounding, so that no shape reaches lower than its ball."""
 AT_ONCE = 256
 """Points whose heights are computed at once: as many as fit into the processor's cache for a few hundred arms."""
 
@@ -110,7 +110,7 @@ class Solids:
         return contact
 
     def _lowest_of_sums(self, upward: Float) -> Float:
-        """As `lowest`, without meshes; of each frame the last row alone, (dof, 4, n): its z axis and its height."""
+        """The same as `lowest`, without meshes, from the last row of each frame, (dof, 4, n): z axis and height."""
         up = upward[self.frames]
         along = np.abs([_dot(self.axes[:, axis], up) for axis in range(3)])  # (3, count, n)
         depth = _dot(self.half_edges, np.moveaxis(along, 0, 1))

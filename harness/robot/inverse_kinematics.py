@@ -16,13 +16,13 @@ from harness.robot.kinematics import (
 from harness.robot.rotations import rotation_between
 
 DAMPING = 0.05
-"""Of the least squares, [m]: small beside an arm's reach, large enough to pass a singular pose."""
+"""The damping of the least squares, [m]: small beside an arm's reach, large enough to pass a singular pose."""
 
 POSE_DAMPING = 0.02
 """The same where the orientation counts too: a turn's lever is shorter."""
 
 STRIDE = 0.15
-"""Of one step, as a share of the arm's reach: the Jacobian says nothing about far away, and arms overshoot."""
+"""The most of one step, as a share of the arm's reach: the Jacobian says nothing about far away, and arms overshoot."""
 
 
 LEVER = 0.1
@@ -89,7 +89,7 @@ def reach_pose(
     angle_tolerance: float = 1e-2,
     iterations: int = 60,
 ) -> tuple[Float, Mask]:
-    """As `reach_position`, with the orientation: a turn of 1 rad counts as much as a way of `LEVER`.
+    """The same as `reach_position`, with the orientation: a turn of 1 rad counts as much as a way of `LEVER`.
 
     Args:
         robot: The arm.

@@ -19,13 +19,13 @@ from harness.text import one_line_of
 HEADER = 84
 """Bytes of a binary STL before its first triangle; the last four say how many there are."""
 MOST_BYTES = 64 * 2**20
-"""Of a file: a binary STL of `MOST_TRIANGLES` has 10 MiB, one in text some five times as much."""
+"""The most bytes of a file: a binary STL of `MOST_TRIANGLES` has 10 MiB, one in text some five times as much."""
 MOST_TRIANGLES = 200_000
-"""Of a surface: MuJoCo takes no more of an STL either."""
+"""The most triangles of a surface: MuJoCo takes no more of an STL either."""
 LONGEST_LINE = 1_000
 """Bytes that are read of the line of a point."""
 LARGEST = 1e9
-"""Of a point's coordinates, in whatever unit: in micrometres a kilometre."""
+"""The largest coordinate of a point, in whatever unit: in micrometres a kilometre."""
 NO_POINTS = f"it holds no points, or some that are not finite or beyond {LARGEST:g}"
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 

@@ -18,16 +18,17 @@ from harness.robot.urdf import LARGEST, Joint, JointKind, Urdf, linked, read_axi
 
 NEXT_TO_NO_MASS = ElementTree.fromstring("""<inertial><mass value="1e-6"/>
 <inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/></inertial>""")
-"""Of a link without mass, in kg and kg m^2. Engines would take 1 kg, a solid of water, or a part of the ground."""
+"""The inertia of a link without mass, in kg and kg m^2. Engines would take 1 kg, a solid of water, or a part of the
+ground."""
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 SMALLEST_MOMENT = 1e-9
 """[kg m^2]."""
 ROUNDING = 1e-3
-"""Of the moments in a URDF, as a share of them."""
+"""The rounding of the moments in a URDF, as a share of them."""
 MOST_SHAPES = 1_000
 """Collisions and visuals of all links together: a hundred for each link of an arm."""
 MOST_MESH_BYTES = 512 * 2**20
-"""Of the files of all of these together, each as often as it is named."""
+"""The most bytes of the files of all of these together, each as often as it is named."""
 
 
 def normal_urdf(urdf: Urdf, driven: Collection[str], folder: Path) -> Urdf:

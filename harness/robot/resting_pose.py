@@ -17,13 +17,13 @@ BEND = 0.5
 WIDEST_BEND = np.radians(45.0)
 """The most that a turning joint leaves the middle, [rad]."""
 CLEARANCE = 0.1
-"""Of the moving links and the end effector over the ground, as a share of the chain's length."""
+"""The clearance of the moving links and the end effector over the ground, as a share of the chain's length."""
 LOW_SHARE = 0.5
-"""Of how high they get at best, for links that are always low: those of a turret near the ground."""
+"""The share of how high they get at best, for links that are always low: those of a turret near the ground."""
 LEAST_CLEARANCE = 2e-3
-"""Of any of them, [m]: more than what engines add to shapes."""
+"""The least clearance of any of them, [m]: more than what engines add to shapes."""
 HIGH = 1e6
-"""Of what has no shape, [m]."""
+"""The height of what has no shape, [m]."""
 AGILITY = 0.5
 """How far from a singular pose, as a share of what the best of the poses has."""
 
@@ -88,7 +88,7 @@ def _needed_heights(simple: Float, clearance: float) -> Float:
 
 
 def _heights(chain: Chain, shapes: Sequence[Sequence[Shape]], poses: Float) -> Float:
-    """Of the lowest point of what each joint moves, and of the end effector, (dof + 1, n), [m]."""
+    """The heights of the lowest point of what each joint moves, and of the end effector, (dof + 1, n), [m]."""
     frames = link_frames(chain, poses)
     heights = np.full((chain.dof + 1, len(poses)), HIGH)
     for joint in range(chain.dof):

@@ -25,7 +25,7 @@ from harness.robot.urdf import Joint, parse_urdf, read_chain
 
 FEWEST_JOINTS, MOST_JOINTS = 3, 8
 MOST_BYTES = 4 * 2**20
-"""Of a URDF: 200 for each of the elements that it may have. A humanoid's has a fifth of a megabyte."""
+"""The most bytes of a URDF: 200 for each of the elements that it may have. A humanoid's has a fifth of a megabyte."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,15 +20,15 @@ KINDS = (*get_args(JointKind), "planar", "floating")
 Vector = tuple[float, float, float]
 
 MOST_LINKS = 200
-"""Of a URDF: an arm has ten, a humanoid with both hands less than 150."""
+"""The most links of a URDF: an arm has ten, a humanoid with both hands less than 150."""
 MOST_ELEMENTS = 20_000
-"""Of a URDF's XML: 100 for each of its links."""
+"""The most elements of a URDF's XML: 100 for each of its links."""
 MOST_LEVELS = 30
 """Elements within one another; a URDF has six."""
 SHOWN = 20
 """Names in a message."""
 LARGEST = 1e18
-"""Of a number: more than any arm's, and products of several stay finite."""
+"""The largest number: more than any arm's, and products of several stay finite."""
 
 
 class _BoundedBuilder(ElementTree.TreeBuilder):

@@ -85,7 +85,7 @@ def require_unclaimed(kind: str, name: PluginName, registry: Registry) -> None:
 
 
 def plural_of(kind: str) -> str:
-    """As the hooks and the registry call a kind, ``rewards``."""
+    """The plural by which the hooks and the registry call a kind, ``rewards``."""
     return next(plural for plural, noun in NOUNS.items() if noun == kind)
 
 

@@ -44,7 +44,7 @@ class PluginName:
 
     @property
     def class_name(self) -> str:
-        """As ``MyReward``."""
+        """The name of the class, ``MyReward``."""
         return "".join(word.capitalize() for word in self.text.split("-"))
 
     def _owner(self) -> str:

@@ -22,7 +22,7 @@ FINER = 2
 MARGIN = 1.15
 """Around what is seen; nearer, it looks larger than in proportion."""
 FOCAL, AWAY, TURN, RISE = 2.6, 2.8, -0.9, 0.35
-"""Of the camera: focal length, distance in radii of what it shows, and where it stands, [rad]."""
+"""The camera: focal length, distance in radii of what it shows, and where it stands, [rad]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,11 +17,11 @@ from harness.robot.urdf import parse_urdf
 from harness.scene.triangles import fewer, surface
 
 TRIANGLES = 16_000
-"""Of an arm, at most: a page with several arms stays small."""
+"""The most triangles of an arm: a page with several arms stays small."""
 FEWEST = 40
-"""Of a shape, where there are very many."""
+"""The fewest triangles of a shape, where there are very many."""
 GREY = "#9aa0a6"
-"""Of what the URDF gives no colour."""
+"""The colour of what the URDF gives no colour."""
 
 
 class Part(NamedTuple):
@@ -138,7 +138,7 @@ def _colour_of(visual: Element, colours: dict[str, str]) -> str:
 
 
 def _colour(material: Element) -> str:
-    """As ``#rrggbb``; grey where the material names no colour that can be read."""
+    """A colour as text, ``#rrggbb``; grey if the material names no colour that can be read."""
     colour = material.find("color")
     words = "" if colour is None else colour.get("rgba", "")
     try:

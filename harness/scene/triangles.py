@@ -13,7 +13,7 @@ from harness.robot.shapes import ShapeKind
 AROUND = 24
 """Corners of a circle."""
 RINGS = 5
-"""Of a half sphere."""
+"""The rings of a half sphere."""
 FINEST = 96
 """Cells of the grid along the longest side of a mesh, to begin with."""
 

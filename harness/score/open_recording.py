@@ -12,7 +12,7 @@ from harness.score.recording import Recording
 from harness.score.trace_recording import open_trace
 
 MOST_BYTES = 8 * 2**30
-"""Of a file: `harness.score.recording.MOST_ROWS` of 160 bytes each; they are read a piece at a time."""
+"""The most bytes of a file: `harness.score.recording.MOST_ROWS` of 160 bytes each; they are read a piece at a time."""
 _PARQUET = b"PAR1"
 
 

@@ -24,7 +24,7 @@ from harness.recorder.recorder import kept
 from harness.testing.violations import Check, check, raise_first, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
-"""That are tried, and that an episode may take."""
+"""The steps that are tried, and the most that an episode may take."""
 Row = list[float]
 
 

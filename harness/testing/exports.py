@@ -19,7 +19,7 @@ from harness.testing.violations import Check, check, raise_first, require
 
 Act: TypeAlias = Callable[[Float32], Any]
 TOLERANCE = 1e-3
-"""Of an action, as a share of half the box: two libraries round each layer in their own way."""
+"""The tolerance of an action, as a share of half the box: two libraries round each layer in their own way."""
 LARGE = 3.0
 """By how much the drawn observations are larger than those of the easy task: so that no part of a network is idle."""
 

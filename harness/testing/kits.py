@@ -73,4 +73,4 @@ KITS: Mapping[str, Kit] = MappingProxyType(
 )
 """By kind, as `harness.hookspecs.KINDS` has them; commands have none."""
 EXPORTS = Kit(EXPORT_CHECKS)
-"""Of policies; see `harness.testing.exports`."""
+"""The kit of policies; see `harness.testing.exports`."""

@@ -18,7 +18,7 @@ from harness.testing.violations import Check, check, raise_first, require
 
 POSES = 20
 STEP = 1e-6
-"""Of the finite differences, [rad] or [m]."""
+"""The step of the finite differences, [rad] or [m]."""
 MOST_JACOBIAN_ERROR = 1e-5
 """[m/rad] or [m/m]."""
 LEAST_EFFECT = 1e-3

@@ -108,7 +108,7 @@ class WatchedEnv(ReachVectorEnv):
         self.seeds: list[Any] = []
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Float32, Infos]:
-        """As any reset; keeps the seed."""
+        """Any reset; keeps the seed."""
         self.seeds.append(seed)
         observations, infos = super().reset(seed=seed, options=options)
         self._seen = self._shown(observations)
@@ -116,7 +116,7 @@ class WatchedEnv(ReachVectorEnv):
         return self._seen, infos
 
     def step(self, actions: Actions) -> tuple[Float32, Float, Mask, Mask, Infos]:  # type: ignore[override]
-        """As any step; counts it, and looks at the actions."""
+        """Any step; counts it, and looks at the actions."""
         self.steps += self.num_envs
         self.actions_in_box &= self.action_space.contains(np.asarray(actions, self.action_space.dtype))
         self.decisions.append(Decision(self._seen, np.array(actions), self._episode, self.told.newest))
@@ -198,7 +198,7 @@ def train_anew(
     env: int = 0,
     hindsight_bonus: float = 0.0,
 ) -> Training:
-    """As `train`, whatever was done before."""
+    """The same as `train`, whatever was done before."""
     watched = WatchedEnv(algorithm.num_envs, space or min(algorithm.action_spaces), needs_goals(algorithm))
     watched.bonus[env], watched.hindsight_bonus = bonus, hindsight_bonus
     watched.reset(seed=ENV_SEED)

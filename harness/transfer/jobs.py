@@ -58,7 +58,7 @@ class TransferEvent(NamedTuple):
     kind: Literal["started", "ended"]
     job: TransferJob
     reason: str = ""
-    """Of an ended job: why it failed; empty if it did not."""
+    """The reason why an ended job failed; empty if it did not."""
 
 
 @dataclass(frozen=True)

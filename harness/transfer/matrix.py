@@ -124,7 +124,7 @@ def load_transfers(results: Results) -> Transfers:
 
 
 def _records(results: Results, cell: Cell) -> list[TransferRecord]:
-    """Of the cell's policy as it is now, by simulator."""
+    """The records of the cell's policy as it is now, by simulator."""
     folders = sorted((results.folder / TRANSFER / cell.id).glob("[!.]*"))
     if not folders:
         return []
@@ -204,7 +204,7 @@ class _Table:
 
 
 def _evaluation(results: Results, cell: Cell, record: TransferRecord | None) -> Evaluation:
-    """Of a policy where it was trained, or where the record says."""
+    """The evaluation of a policy where it was trained, or where the record says."""
     if record is None:
         folder = results.store.cell_folder(cell)
     else:

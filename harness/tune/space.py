@@ -39,7 +39,7 @@ class Range:
 
     @property
     def text(self) -> str:
-        """As `parse_space` reads it."""
+        """The text as `parse_space` reads it."""
         return f"{self.low!r}..{self.high!r}{':log' if self.log else ''}"
 
     def value(self, drawn: Any) -> Any:
@@ -68,7 +68,7 @@ class Options:
 
     @property
     def text(self) -> list[str]:
-        """As `parse_space` reads it."""
+        """The text as `parse_space` reads it."""
         return list(self.texts)
 
     def value(self, drawn: Any) -> Any:

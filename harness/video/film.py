@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from PIL import Image, ImageDraw
 
 COLOURS = (BLUE, VERMILION, GREEN, GREY)
-"""Of the sides, as on the page."""
+"""The colours of the sides, as on the page."""
 WIDTH, HEIGHT, LINE = 320, 260, 22
-"""Of one side's picture and of a line of text, in pixels."""
+"""The size of one side's picture and of a line of text, in pixels."""
 FRAMES, FEWEST, PER_STEP = 36, 16, 5
-"""Of an episode: at most, at least, and of each step of a short one."""
+"""The frames of an episode: at most, at least, and for each step of a short one."""
 RATE = 12
 """Frames per second."""
 HELD = 1.0

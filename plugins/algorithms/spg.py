@@ -46,7 +46,7 @@ class Segment(NamedTuple):
     observation: Float32
     """Before the action, (T, num_envs, observation_size)."""
     action: Float32
-    """As drawn from eq. 37, (T, num_envs, action_size); the env gets it clipped to its box."""
+    """The action as drawn from eq. 37, (T, num_envs, action_size); the env gets it clipped to its box."""
     reward: Float32
     """(T, num_envs)."""
     ended: Mask

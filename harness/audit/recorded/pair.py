@@ -77,7 +77,7 @@ def pair_of(
 
 
 def mean_within(values: Sequence[float | None]) -> SeedMean:
-    """Of numbers in [0, 1], the interval cut to that; None are left out."""
+    """The mean of numbers in [0, 1], its interval cut to that range; numbers that are None are left out."""
     return mean_over_seeds([value for value in values if value is not None], bounds=SHARE)
 
 

@@ -39,7 +39,7 @@ def told_in(mean: SeedMean, pair: Pair, meaning: str) -> str:
 
 
 def pair_lines(pair: Pair) -> list[str]:
-    """That one is the other but for its scale, if so; and a line for each step that is paid most differently."""
+    """A line if one is the other but for its scale, and a line for each step that is paid most differently."""
     same = [] if pair.rescaling is None else [f"{pair.rescaling.sentence(pair.other, pair.one)}."]
     return [*same, *(f"Paid most differently: {_step_text(pair, step)}." for step in pair.largest)]
 
@@ -59,7 +59,7 @@ def add_answer(grid: Table, question: str, answer: str, meaning: str) -> None:
 
 
 def distance_text(mean: SeedMean) -> str:
-    """Of a distance, with its interval."""
+    """A distance, with its interval, as text."""
     if mean.mean is None:
         return MISSING
     return f"{mean.mean:.3f}" if mean.low is None else f"{mean.mean:.3f} [{mean.low:.3f}, {mean.high:.3f}]"

@@ -35,7 +35,7 @@ class StepApart:
 
     @property
     def difference(self) -> float:
-        """Of the deviations, never negative."""
+        """The difference of the deviations, never negative."""
         return abs(self.deviations[0] - self.deviations[1])
 
     def to_json(self) -> dict[str, Any]:

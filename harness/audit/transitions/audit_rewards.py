@@ -145,7 +145,7 @@ class _Taken:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the rewards."""
+        """The names of the rewards."""
         return tuple(self.rewards)
 
 

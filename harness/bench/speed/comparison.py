@@ -20,7 +20,7 @@ FLOOR = math.log(1.1)
 """A change of less than so much is none, however small the noise within the runs: what else the machine did moved the
 ratios of the same code by up to 7 % from run to run."""
 FALSE_ALARMS = 1e-3
-"""Of a comparison of the same code: how likely it is that noise alone makes it complain of anything."""
+"""How likely it is that noise alone makes a comparison of the same code complain of anything."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ CLOCK: Clock = time.process_time
 FEWEST, MOST = 5, 25
 """Turns."""
 LEAST = 0.02
-"""Of a turn, [s]: work that takes less is repeated within the turn."""
+"""The least time of a turn, [s]: work that takes less is repeated within the turn."""
 
 
 def nothing() -> None:

@@ -24,7 +24,7 @@ from harness.task import Task
 from harness.testing.opened import closed_motion
 
 ENGINE_CALLS = ("reset", "drive", "place")
-"""Of `harness.simulator.Simulation`: what an env calls."""
+"""The methods of `harness.simulator.Simulation` that an env calls."""
 ENGINE, LIBRARY = "bare engine", "bare library"
 SIMULATOR, ENV = "simulator", "env"
 CHEAP = "kinematic"
@@ -36,7 +36,7 @@ MOST_ROWS = 64
 PROBED = 16
 """Envs that are opened to see how much memory one takes."""
 SPARE = 0.8
-"""Of the memory that is free, what may be taken."""
+"""The share of the free memory that may be taken."""
 
 
 class Contest(NamedTuple):

@@ -16,7 +16,7 @@ from harness.files.bounded import read_json
 
 FORMAT = 1
 MOST_BYTES = 8 * 2**20
-"""Of a file; one of a thousand entries has two."""
+"""The most bytes of a file; one of a thousand entries has two."""
 
 
 class Spread(NamedTuple):
@@ -51,7 +51,7 @@ class Speed:
 
     @cached_property
     def seconds(self) -> dict[str, float]:
-        """Of an environment step, by contender the median over the rounds, [s]."""
+        """The time of an environment step, by contender the median over the rounds, [s]."""
         return {name: statistics.median(one.seconds[name] for one in self.rounds) for name in self.rounds[0].seconds}
 
     @cached_property

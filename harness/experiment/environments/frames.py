@@ -37,9 +37,9 @@ PICTURES = 8
 WIDTH, HEIGHT = 160, 160
 """The most pixels of a picture."""
 QUALITIES = (75, 50, 25, 5)
-"""Of WebP; the first one that is small enough is taken."""
+"""Qualities of WebP; the first one that is small enough is taken."""
 MOST_COMPARISONS = 12
-"""Of how many comparisons pictures are drawn: a page with all of them stays below 4 MB."""
+"""The most comparisons of which pictures are drawn: a page with all of them stays below 4 MB."""
 LIMITS = Limits(stall_after=60.0, cell_time=120.0)
 
 

@@ -18,7 +18,7 @@ FORMAT = 2
 """Since format 2 a recording may hold the actions."""
 Number = Annotated[float, Field(allow_inf_nan=False)]
 MOST_NAMES = 1_000
-"""Of rewards, and of measures of behaviour."""
+"""The most rewards, and the most measures of behaviour."""
 MOST_ENVS = 1_000_000
 MOST_SOURCE = 100_000
 """Characters of a reward's code that are kept."""

@@ -18,7 +18,7 @@ from harness.record.recording.facts import BEHAVIOUR, REWARD, TrainingFacts
 from harness.record.recording.scores import read_scores, scores_name
 
 PART_ROWS = 65_536
-"""Of every part but a recorder's last."""
+"""The rows of every part but a recorder's last."""
 PART_BYTES, MOST_PARTS, MOST_RECORDERS = 2**31, 100_000, 10_000
 """Most that is read of a recording."""
 
@@ -26,7 +26,7 @@ INTEGERS = ("env", "episode", "step")
 FLAGS = ("terminated", "truncated")
 ANSWER = "answer"
 CALLS = ("seed", "resets", ANSWER)
-"""Of a step whose action is recorded; `harness.recorder.calls.Calls` says what they are."""
+"""The columns of a step whose action is recorded; `harness.recorder.calls.Calls` says what they are."""
 STEPS = "steps-"
 """What the names of the parts begin with."""
 

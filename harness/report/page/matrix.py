@@ -59,7 +59,7 @@ class Matrix(NamedTuple):
     counts: list[tuple[str, str, int]]
     """How many comparisons have each answer: its badge, its words, the number."""
     headings: tuple[str, ...]
-    """Of the values of an entry."""
+    """The headings of the values of an entry."""
     told: str
     """What the map shows in each place, in a sentence."""
 

@@ -27,7 +27,7 @@ LEGEND = {"eta": "eta, equal to", "ruler": "ruler times", "behaviour": "behaviou
 
 
 NO_SPLIT = no_splits("not known")["eta_N"]
-"""Of a comparison without a mean return."""
+"""The split of a comparison without a mean return."""
 
 
 class Row(NamedTuple):

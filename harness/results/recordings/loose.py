@@ -36,7 +36,7 @@ class LooseStore(Store):
         return Manifest(cell, status="done")
 
     def manifests(self) -> list[Manifest]:
-        """Of all trainings."""
+        """The manifests of all trainings."""
         return list(map(self.examine, self._run_of))
 
     def cell_folder(self, cell: Cell) -> Path:

@@ -69,7 +69,7 @@ class Run:
 
     @property
     def reward(self) -> str:
-        """That it was trained with."""
+        """The reward that it was trained with."""
         return self.facts.trained_with
 
     def parts(self, steps: int) -> dict[str, Part]:
@@ -109,16 +109,16 @@ class Runs(NamedTuple):
     group: Group
     """What all of them share; of loose recordings, as far as it is known."""
     rewards: tuple[str, ...]
-    """That scored them, in the order that they were given in."""
+    """The rewards that scored them, in the order that they were given in."""
     trained: tuple[str, ...]
     """Those that taught a policy; the first one is the baseline."""
     measures: tuple[str, ...]
-    """Of behaviour, in the order that they were given in; the first one decides."""
+    """The measures of behaviour, in the order that they were given in; the first one decides."""
     lower_is_better: frozenset[str]
     members: Mapping[tuple[str, int], Run]
     """By reward and seed."""
     steps: int
-    """Of the shortest: all are cut to it."""
+    """The steps of the shortest: all are cut to it."""
     notes: tuple[str, ...]
     """What to keep in mind, a line each."""
     damaged: tuple[str, ...]
@@ -256,7 +256,7 @@ def _group_of(env: str, steps: int) -> Group:
 
 
 def _rescaled(rewards: Sequence[str], runs: Iterable[Run]) -> dict[tuple[str, str], Rescaling]:
-    """Of each reward the first one before it that it is but for scale and offset."""
+    """For each reward the first one before it that it is but for scale and offset."""
     found: dict[tuple[str, str], Rescaling] = {}
     for other, name in combinations(rewards, 2):
         lines = [

@@ -29,7 +29,7 @@ MOST_TOGETHER = 2.5
 FEWEST = 30
 """Actions that anything is concluded from."""
 AT_THE_END = 1e-4
-"""Of the box: an action so near to an end of it was clipped, and has nothing on its other side."""
+"""How near to an end of the box an action was clipped, and has nothing on its other side."""
 
 
 def require_in_the_middle(training: Training) -> None:

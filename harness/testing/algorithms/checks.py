@@ -30,9 +30,9 @@ from harness.testing.violations import Check, check, raise_first, require, setti
 
 FEW, MANY = 200, 1000
 LONGER, EVERY = 336, 120
-"""Of a training with checkpoints, and from one to the next."""
+"""The steps of a training with checkpoints, and from one to the next."""
 MIN_RISE = 5.0
-"""Of the mean return, [m]: 20 steps on the way instead of away from it bring several times as much."""
+"""The least rise of the mean return, [m]: 20 steps on the way instead of away from it bring several times as much."""
 
 
 def check_algorithm(algorithm: Algorithm) -> None:

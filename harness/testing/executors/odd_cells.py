@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
 
 NAME = "harness-testing"
-"""Of the simulator, the task, the reward and the algorithm."""
+"""The name of the simulator, the task, the reward and the algorithm."""
 STEPS = 3
 LASTS = 0.5
 """Seconds that a cell lasts which shows that it runs."""

@@ -12,9 +12,9 @@ from harness.record.trace import FLAGS, INTEGERS, NUMBERS, OBSTACLE, Trace
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2
 HORIZON = 9
-"""Of short episodes, which are enough for most checks."""
+"""The steps of short episodes, which are enough for most checks."""
 FACTS = EpisodeFacts(horizon=HORIZON, control_period=0.1, ik_steps=(3,), work=(2.5,))
-"""Of the one env that there is."""
+"""The facts of the one env that there is."""
 
 
 def recorded_trace(seed: int, ends: tuple[str, ...], horizon: int = HORIZON) -> Trace:

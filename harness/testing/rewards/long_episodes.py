@@ -8,7 +8,7 @@ from harness.testing.rewards.samples import HORIZON, pay, play, random_samples
 from harness.testing.violations import check, require
 
 STEPS = 5_000
-"""As many as an episode of the longest built-in task, ``unity-reach``."""
+"""The steps of an episode of the longest built-in task, ``unity-reach``."""
 EPISODES = 10
 
 

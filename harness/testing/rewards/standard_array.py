@@ -34,17 +34,17 @@ class StandardArray:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """As numpy's."""
+        """The same as numpy's."""
         return self.values.shape
 
     @property
     def ndim(self) -> int:
-        """As numpy's."""
+        """The same as numpy's."""
         return self.values.ndim
 
     @property
     def dtype(self) -> Any:
-        """As numpy's."""
+        """The same as numpy's."""
         return self.values.dtype
 
     def __array_namespace__(self, *, api_version: str | None = None) -> "StandardNamespace":

@@ -23,7 +23,7 @@ SHARES = np.array([1.0, 0.4, 0.7])
 MOVE = 0.2
 """The first env's way, as a share of what its joints can do in a period."""
 TOLERANCE = 0.1
-"""Of a way, as a share of it."""
+"""The tolerance of a way, as a share of it."""
 
 
 @check("sim-batch-order")

@@ -30,7 +30,7 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "render": ("env", "target", "width", "height"),
     "close": (),
 }
-"""Of a simulation, with the names of their arguments."""
+"""The methods of a simulation, with the names of their arguments."""
 
 
 @check("sim-methods")

@@ -11,7 +11,7 @@ from harness.testing.simulators.simulations import drive_out_and_back, opened, s
 from harness.testing.violations import check, require
 
 TARGET = np.array([0.6, 0.2, 0.5])
-"""Of the frames, [m]."""
+"""The target of the frames, [m]."""
 
 
 @check("sim-render")

@@ -13,11 +13,11 @@ from harness.testing.violations import check, require
 PARTS = (2, 4)
 """Into how many a period is divided."""
 SPEED = 0.3
-"""Of the steady motion, as a share of the largest speed."""
+"""The speed of the steady motion, as a share of the largest speed."""
 WARM_UP = 3
 """Whole periods before the one that is divided."""
 TOLERANCE = 0.05
-"""Of the way of a part, and of a speed, as a share of them."""
+"""The tolerance of the way of a part, and of a speed, as a share of them."""
 
 
 @check("sim-partial-durations")

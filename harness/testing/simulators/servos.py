@@ -29,7 +29,7 @@ from harness.testing.violations import Check, check, require, violations
 FAR = 0.5
 """How far a joint is told to go at once, as a share of what it can go [rad or m, of a radian or metre at most]."""
 ROUNDING = 0.05
-"""Of an energy or a way, as a share of it: engines step in time."""
+"""The rounding of an energy or a way, as a share of it: engines step in time."""
 WEAK, STRONG = 0.4, 4.0
 """Limits of drives that are compared, as shares of the robot's."""
 HEAVY = 60.0
@@ -206,7 +206,7 @@ def _driven(simulator: Simulator, robot: Robot) -> list[State]:
 
 
 def _tracking_error(simulator: Simulator, robot: Robot) -> float:
-    """Of all joints in all periods of `ramps`, the mean [rad] or [m]."""
+    """The mean error of all joints in all periods of `ramps`, [rad] or [m]."""
     states, targets = _driven(simulator, robot)[1:], ramps(robot, NUM_ENVS)
     return float(np.mean([np.abs(state.qpos - target) for state, target in zip(states, targets, strict=True)]))
 

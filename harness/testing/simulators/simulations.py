@@ -14,7 +14,7 @@ from harness.simulator import Simulation, Simulator, State
 from harness.testing.violations import require
 
 PERIOD = 0.1
-"""Of control, [s]."""
+"""The period of control, [s]."""
 NUM_ENVS = 3
 
 

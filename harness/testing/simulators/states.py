@@ -22,7 +22,7 @@ from harness.testing.violations import check, require
 HORIZON = 100
 """Control periods of a whole episode of the default task, ``fd100-reach``."""
 MAX_OFFSET = 1e-6
-"""Of the end effector from where the kinematics put it, [m]."""
+"""The largest offset of the end effector from where the kinematics put it, [m]."""
 
 
 @check("sim-shapes")

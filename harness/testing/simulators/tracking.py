@@ -17,11 +17,11 @@ from harness.testing.simulators.simulations import (
 from harness.testing.violations import check, require
 
 MAX_TRACKING_ERROR = np.radians(0.5)
-"""Of a joint that turns."""
+"""The largest error of a joint that turns."""
 MAX_SLIDING_ERROR = 5e-3
 """[m]"""
 MAX_SPEED_ERROR = 0.05
-"""Of a joint in steady motion, as a fraction of its speed."""
+"""The largest error of a joint in steady motion, as a fraction of its speed."""
 SMALL_MOVE = np.radians(0.3)
 
 

@@ -84,7 +84,7 @@ def starts_are_in_the_joint_ranges(task: Task, robot: Robot) -> None:
 
 @check("task-targets")
 def targets_are_points(task: Task, robot: Robot) -> None:
-    """As many targets as asked for: positions (count, 3), float64, finite, and flags (count,), bool."""
+    """There are as many targets as asked for: positions (count, 3), float64, finite, and flags (count,), bool."""
     for count in (1, 16):
         position, relative = task.draw_targets(robot, np.random.default_rng(0), count)
         _require_array(f"the position of {count} targets", position, (count, 3))

@@ -22,10 +22,11 @@ SEARCHES = 8
 POLISHED = 8
 """Situations in which a search of its own looks for one where no kinematics know the way: it takes long."""
 EXACT = 1e-5
-"""Of an error in its unit: rounding, and what is left of a search."""
+"""The tolerance of an error in its unit: rounding, and what is left of a search."""
 AIMS = ("position", "pose", None)
 DECISIONS, LONGEST = 150, 1_200
-"""That are made in random episodes at least, and at most: a whole episode of any built-in task has no more."""
+"""The decisions that are made in random episodes at least, and at most: a whole episode of any built-in task has no
+more."""
 
 
 @check("task-goal-words")

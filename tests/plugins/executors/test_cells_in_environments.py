@@ -10,7 +10,16 @@ from harness.authoring.folder_parts import Part, add_parts
 from harness.executor import CellOptions, Event, Job, Word
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record.folder import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, TRAINING_RECORDING
+from harness.record.folder import (
+    EVALUATION_RECORDING,
+    LOG,
+    MANIFEST,
+    POLICY,
+    RANDOM,
+    STOCHASTIC,
+    TRAINING_RECORDING,
+    recording_of,
+)
 from harness.record.manifest import digests_in
 from harness.registry.choice import choose
 from harness.registry.given import read_given
@@ -48,7 +57,10 @@ def test_a_node_of_ray_sends_its_recordings(job: Job, expected: dict[str, str], 
     assert any(isinstance(word, Word) for word in told)
     add_parts(tmp_path / "sent", [part for part in told if isinstance(part, Part)])
     assert _files(tmp_path / "sent") == expected
-    assert {name.split("/")[0] for name in expected} == {TRAINING_RECORDING, EVALUATION_RECORDING, POLICY}
+    assert {name.split("/")[0] for name in expected} == {
+        *(TRAINING_RECORDING, EVALUATION_RECORDING, POLICY),
+        *map(recording_of, (STOCHASTIC, RANDOM)),
+    }
 
 
 @pytest.mark.slow

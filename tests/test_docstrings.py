@@ -1,0 +1,47 @@
+"""A docstring is a sentence that somebody understands who has not read the code: it has a subject."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+NO_SUBJECT = ("Of", "That", "Whose", "Whom", "As")
+"""First words after which a noun is missing, as in "Of all envs together" for "The space of all envs together"."""
+
+
+def docstrings(source: str) -> Iterator[tuple[int, str]]:
+    """Every docstring of a module, those below constants and fields too: its line and its text."""
+    for node in ast.walk(ast.parse(source)):
+        body = getattr(node, "body", None)
+        for it in body if isinstance(body, list) else []:
+            if isinstance(it, ast.Expr) and isinstance(it.value, ast.Constant) and isinstance(it.value.value, str):
+                yield it.lineno, it.value.value
+
+
+def without_subject(source: str) -> list[int]:
+    """The lines of docstrings that begin without a subject."""
+    return [line for line, text in docstrings(source) if text.split(maxsplit=1)[0].rstrip(",:;.") in NO_SUBJECT]
+
+
+@pytest.mark.parametrize("folder", ["harness", "plugins", "robots"])
+def test_every_docstring_has_a_subject(folder: str):
+    """Also below constants, fields and private functions."""
+    paths = sorted((ROOT / folder).rglob("*.py"))
+    found = [f"{path.relative_to(ROOT)}:{line}" for path in paths for line in without_subject(path.read_text())]
+    assert not found
+
+
+@pytest.mark.parametrize(
+    ("source", "lines"),
+    [
+        ('SIZE = 3\n"""Of a file."""\n', [2]),
+        ('def f():\n    """That are tried."""\n', [2]),
+        ('def f():\n    """The rows that are tried."""\n', []),
+        ('"""Often it is so."""\n', []),
+    ],
+)
+def test_the_check_finds_what_it_has_to(source: str, lines: list[int]):
+    """Below a constant, in a function; a word that only begins like one of these is none."""
+    assert without_subject(source) == lines
