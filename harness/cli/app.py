@@ -23,7 +23,6 @@ from harness.cli.lines import complain
 from harness.cli.merge import merge
 from harness.cli.names import list_names
 from harness.cli.new_plugin import new_plugin
-from harness.cli.parity import parity
 from harness.cli.plugins import plugins
 from harness.cli.report import report
 from harness.cli.run import run
@@ -59,7 +58,6 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
             "new-plugin": new_plugin,
             "check": check,
             "plugins": plugins,
-            "parity": parity,
             "bench": bench,
         },
     }

@@ -1,17 +1,21 @@
 """Commands that plugins bring."""
 
+import os
 from collections.abc import Callable, Collection
 from typing import Any
 
 import typer
 from typer.exceptions import TyperException
 
+from harness.cli.examples import epilog_of
 from harness.cli.unexpected import describe_fault
 from harness.errors import HarnessError, PluginError
 from harness.registry.registry import Registry
 
 KIND = "commands"
 PANEL = "From plugins"
+EXAMPLES = "examples"
+"""The attribute of a command's function that holds what one may type, a line each; shown at the end of its help."""
 PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Every argument goes to the plugin's function, ``--help`` included."""
 
@@ -26,8 +30,18 @@ def add_plugin_commands(app: typer.Typer, registry: Registry) -> None:
     claimed = {spec.name for spec in specs} - set(own)
     qualified = {spec.qualified for spec in specs if spec.name in own}
     for name in sorted({*registry.names(KIND), *claimed, *qualified} - set(own)):
+        if name in _words_to_complete() and name in registry.names(KIND):
+            app.command(name, rich_help_panel=PANEL)(registry.get(KIND, name).load())
+            continue
         help_line = _summary_of(registry, name)
         app.command(name, help=help_line, rich_help_panel=PANEL, context_settings=PASS_ON)(_called(registry, name))
+
+
+def _words_to_complete() -> list[str]:
+    """The words of the line that a shell wants to complete; none where no shell asks. It needs the flags themselves."""
+    asked = any(name.endswith("_COMPLETE") for name in os.environ)
+    told = (os.environ.get(name, "") for name in ("COMP_WORDS", "_TYPER_COMPLETE_ARGS"))
+    return [word for line in told for word in line.split()] if asked else []
 
 
 def names_of(app: typer.Typer) -> list[str]:
@@ -63,7 +77,9 @@ def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:
     def command(context: typer.Context) -> Any:
         one = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
         spec = registry.get(KIND, name)
-        one.command(name)(spec.load())
+        function = spec.load()
+        examples: tuple[str, ...] = getattr(function, EXAMPLES, ())
+        one.command(name, epilog=epilog_of(examples) if examples else None)(function)
         try:
             loaded = typer.main.get_command(one)
             return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)

@@ -65,8 +65,9 @@ def demo(
     from rich.text import Text
 
     from harness.cli.terminal import show
-    from harness.experiment.experiment import RunOptions, prepare
+    from harness.experiment.experiment import prepare
     from harness.experiment.plan import check_experiment
+    from harness.experiment.run_options import RunOptions
 
     if out is not None and out.is_dir() and any(out.iterdir()):
         raise UsageError(f"--out '{out}' is not empty: name a new or empty folder")

@@ -34,7 +34,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "harness audit --reward arp:k2=3 --against dense",
             "harness audit recorded",
         ),
-        "parity": ("harness parity --sim mujoco,pybullet",),
         "bench": (
             "harness bench --sim mujoco --algo sac",
             "harness bench simulators --sim mujoco --num-envs 1,64",

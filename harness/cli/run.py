@@ -1,11 +1,17 @@
 """``harness run``: train every combination, compare, report."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from harness.cli.flags import run as flags
+import typer
+
 from harness.cli.flags.shared import (
+    ALGORITHMS,
+    REWARDS,
+    TASKS,
+    TRACKERS,
     CurveKind,
     EvaluationEpisodes,
     ExecutorName,
@@ -23,75 +29,181 @@ from harness.cli.lines import complain, say, say_json
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
-    from harness.experiment.experiment import RunOptions
     from harness.experiment.plan import Experiment
+    from harness.experiment.run_options import RunOptions
     from harness.registry.given import Given
     from harness.results import Results
 
 
+ExperimentFile = Annotated[
+    Path | None,
+    typer.Argument(help="Experiment file (TOML). Its keys are named like the flags; a flag overrides its key."),
+]
+TaskNames = Annotated[
+    Names,
+    typer.Option(
+        "--task",
+        help="Tasks, such as fd100-reach:epsilon=0.02, or environments, such as fetch-reach.",
+        show_default="fd100-reach",
+        metavar="NAME,...",
+        autocompletion=TASKS,
+    ),
+]
+AlgorithmNames = Annotated[
+    Names,
+    typer.Option(help="Algorithms, such as sac:learning_rate=1e-3.", metavar="NAME,...", autocompletion=ALGORITHMS),
+]
+Baseline = Annotated[
+    str | None,
+    typer.Option(
+        help="The reward that the others are compared with.",
+        show_default="baseline",
+        metavar="NAME",
+        autocompletion=REWARDS,
+    ),
+]
+Seeds = Annotated[
+    str | None, typer.Option(help="How many seeds, or a list of them (3,7,11).", show_default="6", metavar="N")
+]
+Steps = Annotated[
+    int | None, typer.Option(help="Environment steps of training per cell.", show_default="5000", metavar="N")
+]
+EvaluateEvery = Annotated[
+    int | None,
+    typer.Option(
+        help="Environment steps from one evaluation to the next.", show_default="only at the end", metavar="N"
+    ),
+]
+Deterministic = Annotated[
+    bool | None,
+    typer.Option(
+        "--deterministic/--stochastic",
+        help="Evaluate policies without randomness, or let them draw their actions at random.",
+        show_default="deterministic",
+    ),
+]
+EvaluationHorizon = Annotated[
+    int | None,
+    typer.Option(
+        help="In an environment: steps after which an episode of an evaluation is cut.",
+        show_default="10000",
+        metavar="N",
+    ),
+]
+OutFolder = Annotated[
+    Path | None,
+    typer.Option(help="The experiment's folder.", show_default="one under results/runs/", metavar="DIR"),
+]
+CheckpointEvery = Annotated[
+    int | None,
+    typer.Option(
+        help="Environment steps between checkpoints. A killed cell goes on from its last one. 0: no checkpoints.",
+        show_default="every ten minutes",
+        metavar="N",
+    ),
+]
+TrackerNames = Annotated[
+    Names,
+    typer.Option(
+        help="Also send the learning curves to a tracker, such as wandb:mode=offline.",
+        show_default="nowhere",
+        metavar="NAME,...",
+        autocompletion=TRACKERS,
+    ),
+]
+Tensorboard = Annotated[bool, typer.Option("--tensorboard", help="Short for --tracker tensorboard.")]
+Wandb = Annotated[bool, typer.Option("--wandb", help="Short for --tracker wandb.")]
+Mlflow = Annotated[bool, typer.Option("--mlflow", help="Short for --tracker mlflow.")]
+Wait = Annotated[
+    bool, typer.Option("--wait/--no-wait", help="If another run is using the folder: wait for it, or give up.")
+]
+Changed = Annotated[
+    Literal["refuse", "keep", "again"],
+    typer.Option(
+        help="If a plugin has changed since cells were done: refuse to run, keep these cells, or train them again."
+    ),
+]
+Only = Annotated[
+    str | None,
+    typer.Option(
+        help="Run only the cells that these words describe, such as sac,seed=3.", show_default="all", metavar="NAME,..."
+    ),
+]
+Limit = Annotated[int | None, typer.Option(help="Run at most this many cells.", show_default="all", metavar="N")]
+RetryFailed = Annotated[
+    int, typer.Option(help="How many times to try a failed cell again.", show_default="never", metavar="N")
+]
+FailFast = Annotated[bool, typer.Option("--fail-fast", help="Stop at the first cell that fails.")]
+StallAfter = Annotated[
+    float, typer.Option(help="End a cell that makes no progress for this many seconds. 0: never.", metavar="SECONDS")
+]
+CellTime = Annotated[
+    float, typer.Option(help="The most seconds that a cell may take.", show_default="no limit", metavar="SECONDS")
+]
+CellMemory = Annotated[
+    float, typer.Option(help="The most memory that a cell may use, in GiB.", show_default="no limit", metavar="GIB")
+]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")]
+DryRun = Annotated[
+    bool, typer.Option("--dry-run", help="Say what would be run, and how long it would take. Writes nothing.")
+]
+
+
 def run(
-    experiment: flags.ExperimentFile = None,
+    experiment: ExperimentFile = None,
     sim: SimulatorNames = None,
-    algo: flags.AlgorithmNames = None,
+    algo: AlgorithmNames = None,
     reward: RewardNames = None,
-    baseline: flags.Baseline = None,
-    task: flags.TaskNames = None,
+    baseline: Baseline = None,
+    task: TaskNames = None,
     robot: RobotName = None,
-    seeds: flags.Seeds = None,
-    steps: flags.Steps = None,
+    seeds: Seeds = None,
+    steps: Steps = None,
     evaluation_episodes: EvaluationEpisodes = None,
-    evaluate_every: flags.EvaluateEvery = None,
-    deterministic: flags.Deterministic = None,
-    evaluation_horizon: flags.EvaluationHorizon = None,
-    out: flags.OutFolder = None,
+    evaluate_every: EvaluateEvery = None,
+    deterministic: Deterministic = None,
+    evaluation_horizon: EvaluationHorizon = None,
+    out: OutFolder = None,
     jobs: Jobs = None,
     executor: ExecutorName = "processes",
-    checkpoint_every: flags.CheckpointEvery = None,
-    tracker: flags.TrackerNames = None,
-    tensorboard: flags.Tensorboard = False,
-    wandb: flags.Wandb = False,
-    mlflow: flags.Mlflow = False,
+    checkpoint_every: CheckpointEvery = None,
+    tracker: TrackerNames = None,
+    tensorboard: Tensorboard = False,
+    wandb: Wandb = False,
+    mlflow: Mlflow = False,
     curve: CurveKind = "accumulated",
-    wait: flags.Wait = True,
-    changed: flags.Changed = "refuse",
-    only: flags.Only = None,
-    limit: flags.Limit = None,
-    retry_failed: flags.RetryFailed = 0,
-    fail_fast: flags.FailFast = False,
-    stall_after: flags.StallAfter = 1800.0,
-    cell_time: flags.CellTime = 0.0,
-    cell_memory: flags.CellMemory = 0.0,
-    fresh: flags.Fresh = False,
+    wait: Wait = True,
+    changed: Changed = "refuse",
+    only: Only = None,
+    limit: Limit = None,
+    retry_failed: RetryFailed = 0,
+    fail_fast: FailFast = False,
+    stall_after: StallAfter = 1800.0,
+    cell_time: CellTime = 0.0,
+    cell_memory: CellMemory = 0.0,
+    fresh: Fresh = False,
     metric: MetricNames = None,
     measure: Measures = None,
     plugin: PluginFiles = None,
-    quiet: flags.Quiet = False,
-    as_json: flags.AsJson = False,
-    dry_run: flags.DryRun = False,
+    quiet: Quiet = False,
+    as_json: AsJson = False,
+    dry_run: DryRun = False,
 ) -> int:
     """Train with every combination of reward, simulator, algorithm and seed, then compare the rewards.
 
     One such training is called a cell. A cell that is done is not run again: the same command goes on where it stopped.
     """
-    from harness.experiment.experiment import RunOptions
+    given = locals()  # every flag by its name, which is that of the option or of the key that it sets
+    from harness.experiment.run_options import RunOptions
     from harness.registry.given import read_given, split_measures
 
     measures, files = split_measures(measure or ())
     trackers = _all_trackers(tracker, {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow})
-    options = RunOptions(
-        out, jobs, executor, checkpoint_every, trackers, curve, wait, changed, only, limit, retry_failed, fail_fast,
-        stall_after, cell_time, cell_memory, fresh, metric,
-    )  # fmt: skip
-    asked = _read(
-        experiment,
-        {
-            "sim": sim, "algo": algo, "reward": reward, "baseline": baseline, "task": task, "robot": robot,
-            "seeds": _parse_seeds(seeds), "steps": steps, "evaluation_episodes": evaluation_episodes,
-            "evaluate_every": evaluate_every, "deterministic": deterministic, "measure": measures or None,
-            "evaluation_horizon": evaluation_horizon,
-        },
-    )  # fmt: skip
-    plugins = read_given(plugin, files)
+    given |= {"tracker": trackers, "metrics": metric, "measure": measures or None, "seeds": _parse_seeds(seeds)}
+    options = RunOptions(**{field.name: given[field.name] for field in fields(RunOptions)})
+    asked, plugins = _read(experiment, given), read_given(plugin, files)
     if dry_run:
         return _foresee(asked, options, plugins, as_json)
     return _train(asked, options, plugins, quiet, as_json)
@@ -103,9 +215,10 @@ def _read(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
     Raises:
         UsageError: There is none.
     """
-    from harness.experiment.plan import check_experiment, read_experiment
+    from harness.experiment.plan import Experiment, check_experiment, read_experiment
 
-    told = {key: value for key, value in given.items() if value is not None}
+    keys = [field.name for field in fields(Experiment) if field.name != "plugins"]
+    told = {key: given[key] for key in keys if given[key] is not None}
     if path is not None:
         return read_experiment(path, told)
     if not told:

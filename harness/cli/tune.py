@@ -50,7 +50,7 @@ def tune(
 
     Writes DIR/tuned.toml, an experiment file for harness run. The same command goes on where it stopped.
     """
-    from harness.experiment.experiment import RunOptions
+    from harness.experiment.run_options import RunOptions
     from harness.registry.given import read_given, split_measures
     from harness.registry.registry import load_registry
     from harness.tune.tune import default_folder, run_searches

@@ -1,34 +1,30 @@
 """Run an experiment: from what a user asks for to the results."""
 
-import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Unpack
 
 from harness.errors import UsageError
-from harness.eta.curve import KINDS, Kind
-from harness.executor import CellOptions, Event, Executor, Job, Limits, OnEvent
-from harness.experiment.changed import CHANGED, Changed, Sources, changed_cells, refuse_changed
+from harness.executor import Event, Executor, Job, OnEvent
+from harness.experiment.changed import Sources, changed_cells, refuse_changed
 from harness.experiment.evaluation.floor import floor_carriers
 from harness.experiment.objects import name_objects
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.progress.ended_cells import EndedCells
 from harness.experiment.progress.followed import Followed
-from harness.experiment.progress.trackers import Given, OnTrouble, Trackers, build_trackers
+from harness.experiment.progress.trackers import OnTrouble, Trackers, build_trackers
 from harness.experiment.progress.tracking import Tracking
-from harness.experiment.run_arguments import RunArguments
+from harness.experiment.run_options import DEFAULTS, RunArguments, RunOptions
 from harness.experiment.selection import select
-from harness.experiment.workers.workers import worker_count
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
-from harness.registry.choice import choose
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
@@ -37,103 +33,6 @@ from harness.results.load import read_results
 from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
-STALL_AFTER = 1800.0
-"""Seconds without progress after which a cell is ended. Algorithms report every 100 steps, evaluations every step."""
-ZERO_FOR = {
-    "checkpoint_every": "none",
-    "retry_failed": "never",
-    "stall_after": "never",
-    "cell_time": "no limit",
-    "cell_memory": "no limit",
-}
-"""What 0 means, of the options that are numbers."""
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """How an experiment is run; nothing here changes a result.
-
-    Attributes:
-        out: The experiment's folder; by default one under ``results/runs/`` named for the plan, so that the same
-            experiment goes on where an earlier run stopped.
-        jobs: How many cells at once; by default as many as there are cores.
-        executor: What runs the cells, with its settings: ``"processes"``, ``"mine:nodes=2"`` or a table.
-        checkpoint_every: Environment steps from one checkpoint of a training to the next, at least; 0 for none; by
-            default one every ten minutes.
-        tracker: What shows the trainings elsewhere: ``"tensorboard"``, ``"wandb:mode=offline,mlflow"``, a table, or a
-            list of such.
-        curve: Which curves the indices are read from afterwards; see `harness.eta.curve.GroupCurve`.
-        wait: Whether to wait while another run is using the folder; else that is an error.
-        changed: What becomes of done cells that other plugins made than those installed now: ``"refuse"`` to run,
-            ``"keep"`` them beside the new ones, or do them ``"again"``.
-        only: Do only the cells that this names; see `harness.experiment.selection.select`. The others stay pending.
-        limit: Do at most so many cells; the others stay pending.
-        retry_failed: How often a failed cell is tried again, after all others.
-        fail_fast: Whether to end with the first cell that fails.
-        stall_after: Seconds without progress after which a cell counts as hung, and fails; 0 for never.
-        cell_time: Seconds that a cell may take; 0 for any number.
-        cell_memory: GiB of memory that a cell may use; 0 for any number.
-        fresh: Whether each cell gets a process of its own, instead of one that does several cells.
-        metrics: Which metrics the results tell, ``"work"``, several with commas; every registered one if None. In an
-            environment: which of its measures.
-
-    Raises:
-        UsageError: A number is out of range, or there is no such curve or choice.
-    """
-
-    out: str | Path | None = None
-    jobs: int | None = None
-    executor: str | Mapping[str, Any] = "processes"
-    checkpoint_every: int | None = None
-    tracker: Given | Sequence[Given] = ()
-    curve: Kind = "accumulated"
-    wait: bool = True
-    changed: Changed = "refuse"
-    only: str | None = None
-    limit: int | None = None
-    retry_failed: int = 0
-    fail_fast: bool = False
-    stall_after: float = STALL_AFTER
-    cell_time: float = 0.0
-    cell_memory: float = 0.0
-    fresh: bool = False
-    metrics: str | Sequence[str] | None = None
-
-    def __post_init__(self) -> None:
-        worker_count(self.jobs)
-        for name, none in ZERO_FOR.items():
-            given = getattr(self, name)
-            if given is not None and not 0 <= given < math.inf:
-                raise UsageError(f"{name}={given}: must be a number above 0, or 0 for {none}")
-        if self.limit is not None and self.limit < 1:
-            raise UsageError(f"limit={self.limit}: must be at least 1")
-        if self.curve not in KINDS:
-            raise UsageError(f"curve='{self.curve}': allowed are {' and '.join(KINDS)}")
-        if self.changed not in CHANGED:
-            raise UsageError(f"changed='{self.changed}': allowed are {', '.join(CHANGED)}")
-
-    @property
-    def at_once(self) -> int:
-        """How many cells run at once."""
-        return worker_count(self.jobs)
-
-    @property
-    def of_cells(self) -> CellOptions:
-        """The options that each cell gets."""
-        limits = Limits(self.stall_after, self.cell_time, self.cell_memory)
-        return CellOptions(self.checkpoint_every, bool(self.tracker), limits, self.fresh)
-
-    def build_executor(self, registry: Registry) -> Executor:
-        """The executor that runs the cells.
-
-        Raises:
-            UsageError: The executor or a setting of it is not known, or a library for it is missing.
-        """
-        executor: Executor = choose(registry, "executors", self.executor).build(registry, "executors")
-        return executor
-
-
-DEFAULTS = RunOptions()
 
 
 def _warn(line: str) -> None:

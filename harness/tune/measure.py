@@ -9,8 +9,9 @@ from typing import TypeAlias
 
 from harness.executor import Executor, OnEvent
 from harness.experiment.changed import changed_cells, refuse_changed
-from harness.experiment.experiment import ExperimentRun, RunOptions
+from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
+from harness.experiment.run_options import RunOptions
 from harness.experiment.workers.order import Order
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, recording_of

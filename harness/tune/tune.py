@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from harness.executor import OnEvent
-from harness.experiment.experiment import DEFAULT_FOLDER, RunOptions
+from harness.experiment.experiment import DEFAULT_FOLDER
+from harness.experiment.run_options import RunOptions
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.registry.given import read_given

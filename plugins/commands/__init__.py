@@ -1,4 +1,4 @@
-"""Built-in commands that need a library which the core does without."""
+"""Built-in commands that the core does without."""
 
 import harness
 
@@ -10,4 +10,9 @@ def register_commands(register: harness.Register) -> None:
         "export",
         "harness_plugins.commands.export:export",
         summary="Write a policy as ONNX or TorchScript model, or trainings as CSV files.",
+    )
+    register(
+        "parity",
+        "harness_plugins.commands.parity:parity",
+        summary="Drive the same motions through several simulators and show how far they differ. Trains nothing.",
     )

@@ -23,9 +23,10 @@ import pytest
 from harness.cli import main
 from harness.errors import UsageError
 from harness.executor import Event
-from harness.experiment.experiment import ExperimentRun, RunOptions, prepare
+from harness.experiment.experiment import ExperimentRun, prepare
 from harness.experiment.plan import read_experiment
 from harness.experiment.provenance import describe_machine, versions_behind
+from harness.experiment.run_options import RunOptions
 from harness.record.cell import Cell
 from harness.record.folder import TRACE
 from harness.record.manifest import Manifest, read_manifest

@@ -19,7 +19,6 @@ from typer.exceptions import TyperException
 
 from harness.cli import main
 from harness.cli.app import build_app
-from harness.cli.commands import add_plugin_commands
 from harness.experiment.plan import Experiment, check_experiment, expand
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
@@ -63,8 +62,9 @@ PARSED = [it for it in TYPED if reason_not_to_run(it) and it.words[0] != "my-com
 @pytest.fixture(scope="module")
 def known() -> Mapping[str, typer.core.TyperCommand]:
     """Every command by its name."""
-    app = build_app()
-    add_plugin_commands(app, load_registry())
+    app, registry = build_app(), load_registry()
+    for name in registry.names("commands"):  # with their own flags, which the command line reads when they are called
+        app.command(name)(registry.get("commands", name).load())
     return typer.main.get_command(app).commands
 
 

@@ -7,7 +7,7 @@ NOT_RUN: Mapping[str, str] = MappingProxyType(
     {
         "tune": "trains for every trial; tests/tune has small searches",
         "transfer": "starts a process for each policy; tests/transfer does it in one",
-        "parity": "drives several simulators for seconds; tests/parity has short drives",
+        "parity": "drives several simulators for seconds; tests/plugins/parity has short drives",
         "bench": "measures for minutes",
         "watch": "serves until it is stopped",
         "video": "draws for seconds; tests/cli/test_video.py has a short film",

@@ -12,9 +12,10 @@ from harness.errors import UsageError
 from harness.executor import Event
 from harness.experiment import changed
 from harness.experiment.changed import Change, Changed, changed_cells, refuse_changed
-from harness.experiment.experiment import ExperimentRun, RunOptions
+from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
 from harness.experiment.provenance import describe_environment
+from harness.experiment.run_options import RunOptions
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder
 from harness.record.manifest import read_manifest

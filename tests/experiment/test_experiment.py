@@ -10,8 +10,9 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.executor import Event, Limits
-from harness.experiment.experiment import ExperimentRun, RunOptions, default_folder, run
+from harness.experiment.experiment import ExperimentRun, default_folder, run
 from harness.experiment.plan import Plan, check_experiment, expand
+from harness.experiment.run_options import RunOptions
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder
 from harness.record.manifest import Manifest, read_manifest

@@ -3,9 +3,10 @@
 import pytest
 
 from harness.errors import UsageError
-from harness.experiment.experiment import RunOptions, check, prepare
+from harness.experiment.experiment import check, prepare
 from harness.experiment.foresee import foresee
 from harness.experiment.plan import check_experiment
+from harness.experiment.run_options import RunOptions
 
 ASKED = {"sim": "ideal", "algo": "wander", "seeds": 2, "steps": 12, "evaluation_episodes": 2}
 

@@ -16,9 +16,10 @@ import pytest
 from harness.cli import main
 from harness.errors import UsageError
 from harness.executor import CellOptions, Word
-from harness.experiment.experiment import RunOptions, check, prepare
+from harness.experiment.experiment import check, prepare
 from harness.experiment.plan import Plan, check_experiment, expand
 from harness.experiment.run_cell import run_cell
+from harness.experiment.run_options import RunOptions
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell

@@ -1,0 +1,171 @@
+"""How far two simulators are apart in motions of one class, and what explains it as far as that can be told."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from harness.arrays import Float, Mask
+from harness.robot import Robot
+
+from .classes import shares_told
+from .contact import first_contacts
+from .drift import drift_between
+from .track import Track
+
+SHORT = 0.1
+"""A joint that is slower than told by more than this share of its largest speed falls short."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """How the joints of one simulator follow what they are told, in one class.
+
+    Attributes:
+        tracking_error_m: Largest distance of the tip from where it was told to be, [m].
+        speed_told: Largest speed that a joint was told, as a share of its largest one.
+        speed_reached: Largest mean speed of a joint over a control period, likewise.
+        falls_short: Share of all control periods of all joints in which one is slower than told by more than `SHORT`.
+        lag_s: By how much later joints are where they are told to be, the delay that fits best, [s].
+    """
+
+    tracking_error_m: float
+    speed_told: float
+    speed_reached: float
+    falls_short: float
+    lag_s: float
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return dict(vars(self))
+
+
+class Worst(NamedTuple):
+    """Where two simulators are farthest apart."""
+
+    time_s: float
+    """Since the motion began; for contact since the first one that either sees, [s]."""
+    episode: int
+    joint: str
+    """The one that differs most then."""
+    speed_told: float
+    """What that joint is told, as a share of its largest speed."""
+    acceleration_told: float
+    """The same of its largest acceleration."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Two simulators in motions of one class.
+
+    Attributes:
+        max_tip_m: Largest distance of the tips, [m].
+        mean_tip_m: Mean over all motions and control periods, [m].
+        max_joint_rad: Largest difference of a joint, [rad].
+        worst: Where the tips are farthest apart.
+        lag_s: By how much later the second one's joints are where the first one's are, the delay that fits best, [s].
+        explained_by_lag: Share of the joints' squared difference that this delay explains, 0 to 1.
+        turning: Mean distance of the tips where a joint changes its speed by at least half of the most that it does in
+            these motions, as a multiple of the mean elsewhere; None where that is not defined.
+    """
+
+    max_tip_m: float
+    mean_tip_m: float
+    max_joint_rad: float
+    worst: Worst
+    lag_s: float
+    explained_by_lag: float
+    turning: float | None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "max_tip_error_m": self.max_tip_m,
+            "mean_tip_error_m": self.mean_tip_m,
+            "max_joint_error_rad": self.max_joint_rad,
+            "worst": self.worst._asdict(),
+            "lag_s": self.lag_s,
+            "explained_by_lag": self.explained_by_lag,
+            "turning": self.turning,
+        }
+
+
+def response_of(track: Track, told: Float, robot: Robot, period: float) -> Response:
+    """How a simulator follows a motion.
+
+    Args:
+        track: What it did.
+        told: Joint targets, (rows, episodes, dof), [rad].
+        robot: The arm.
+        period: Control period, [s].
+    """
+    speed, reached = (np.diff(qpos, axis=0) / period / robot.max_speed for qpos in (told, track.qpos))
+    short = np.abs(speed) - np.sign(speed) * reached > SHORT
+    tip = np.linalg.norm(track.tip - robot.end_effector(told), axis=-1)
+    lag, _ = _lag_of(track.qpos - told, told, period, np.ones(told.shape[:2], bool))
+    return Response(
+        float(tip.max()), float(np.abs(speed).max()), float(np.abs(reached).max()), float(short.mean()), lag
+    )
+
+
+def difference_between(
+    one: Track, other: Track, told: Float, robot: Robot, period: float, counted: Mask | None = None
+) -> Difference | None:
+    """How far two simulators are apart that were told the same; None where nothing is counted.
+
+    Args:
+        one: What the first one did.
+        other: What the second one did.
+        told: Joint targets, (rows, episodes, dof), [rad].
+        robot: The arm.
+        period: Control period, [s].
+        counted: Which rows, (rows, episodes); all but the first if None.
+    """
+    counted = np.arange(len(told))[:, None] > np.zeros(told.shape[1]) if counted is None else counted
+    if not counted.any():
+        return None
+    drift = drift_between(one, other)
+    row, episode = np.unravel_index(np.where(counted, drift.tip, -1.0).argmax(), drift.tip.shape)
+    joints = np.abs(other.qpos - one.qpos)
+    joint = int(joints[row, episode].argmax())
+    speed, acceleration = shares_told(robot, told, period)
+    begin = int(counted[:, episode].argmax()) if not counted[1, episode] else 0
+    shares = speed[row, episode, joint], acceleration[row, episode, joint]
+    worst = Worst(float(row - begin) * period, int(episode), robot.joint_names[joint], *map(float, shares))
+    lag, explained = _lag_of(other.qpos - one.qpos, told, period, counted)
+    return Difference(
+        float(drift.tip[row, episode]),
+        float(drift.tip[counted].mean()),
+        float(drift.joint[counted].max()),
+        worst,
+        lag,
+        explained,
+        _turning(drift.tip, acceleration.max(axis=-1), counted),
+    )
+
+
+def after_contact(one: Track, other: Track) -> Mask:
+    """Control periods from the first contact on that either of two simulators sees, (rows, episodes)."""
+    first = np.minimum(first_contacts(one.contact), first_contacts(other.contact))
+    return np.asarray(np.arange(len(one.contact))[:, None] >= first)
+
+
+def _turning(tip: Float, acceleration: Float, counted: Mask) -> float | None:
+    """All (rows, episodes)."""
+    turns = acceleration >= 0.5 * acceleration[counted].max()
+    there, elsewhere = tip[counted & turns], tip[counted & ~turns]
+    return float(there.mean() / elsewhere.mean()) if len(there) and len(elsewhere) and elsewhere.any() else None
+
+
+def _lag_of(differences: Float, told: Float, period: float, counted: Mask) -> tuple[float, float]:
+    """The delay whose differences are nearest to these, [s], and the share of their squares that it explains.
+
+    Joints that are late by a time t are behind by t times their speed: least squares.
+    """
+    speed = np.diff(told, axis=0, prepend=told[:1])[counted] / period
+    differences = differences[counted]
+    squares, moved = float((differences**2).sum()), float((speed**2).sum())
+    if squares == 0.0 or moved == 0.0:
+        return 0.0, 0.0
+    along = float((differences * speed).sum())
+    return -along / moved, min(1.0, along**2 / (squares * moved))

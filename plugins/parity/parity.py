@@ -1,0 +1,215 @@
+"""Simulators compared: the same poses, motions and dives through each."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from harness.simulator import family_of
+
+from .classes import CONTACT, Told, told_by
+from .contact import CONTACT_KEYS, Contact, compare_contacts
+from .contenders import Contenders, Missing
+from .cost import time_in_turns
+from .difference import Difference, Response, after_contact, difference_between, response_of
+from .dives import DEPTH
+from .drift import Drift, drift_between
+from .failure import Failure, attempt, part
+from .orders import Orders, Setting, draw_orders
+from .performance import Performance, perform
+from .placement import Placement, placement_of
+from .track import Track
+
+FORMAT = 1
+"""The version of the JSON."""
+NO_DIVES = f"the arm reaches no point {DEPTH:g} m below the ground"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One simulator.
+
+    Attributes:
+        name: Its name, parameters included.
+        family: The engine that it computes with, see `harness.simulator.family_of`.
+        placement: Errors of an arm that is placed.
+        tracking: How far the driven arm is from where it was told to be.
+        seconds_per_step: Of one arm, median, [s].
+        responses: How its joints follow, by class of motions.
+    """
+
+    name: str
+    family: str | None
+    placement: Placement
+    tracking: Drift
+    seconds_per_step: float
+    responses: Mapping[str, Response]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "name": self.name,
+            "family": self.family,
+            "placement_error_m": self.placement.error_m,
+            "placement_error_rad": self.placement.error_rad,
+            "tracking_error_m": self.tracking.max_tip_error_m,
+            "tracking_error_rad": self.tracking.max_joint_error_rad,
+            "seconds_per_step": self.seconds_per_step,
+            "classes": {name: response.to_json() for name, response in self.responses.items()},
+        }
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two simulators.
+
+    Attributes:
+        a: The first one's name.
+        b: The second one's.
+        drift: How far they are apart in smooth motion.
+        contact: When they see the ground in dives; None if the arm does not reach it.
+        placed_disagreement: Share of the random poses in which one sees contact and the other does not.
+        differences: How far they are apart by class of motions; of contact from the first one on.
+    """
+
+    a: str
+    b: str
+    drift: Drift
+    contact: Contact | None
+    placed_disagreement: float
+    differences: Mapping[str, Difference]
+
+    @property
+    def contact_note(self) -> str:
+        """What a reader has to know about the dives; empty where every one touches the ground in both."""
+        return self.contact.note if self.contact else NO_DIVES
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        contact = dict.fromkeys(CONTACT_KEYS) if self.contact is None else self.contact.to_json()
+        return {
+            "a": self.a,
+            "b": self.b,
+            "max_tip_error_m": self.drift.max_tip_error_m,
+            "mean_tip_error_m": self.drift.mean_tip_error_m,
+            "max_joint_error_rad": self.drift.max_joint_error_rad,
+            **contact,
+            "contact_note": self.contact_note,
+            "placed_contact_disagreement": self.placed_disagreement,
+            "classes": {name: difference.to_json() for name, difference in self.differences.items()},
+            "curves": {name: curve.tolist() for name, curve in self.drift.curves().items()},
+        }
+
+
+@dataclass(frozen=True)
+class Parity:
+    """How far simulators differ.
+
+    Attributes:
+        reference: What the others are compared with, in the first place; it may have failed.
+        setting: What was driven.
+        simulators: Those that got through, the reference first.
+        pairs: Each two of them, in the same order.
+        failed: The others, by name, and why.
+        missing: Those that are not installed.
+        told: What each class of motions asks of the joints.
+    """
+
+    reference: str
+    setting: Setting
+    simulators: tuple[Measured, ...]
+    pairs: tuple[Pair, ...]
+    failed: dict[str, Failure]
+    missing: tuple[Missing, ...]
+    told: Mapping[str, Told]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, finite numbers only."""
+        return {
+            "format": FORMAT,
+            "reference": self.reference,
+            "robot": self.setting.robot.name,
+            "steps": self.setting.steps,
+            "episodes": self.setting.episodes,
+            "seed": self.setting.seed,
+            "control_period_s": self.setting.period,
+            "classes": {name: told.to_json() for name, told in self.told.items()},
+            "simulators": [simulator.to_json() for simulator in self.simulators],
+            "failed": [{"name": name, "reason": failure.reason} for name, failure in self.failed.items()],
+            "missing": [missing._asdict() for missing in self.missing],
+            "pairs": [pair.to_json() for pair in self.pairs],
+        }
+
+
+def compare_simulators(contenders: Contenders, setting: Setting) -> Parity:
+    """Place and drive the same arm in each simulator; one that fails costs itself alone.
+
+    Raises:
+        UsageError: Next to every motion of the robot meets the ground.
+    """
+    orders = draw_orders(setting)
+    simulators, failed = part(contenders.simulators)
+    performed, broken = part(
+        {name: attempt(partial(perform, simulator, setting, orders)) for name, simulator in simulators.items()}
+    )
+    going = {name: simulators[name] for name in performed}
+    seconds, stopped = part(time_in_turns(going, setting.robot, orders.motion[:, 0], setting.period))
+    sound = {name: performed[name] for name in seconds}
+    return Parity(
+        contenders.reference,
+        setting,
+        _measure(sound, {name: family_of(simulators[name]) for name in sound}, seconds, setting, orders),
+        tuple(_compare(*first, *second, setting, orders) for first, second in combinations(sound.items(), 2)),
+        failed | broken | stopped,
+        contenders.missing,
+        {name: told_by(setting.robot, motion, setting.period) for name, motion in orders.classes.items()},
+    )
+
+
+def _measure(
+    performed: Mapping[str, Performance],
+    families: Mapping[str, str | None],
+    seconds: Mapping[str, float],
+    setting: Setting,
+    orders: Orders,
+) -> tuple[Measured, ...]:
+    motion, robot = orders.motion, setting.robot
+    ideal = Track(motion, robot.end_effector(motion), np.zeros(motion.shape[:2], bool))
+    return tuple(
+        Measured(
+            name,
+            families[name],
+            placement_of(performance.placed, robot, orders.poses),
+            drift_between(ideal, performance.driven),
+            seconds[name],
+            {
+                kind: response_of(performance.classes[kind], told, robot, setting.period)
+                for kind, told in orders.classes.items()
+            },
+        )
+        for name, performance in performed.items()
+    )
+
+
+def _compare(a: str, first: Performance, b: str, second: Performance, setting: Setting, orders: Orders) -> Pair:
+    dives = first.dived, second.dived
+    contact = None
+    if dives[0] is not None and dives[1] is not None:
+        contact = compare_contacts(dives[0].contact, dives[1].contact, setting.period)
+    disagreement = float((first.placed.contact != second.placed.contact).mean())
+    drift, differences = drift_between(first.driven, second.driven), _differences(first, second, setting, orders)
+    return Pair(a, b, drift, contact, disagreement, differences)
+
+
+def _differences(first: Performance, second: Performance, setting: Setting, orders: Orders) -> dict[str, Difference]:
+    found = {}
+    for name, told in orders.classes.items():
+        one, other = first.classes[name], second.classes[name]
+        counted = after_contact(one, other) if name == CONTACT else None
+        difference = difference_between(one, other, told, setting.robot, setting.period, counted)
+        if difference is not None:
+            found[name] = difference
+    return found

@@ -1,0 +1,161 @@
+"""Simulators that are wrong in one known way, on top of the ideal one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from harness.env.ideal import IdealSimulation
+from harness.robot.load import load_robot
+from harness.testing import IdealSimulator
+from harness_plugins.parity.contenders import Contenders
+from harness_plugins.parity.orders import Setting
+from harness_plugins.parity.parity import compare_simulators
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """Opens a simulation of its own."""
+
+    simulation: type
+    options: tuple = ()
+
+    def open(self, robot, num_envs, control_period):
+        """Start."""
+        return self.simulation(robot, num_envs, *self.options)
+
+
+class ShiftedTip(IdealSimulation):
+    """The tip is `by` metres too high."""
+
+    def __init__(self, robot, num_envs, by):
+        super().__init__(robot, num_envs)
+        self.by = by
+
+    def state(self):
+        """With the tip elsewhere."""
+        state = super().state()
+        state.end_effector[:, 2] += self.by
+        return state
+
+
+class Late(IdealSimulation):
+    """The arm arrives a period later than it should."""
+
+    def reset(self, qpos, mask):
+        """Nothing is pending."""
+        self.pending = qpos.copy()
+        return super().reset(qpos, mask)
+
+    def drive(self, qpos, duration):
+        """Go where it was to go before."""
+        before, self.pending = self.pending, qpos.copy()
+        return super().drive(before, duration)
+
+
+class Numb(IdealSimulation):
+    """Sees no contact."""
+
+    def state(self):
+        """In the air."""
+        state = super().state()
+        return state._replace(ground_contact=np.zeros_like(state.ground_contact))
+
+
+class Shy(IdealSimulation):
+    """Sees contact where there is none yet: whenever its tip is below `height` metres."""
+
+    def __init__(self, robot, num_envs, height):
+        super().__init__(robot, num_envs)
+        self.height = height
+
+    def state(self):
+        """Touching early."""
+        state = super().state()
+        return state._replace(ground_contact=state.ground_contact | (state.end_effector[:, 2] < self.height))
+
+
+class Misplaced(IdealSimulation):
+    """Joints are put 0.01 rad off; the tip is where these joints have it."""
+
+    def place(self, qpos):
+        """Put elsewhere."""
+        return super().place(qpos + 0.01)
+
+
+class Raising(IdealSimulation):
+    """One of its calls raises; `envs` says for which number of arms, 0 for any."""
+
+    def __init__(self, robot, num_envs, call, envs):
+        super().__init__(robot, num_envs)
+        if envs in (0, num_envs):
+            setattr(self, call, self.fail)
+
+    def fail(self, *arguments):
+        """Raise."""
+        raise RuntimeError("the belt\nslipped")
+
+
+class Exploding(IdealSimulation):
+    """Leaves the finite numbers after some periods."""
+
+    periods = 0
+
+    def drive(self, qpos, duration):
+        """Explode at the third."""
+        self.periods += 1
+        return super().drive(np.full_like(qpos, np.nan) if self.periods == 3 else qpos, duration)
+
+
+@dataclass(frozen=True)
+class Closed:
+    """Cannot be opened."""
+
+    def open(self, robot, num_envs, control_period):
+        """Raise."""
+        raise MemoryError
+
+
+@pytest.fixture(scope="session")
+def toolbox():
+    """Makers of wrong simulators, each of the ideal one but for one fault."""
+
+    class Toolbox:
+        ideal, closed = IdealSimulator(), Closed()
+        late, numb, misplaced, exploding = Wrong(Late), Wrong(Numb), Wrong(Misplaced), Wrong(Exploding)
+
+        @staticmethod
+        def shifted_tip(by):
+            return Wrong(ShiftedTip, (by,))
+
+        @staticmethod
+        def shy(height):
+            return Wrong(Shy, (height,))
+
+        @staticmethod
+        def raising(call, envs=0):
+            return Wrong(Raising, (call, envs))
+
+    return Toolbox
+
+
+@pytest.fixture(scope="session")
+def robot():
+    """The FD100."""
+    return load_robot("fd100")
+
+
+@pytest.fixture(scope="session", params=["fd100", "unity-arm"])
+def each_robot(request):
+    """Both robots, one after the other."""
+    return load_robot(request.param)
+
+
+@pytest.fixture(scope="session")
+def compare(robot):
+    """Compare simulators, given by name, the reference first."""
+
+    def call(missing=(), arm=robot, steps=40, episodes=3, **simulators):
+        return compare_simulators(Contenders(simulators, tuple(missing)), Setting(arm, steps, episodes))
+
+    return call

@@ -1,0 +1,66 @@
+"""Smooth motions: within every limit, clear of the ground, the same for the same seed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness_plugins.parity.motions import ACCELERATION, CLEARANCE, SPEED, lowest_points, smooth_motions
+
+PERIOD = 0.1
+
+
+def speeds(motion: np.ndarray, period: float = PERIOD) -> np.ndarray:
+    """Joint speeds of each period, at rest before the first, [rad/s]."""
+    return np.diff(motion, axis=0, prepend=motion[:1]) / period
+
+
+@pytest.mark.parametrize(("steps", "period"), [(200, 0.1), (1000, 0.02), (1, 0.1), (2000, 0.1)])
+def test_limits_are_kept(each_robot, steps, period):
+    """Ranges, 80 % of the speeds and 60 % of the accelerations, from rest on."""
+    motion = smooth_motions(each_robot, 0, 4, steps, period)
+    assert motion.shape == (steps + 1, 4, each_robot.dof)
+    assert (each_robot.lower <= motion).all()
+    assert (motion <= each_robot.upper).all()
+    speed = speeds(motion, period)
+    assert (np.abs(speed) <= SPEED * each_robot.max_speed * (1 + 1e-9)).all()
+    change = np.abs(np.diff(speed, axis=0)) / period
+    assert (change <= ACCELERATION * each_robot.max_acceleration * (1 + 1e-9)).all()
+
+
+def test_every_joint_really_moves(each_robot):
+    """In each motion a joint gets to a third of what it may at least; in the best of eight to nearly all of it."""
+    share = np.abs(speeds(smooth_motions(each_robot, 0, 8, 200, PERIOD))).max(axis=0) / (SPEED * each_robot.max_speed)
+    assert share.min() > 1 / 3
+    assert (share.max(axis=0) > 0.9).all()
+
+
+def test_motions_stay_clear_of_the_ground(each_robot):
+    """Joints and tip keep a tenth of the reach above it."""
+    motion = smooth_motions(each_robot, 3, 8, 200, PERIOD).reshape(-1, each_robot.dof)
+    assert lowest_points(each_robot, motion).min() >= CLEARANCE * each_robot.reach
+
+
+def test_a_seed_gives_the_same_motions(robot):
+    """Episode n is the same in every batch; another seed gives others."""
+    few, many = smooth_motions(robot, 5, 2, 50, PERIOD), smooth_motions(robot, 5, 4, 50, PERIOD)
+    np.testing.assert_array_equal(few, many[:, :2])
+    assert not np.isclose(many[0, 0], many[0, 1]).any()
+    assert not np.isclose(few[0], smooth_motions(robot, 6, 2, 50, PERIOD)[0]).any()
+
+
+def test_lowest_point_is_the_lowest_of_tip_and_joints(robot):
+    """Stretched out straight up the second joint is lowest; head down the tip is."""
+    folded = robot.home.copy()
+    folded[1] = robot.upper[1]
+    heights = lowest_points(robot, np.stack([np.zeros(robot.dof), folded]))
+    assert 0.0 < heights[0] <= robot.end_effector(np.zeros(robot.dof))[2]
+    assert heights[1] == pytest.approx(robot.end_effector(folded)[2])
+
+
+def test_an_arm_that_starts_on_the_ground_is_refused(robot):
+    """No motion from there is clear: the message says so, instead of searching forever."""
+    low = np.array([0.0, robot.upper[1], 0.0, 0.0, 0.0, 0.0])
+    with pytest.raises(UsageError, match="choose a home pose"):
+        smooth_motions(replace(robot, home=low), 0, 1, 20, PERIOD)
