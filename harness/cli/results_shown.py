@@ -36,8 +36,6 @@ def show_results(
     Raises:
         UsageError: Something cannot be written.
     """
-    from harness.cli.not_measured import complain_of_metrics
-
     complain_of_metrics(results)
     if html is not None:
         write_page_of(results, html)
@@ -89,3 +87,13 @@ def _print_tables(results: "Results", details: bool, command: str) -> None:
         show(ranking)
     if transfers.matrices:
         show(transfer_table(transfers))
+
+
+if TYPE_CHECKING:
+    from harness.results import Results
+
+
+def complain_of_metrics(results: "Results") -> None:
+    """One line on standard error for each metric that failed: its values are missing, and nothing else."""
+    for name, reason in results.not_measured.items():
+        complain(f"metric {name}: n/a ({reason})")

@@ -145,3 +145,9 @@ def digests_in(folder: Path) -> dict[str, str]:
 def now() -> str:
     """The time in UTC, ISO 8601."""
     return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def write_log(path: Path, text: str) -> None:
+    """Append a line with the time, UTC."""
+    with path.open("a", encoding="utf-8") as log:
+        log.write(f"{now()} harness: {text}\n")

@@ -1,7 +1,7 @@
 """Episodes of the final evaluations, to be shown side by side. Reads results only."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -17,7 +17,6 @@ from harness.record.trace import OBSTACLE, OBSTACLES, Trace, read_trace
 from harness.results.comparison import Comparison, Group
 from harness.results.measured import Values
 from harness.results.results import Results
-from harness.results.single_episode import single_episode
 
 Outcome = Literal["reached", "ground", "obstacle", "time-out"]
 FIRST, DIFFERENT, MOST = 1, 3, 6
@@ -304,3 +303,18 @@ def _outcome(trace: Trace, rows: NDArray[np.int64]) -> Outcome:
     if trace[OBSTACLE][rows[-1]]:
         return "obstacle"
     return "ground" if trace["ground"][rows[-1]] and trace["terminated"][rows[-1]] else "time-out"
+
+
+def single_episode(trace: Trace, rows: NDArray[np.int64]) -> Trace:
+    """The trace of an evaluation with this episode alone, in env 0.
+
+    Args:
+        trace: An evaluation: one episode in each env.
+        rows: Row numbers of the episode, its start row first.
+    """
+    env = int(trace["env"][rows[0]])
+    columns = {name: column[rows] for name, column in trace.columns.items()}
+    columns["env"] = np.zeros_like(columns["env"])
+    steps, work = trace.facts.ik_steps, trace.facts.work
+    own = slice(env, env + 1)
+    return Trace(columns, replace(trace.facts, ik_steps=steps and steps[own], work=work and work[own]))

@@ -9,8 +9,7 @@ import numpy as np
 from harness.errors import UsageError
 from harness.files.whole_file import whole_file
 from harness.scene.picture import TARGET
-from harness.video.film import COLOURS, RATE, Frame
-from harness.video.palette import INK
+from harness.video.film import COLOURS, INK, RATE, Frame
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from harness.executor import NO_SCALARS, Event, Job, OnEvent
 from harness.record.folder import LOG, partial_folder
-from harness.record.log import write_log
+from harness.record.manifest import write_log
 
 from .cluster import Cluster, SubmittedJob
 from .task import CellTask, Told

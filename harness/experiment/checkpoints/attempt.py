@@ -14,7 +14,7 @@ from harness.files.whole_file import is_partial
 from harness.progress import TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, LOG
-from harness.record.log import write_log
+from harness.record.manifest import write_log
 
 Restore: TypeAlias = Callable[[TrainingState], None]
 """Puts an env where a checkpoint says; raises SchemaError if it cannot."""

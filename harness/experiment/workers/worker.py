@@ -18,7 +18,7 @@ from typing import IO
 from harness.experiment.workers.lifeline import lines_of_parent
 from harness.experiment.workers.order import Order, read_order
 from harness.record.folder import LOG, partial_folder
-from harness.record.log import write_log
+from harness.record.manifest import write_log
 from harness.registry.given import is_plugin_file
 
 DONE, STALE = "done", "stale"

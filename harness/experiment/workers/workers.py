@@ -20,7 +20,7 @@ from harness.experiment.workers.order import Order
 from harness.experiment.workers.process import Told, WorkerProcess, stop_processes
 from harness.experiment.workers.worker import DONE, STALE
 from harness.record.folder import LOG, partial_folder
-from harness.record.log import write_log
+from harness.record.manifest import write_log
 
 ORDERS_PER_PROCESS = 50
 """A process is replaced after so many orders, because libraries may leak memory in each."""

@@ -14,7 +14,6 @@ from harness.report.page.comparison import comparison_section, title_of
 from harness.report.page.download import Download, pack
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
-from harness.report.page.question import question
 from harness.report.replay.links import links_of
 from harness.report.replay.section import replay_of
 from harness.report.rows.comparison import (
@@ -23,6 +22,7 @@ from harness.report.rows.comparison import (
     TESTS,
     TOTAL,
     count_cells,
+    question,
     remarks_on_cells,
     rewards_text,
 )

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from harness.report.page.page import render_page
-from harness.report.page.question import question
 from harness.report.replay.section import replay_of
+from harness.report.rows.comparison import question
 from harness.results import Results
 from harness.results.overview import line_names, overview_of, overview_row
 from harness.results.replay import shows_of

@@ -319,3 +319,13 @@ def _texts(index: Index) -> Iterator[str]:
     yield f"{index.steps:,}"
     for total in (index.I_N, index.I_P, index.total):
         yield f"{total:,.1f}"
+
+
+def question(results: Results) -> str:
+    """What the report answers."""
+    labels = dict.fromkeys(combination.proposed for combination in results.combinations)
+    proposed = [label for label in labels if label != results.baseline]  # that would be A/A
+    verb, subject = ("Does", "a reward") if not proposed else ("Does", f"the reward {proposed[0]}")
+    if len(proposed) > 1:
+        verb, subject = "Do", f"the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"
+    return f"{verb} {subject} make the {results.subject} behave better, or only the numbers bigger?"

@@ -8,7 +8,6 @@ from harness.eta.scored_sums import BB, KK
 from harness.eta.splits import Split
 from harness.record.plan_file import EXPERIMENT
 from harness.report.facts import Fact, shared_facts
-from harness.report.page.question import question
 from harness.report.rows.behaviour import along_grid, behaviour_grids, behaviour_row
 from harness.report.rows.comparison import (
     SPLIT,
@@ -17,6 +16,7 @@ from harness.report.rows.comparison import (
     basis_text,
     count_cells,
     format_number,
+    question,
     ratio_text,
     ratio_with_interval,
     remarks_on_cells,

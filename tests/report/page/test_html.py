@@ -10,8 +10,7 @@ from harness.errors import UsageError
 from harness.report.figures.split_rows import describe_split
 from harness.report.page.comparison import describe_comparison
 from harness.report.page.html import write_html
-from harness.report.page.question import question
-from harness.report.rows.comparison import SPLIT, scales_text
+from harness.report.rows.comparison import SPLIT, question, scales_text
 from tests.report.conftest import MIXTURE
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
