@@ -27,7 +27,7 @@ from harness.experiment.workers.order import Report
 from harness.policy import Policy
 from harness.progress import RETURN, SPEED, SUCCESS, TrainingState
 from harness.record.cell import Cell
-from harness.record.folder import TRAINING_RECORDING
+from harness.record.folder import EVALUATIONS, TRAINING_RECORDING
 from harness.record.recording.facts import Acted, TrainingFacts
 from harness.record.recording.recorded_training import (
     RecordedTraining,
@@ -68,7 +68,7 @@ class EnvironmentWorld:
     def restore(self, state: TrainingState) -> None:
         """See `CellWorld`: new envs are told all that others were told before, and record it anew."""
         for path in self._folder.iterdir():
-            if path.is_dir():
+            if path.is_dir() and path.name != EVALUATIONS:  # of these the policies are gone
                 shutil.rmtree(path)
         batch, (seed, _) = self._open(), np.random.SeedSequence(self._cell.seed).generate_state(2).tolist()
         try:

@@ -18,6 +18,7 @@ from harness.record.folder import (
     LOG,
     MANIFEST,
     TRAINING_RECORDING,
+    evaluation_files,
     partial_folder,
 )
 from harness.record.manifest import Manifest, digests_in, read_manifest
@@ -96,6 +97,16 @@ def test_it_goes_on_twice(registry: Registry, given: tuple[Given, ...], tmp_path
     assert 650 <= _go_on(cell, tmp_path / "twice" / "killed", given).resumed_from <= 800
     assert read_manifest(tmp_path / "twice" / "whole").resumed_from >= 250
     assert _files(tmp_path / "twice" / "killed") == _files(tmp_path / "plain")
+
+
+def test_evaluations_on_the_way_are_not_made_again(registry: Registry, given: tuple[Given, ...], tmp_path: Path):
+    """Those before the checkpoint stay, the later ones are made again: the cell has what it would have had."""
+    cell = _cell(registry, LEARNERS["sac-fast"], evaluate_every=60)
+    run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
+    _leave(cell, tmp_path / "killed", 198, given)
+    assert _go_on(cell, tmp_path / "killed", given).resumed_from >= 100
+    assert list(evaluation_files(tmp_path / "killed", suffix="")) == [60, 120, 180]
+    assert _files(tmp_path / "killed") == _files(tmp_path / "plain")
 
 
 def test_a_cell_that_is_killed_in_its_evaluation_goes_on(
