@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NotRequired
 
 from pydantic import Field, TypeAdapter, with_config
 from rich.console import Group, RenderableType
@@ -10,7 +10,7 @@ from rich.text import Text
 from typing_extensions import TypedDict
 
 from harness.errors import UsageError
-from harness.eta.headline import SUCCESS
+from harness.eta.headline import SHORT, SUCCESS
 from harness.files.bounded import parse_json, read_bytes, reading
 from harness.record.forms import OPEN, Count, Line, Name, Status, require_form
 from harness.record.plan_file import EXPERIMENT, PLAN
@@ -21,10 +21,11 @@ from harness.results.comparison import deciding_manner
 from harness.results.overview import NOTHING
 
 MOST_BYTES = 64 * 2**20
-HEADINGS = ("", "the robot", "success", "seeds", "eta_N", "eta_P", "ruler")
+NUMBERS = ("seeds", "eta_N", "eta_P", "ruler")
+SIDES = ("baseline", "proposed")
 PLACES = ("simulator", "algorithm", "robot", "task")
 READING = (
-    "success: baseline > proposed. eta: the proposed reward's number divided by the baseline's. eta_N below 1 and "
+    "{measure}: baseline > proposed. eta: the proposed reward's number divided by the baseline's. eta_N below 1 and "
     "eta_P above 1 count as better. ruler: the part of eta_P that comes from counting the same runs differently. "
     "In brackets, if the window is wide enough: the 95% interval. *: see the remarks below."
 )
@@ -57,6 +58,7 @@ class ChangeForm(TypedDict):
     manner: Name
     baseline: Number | None
     proposed: Number | None
+    episodes: NotRequired[int | None]
 
 
 @with_config(OPEN)
@@ -64,7 +66,8 @@ class HeadlineForm(TypedDict):
     """See `harness.eta.headline.Headline`."""
 
     answer: Name
-    robot: Line
+    robot: NotRequired[Line]
+    behaviour: NotRequired[Line]
     number: Line
 
 
@@ -72,9 +75,9 @@ class HeadlineForm(TypedDict):
 class ComparisonForm(TypedDict):
     """See `harness.results.comparison.Comparison`."""
 
-    simulator: Name
-    algorithm: Name
-    robot: Name
+    simulator: NotRequired[Name]
+    algorithm: NotRequired[Name]
+    robot: NotRequired[Name]
     task: Name
     steps: Count
     deterministic: bool
@@ -87,6 +90,8 @@ class ComparisonForm(TypedDict):
     eta_P: SplitForm
     episodes: dict[Name, int]
     behaviour: list[ChangeForm]
+    deciding: NotRequired[list[Name]]
+    decided_in: NotRequired[Line]
 
 
 @with_config(OPEN)
@@ -181,13 +186,16 @@ def committed_table(folder: Path) -> RenderableType:
     if comparisons:
         apart = [kind for kind in (*PLACES, "steps", "baseline") if len({_told(it, kind) for it in comparisons}) > 1]
         names = [" · ".join([*(_told(it, kind) for kind in apart), _proposed(it)]) for it in comparisons]
-        shared = [_told(comparisons[0], kind) for kind in (*PLACES, "baseline", "steps") if kind not in apart]
+        kinds = (kind for kind in (*PLACES, "baseline", "steps") if kind not in apart)
+        shared = [label for kind in kinds if (label := _told(comparisons[0], kind))]
         grids = ([_grid(names, comparisons, with_intervals)] for with_intervals in (True, False))
         parts += [Text(" · ".join(shared), style="bold"), WideOrNarrow(*grids)]
-        parts += [Text(), Text(READING, style="dim"), *map(Text, _remarks(names, comparisons))]
+        reading = READING.format(measure=_measure(comparisons))
+        parts += [Text(), Text(reading, style="dim"), *map(Text, _remarks(names, comparisons))]
     if len(comparisons) == 1:
         told = comparisons[0]["headline"]
-        parts += [part for line in (told["robot"], told["number"]) if line for part in (Text(), Text(line))]
+        lines = (told.get("behaviour", told.get("robot", "")), told["number"])
+        parts += [part for line in lines if line for part in (Text(), Text(line))]
     return Group(*parts, Text(), Text(_more(folder)))
 
 
@@ -205,7 +213,7 @@ def _read(folder: Path) -> tuple[RecordForm | None, EnvironmentsForm | None]:
     """The records of an experiment with an arm, or of one whose task is an environment."""
     with reading(folder / RECORD, "record"):
         data = parse_json(read_bytes(folder / RECORD, MOST_BYTES))
-        if isinstance(data, dict) and "studies" in data:
+        if isinstance(data, dict) and "studies" in data and "format" not in data:  # of version 0.1
             require_form(ENVIRONMENTS, data)
             return None, data  # type: ignore[return-value] # its form was just checked
         require_form(FORM, data)
@@ -233,7 +241,7 @@ def _more(folder: Path) -> str:
 def _told(comparison: ComparisonForm, kind: str) -> str:
     if kind == "steps":
         return f"{comparison['steps']:,} steps"
-    label = str(dict(comparison)[kind])
+    label = str(dict(comparison).get(kind, ""))
     return f"against {label}" if kind == "baseline" else label
 
 
@@ -243,7 +251,18 @@ def _proposed(comparison: ComparisonForm) -> str:
 
 def _grid(names: Sequence[str], comparisons: Sequence[ComparisonForm], with_intervals: bool) -> Grid:
     rows = [_row(name, it, with_intervals) for name, it in zip(names, comparisons, strict=True)]
-    return Grid(HEADINGS, rows, [])
+    subject = "robot" if any("robot" in it for it in comparisons) else "agent"
+    return Grid(("", f"the {subject}", _measure(comparisons), *NUMBERS), rows, [])
+
+
+def _measure(comparisons: Sequence[ComparisonForm]) -> str:
+    """The name of the measure that decides."""
+    names = dict.fromkeys(_deciding(it) for it in comparisons)
+    return " / ".join(SHORT.get(name, name.replace("_", " ")) for name in names)
+
+
+def _deciding(comparison: ComparisonForm) -> str:
+    return next(iter(comparison.get("deciding", ())), SUCCESS)
 
 
 def _row(name: str, comparison: ComparisonForm, with_intervals: bool) -> tuple[str, ...]:
@@ -283,9 +302,13 @@ def _remarks(names: Sequence[str], comparisons: Sequence[ComparisonForm]) -> lis
 
 
 def _success(comparison: ComparisonForm) -> str:
-    manner = deciding_manner(comparison["deterministic"], comparison["episodes"])
+    """Both values of the measure that decides; success as a percentage."""
+    decided = comparison.get("decided_in") or deciding_manner(comparison["deterministic"], comparison["episodes"])
+    name = _deciding(comparison)
     for change in comparison["behaviour"]:
-        values = (change["baseline"], change["proposed"])
-        if (change["name"], change["manner"]) == (SUCCESS, manner) and None not in values:
-            return "{:.0f}>{:.0f}%".format(*(100 * value for value in values if value is not None))
+        values = [value for value in (change["baseline"], change["proposed"]) if value is not None]
+        if (change["name"], change["manner"]) == (name, decided) and len(values) == len(SIDES):
+            is_share = name == SUCCESS or change.get("episodes") is not None
+            one, other = (f"{100 * value:.0f}" if is_share else format_number(value) for value in values)
+            return f"{one}>{other}%" if is_share else f"{one}>{other}"
     return NOTHING

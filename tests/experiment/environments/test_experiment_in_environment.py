@@ -606,7 +606,9 @@ def test_records_hold_what_the_report_says(folder: Path, tmp_path: Path, report:
     assert len(rows) == 4
     assert all(float(row["return_near"]) <= 0.0 for row in rows)
     assert "right against near" in (target / "summary.md").read_text()
-    assert "right against near" in report(target)
+    told = report(target)
+    assert "The mean return with right minus that with near" in told
+    assert "random · toy · against near · 32 steps" in told
 
 
 def test_records_show_what_they_say(folder: Path, tmp_path: Path, report: Callable[..., str]):
