@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from harness.recorder.record_rewards import RecordRewards
     from harness.recorder.record_vector_rewards import RecordVectorRewards
     from harness.results import load_results
-    from harness.results.recordings import load_study
     from harness.robot.load import load_robot
 
 __version__ = "0.1.0"
@@ -29,7 +28,6 @@ __all__ = [
     "hookimpl",
     "load_results",
     "load_robot",
-    "load_study",
     "make_env",
     "run",
 ]
@@ -42,7 +40,6 @@ _HOMES = {
     "evaluate_policy": "harness.recorder.evaluate_policy",
     "load_results": "harness.results.load",
     "load_robot": "harness.robot.load",
-    "load_study": "harness.results.recordings.study",
     "make_env": "harness.env.make",
     "run": "harness.experiment.experiment",
 }

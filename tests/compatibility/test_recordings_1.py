@@ -18,7 +18,8 @@ import pytest
 from harness.record.recording.recorded_training import read_recording
 from harness.record.store import Store
 from harness.results import load_results
-from harness.results.recordings import Study, load_study
+from harness.results.recordings.study import Study
+from tests.results.recordings.conftest import load_study
 
 HERE = Path(__file__).parent / "recordings_1"
 TOLD = json.loads((HERE / "returns.json").read_text())

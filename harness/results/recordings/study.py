@@ -1,6 +1,6 @@
 """All recorded trainings of a folder, compared."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -10,12 +10,10 @@ from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.swaps import smallest_p, swaps_of
-from harness.registry.choice import split_list
 from harness.results.comparison import Comparison, correct_all
-from harness.results.metrics import require_measures
 from harness.results.recordings.compare import compare
 from harness.results.recordings.learning import learning_of
-from harness.results.recordings.runs import MANNERS, Runs, read_runs
+from harness.results.recordings.runs import MANNERS, Runs
 
 Table = Mapping[tuple[str, str], SeedMean]
 """R_r(q) over all seeds, by (r, q): who pays, and whose trainings are paid."""
@@ -73,33 +71,13 @@ class Study:
         }
 
 
-def load_study(folder: str | Path, kind: Kind = "accumulated", metrics: Iterable[str] | str | None = None) -> Study:
-    """The recorded trainings in a folder, at any depth, compared.
-
-    Args:
-        folder: Where they lie.
-        kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
-        metrics: Which measures of behaviour, beside the one that decides, several with commas; all of them if None.
-
-    Raises:
-        UsageError: There are none, or none that can be compared, or a measure is not recorded.
-    """
-    runs = read_runs(Path(folder))
-    if metrics is not None:
-        shown = split_list(metrics)
-        require_measures(shown, runs.measures)
-        runs = runs.showing(shown)
-    (study,) = compare_all(Path(folder), [runs], kind)
-    return study
-
-
 def compare_all(folder: Path, groups: Sequence[Runs], kind: Kind) -> tuple[Study, ...]:
     """A study of each group of trainings. All their claims are one family: its p-values hold for all of them together.
 
     Args:
         folder: Where all of them lie.
         groups: Trainings that are compared within their group alone.
-        kind: As in `load_study`.
+        kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
     """
     swaps = swaps_of(sorted({seed for runs in groups for _, seed in runs.members}))
     found = [[compare(runs, *pair, swaps, kind) for pair in runs.pairs] for runs in groups]

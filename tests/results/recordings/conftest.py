@@ -10,6 +10,10 @@ import pytest
 from harness.record.recording.facts import Failure, TrainingFacts
 from harness.record.recording.recorded_training import RecordedTraining
 from harness.record.recording.recording_writer import write_recording
+from harness.registry.registry import load_registry
+from harness.results.recordings.loose import LooseStore
+from harness.results.recordings.results import RecordedResults
+from harness.results.recordings.study import Study
 
 PAYS: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "plain": lambda arms: arms + 1.0,
@@ -93,3 +97,11 @@ def study_folder(tmp_path: Path) -> Path:
         record(tmp_path / f"plain-{seed}", "plain", seed, np.linspace(0.0, 0.4 + 0.01 * seed, 40))
         record(tmp_path / f"thrice-{seed}", "thrice", seed, np.linspace(0.0, 0.9 + 0.01 * seed, 40))
     return tmp_path
+
+
+def load_study(folder: Path, metrics: Sequence[str] | str | None = None) -> Study:
+    """The recorded trainings in a folder, compared."""
+    results = RecordedResults(folder, load_registry(), metrics=metrics, store=LooseStore(folder))
+    (found,) = results.studies
+    assert found.study is not None
+    return found.study

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from harness.record.recording.recorded_training import RecordedTraining, read_recording
-from harness.results.recordings import load_study
 from harness.results.recordings.alike import likeness_of
-from tests.results.recordings.conftest import record
+from tests.results.recordings.conftest import load_study, record
 
 ARMS = np.linspace(0.0, 1.0, 20)
 

@@ -11,8 +11,9 @@ from gymnasium.spaces import Box
 import harness
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.report.rows.comparison import basis_text
-from harness.results.recordings import load_study
 from harness.results.recordings.runs import EVALUATION, LAST, TRAINING
+from harness.results.recordings.study import Study
+from tests.results.recordings.conftest import load_study
 
 PULLS, EPISODES, SEEDS = 4, 10, 6
 FACTOR, BONUS = 3.0, 2.0
@@ -68,7 +69,7 @@ def train(folder: Path, reward: str, seed: int, evaluated: bool = False) -> None
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> harness.results.recordings.Study:
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     """Three rewards, six seeds each, and an evaluation of every policy."""
     folder = tmp_path_factory.mktemp("bandit")
     for reward in ("plain", "scaled", "shifted"):

@@ -12,8 +12,8 @@ import pytest
 from harness.errors import SchemaError
 from harness.record.folder import DERIVED
 from harness.record.recording.recorded_training import read_recording
-from harness.results.recordings import load_study
 from harness.results.recordings.recording_results import RecordingResults
+from tests.results.recordings.conftest import load_study
 
 
 @pytest.fixture

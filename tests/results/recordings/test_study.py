@@ -12,12 +12,11 @@ from harness.record.recording.facts import OWN_SOURCE, Source, TrainingFacts
 from harness.record.recording.recorded_training import RecordedTraining
 from harness.report.rows.comparison import basis_text
 from harness.results.learning import STRETCHES
-from harness.results.recordings import load_study
 from harness.results.recordings.episodes import episodes_of
 from harness.results.recordings.learning import learning_of, return_name
 from harness.results.recordings.runs import EVALUATION, LAST, TRAINING, read_runs
 from harness.results.recordings.study import compare_all
-from tests.results.recordings.conftest import PAYS, PULLS, record
+from tests.results.recordings.conftest import PAYS, PULLS, load_study, record
 
 RISING = np.linspace(0.0, 1.0, 20)
 
