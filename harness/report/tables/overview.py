@@ -1,7 +1,6 @@
 """All comparisons of an experiment at a glance, one line each, as a terminal shows it first."""
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.console import Group as Together
@@ -75,9 +74,11 @@ def overview_grids(combinations: Sequence[Comparison], *, with_intervals: bool) 
         rows = [overview_row(name, it, with_intervals, overview) for name, it in names]
         return [Grid(overview.headings, rows, [])]
     named = zip(reward_names(combinations), combinations, strict=True)
-    grouped = groupby(named, key=lambda pair: group_name(pair[1], varying))
-    blocks = [(name, [overview_row(*it, with_intervals, overview) for it in members]) for name, members in grouped]
-    return [Grid(overview.headings, of, [], name) for name, of in blocks]
+    blocks: dict[str, list[tuple[str, ...]]] = {}
+    for reward, it in named:
+        row = overview_row(reward, it, with_intervals, overview)
+        blocks.setdefault(group_name(it, varying), []).append(row)
+    return [Grid(overview.headings, rows, [], name) for name, rows in blocks.items()]
 
 
 def _not_split(combinations: Sequence[Comparison]) -> list[str]:

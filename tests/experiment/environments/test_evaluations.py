@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from harness.errors import UsageError
 from harness.experiment.experiment import run
 from harness.experiment.plan import expand, read_experiment
 from harness.record.folder import DETERMINISTIC, RANDOM, STOCHASTIC, evaluation_files, recording_of
@@ -14,6 +15,7 @@ from harness.registry.given import read_given
 from harness.registry.registry import load_registry
 from harness.results import Results
 from harness.results.measured import LEARNING
+from harness.results.ranking import ranking_of
 
 HERE = Path(__file__).parent
 TOLD: dict[str, Any] = {"task": "toy", "algo": "random", "steps": 64, "seeds": 2, "evaluation_episodes": 3, "jobs": 1}
@@ -107,4 +109,27 @@ def test_several_environments_are_one_matrix(tmp_path: Path):
     """Each has its comparisons, and all are one family of claims."""
     found = _run(tmp_path / "out", task=["toy", "toy:discrete=true"])
     assert [it.group.task.label for it in found.combinations] == ["toy", "toy:discrete=True"]
+    assert len({it.claims for it in found.combinations}) == 1
+
+
+def test_rewards_are_ranked_over_environments(tmp_path: Path):
+    """By the measure that decides; each environment has a vote of its own."""
+    (ranking,) = ranking_of(_run(tmp_path / "out", task=["toy", "toy:discrete=true"])).tasks
+    assert [place.simulator for place in ranking.places] == ["toy", "toy:discrete=True"]
+    assert ranking.rewards == ("near", "right")
+    assert ranking.votes("simulator") == ("toy", "toy:discrete=True")
+
+
+def test_tasks_of_an_arm_do_not_go_with_environments(tmp_path: Path):
+    """In one line; nothing is written."""
+    with pytest.raises(UsageError, match="some are tasks of an arm, some environments"):
+        _run(tmp_path / "out", task=["toy", "fd100-reach"], sim="kinematic")
+    assert not (tmp_path / "out").exists()
+
+
+def test_several_tasks_of_an_arm_are_one_matrix(tmp_path: Path):
+    """Each with its comparison; all are one family."""
+    tasks = ["fd100-reach:horizon=5", "fd100-reach:horizon=6"]
+    found = _run(tmp_path / "out", task=tasks, sim="kinematic", steps=12)
+    assert [it.group.task.label for it in found.combinations] == tasks
     assert len({it.claims for it in found.combinations}) == 1
