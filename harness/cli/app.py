@@ -19,10 +19,10 @@ from harness.cli.describe import describe
 from harness.cli.doctor import doctor
 from harness.cli.eta import eta
 from harness.cli.examples import EXAMPLES, FIRST_STEPS, epilog_of
-from harness.cli.lines import complain
 from harness.cli.merge import merge
 from harness.cli.names import list_names
 from harness.cli.new_plugin import new_plugin
+from harness.cli.output import complain
 from harness.cli.plugins import plugins
 from harness.cli.report import report
 from harness.cli.run import run

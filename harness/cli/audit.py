@@ -5,7 +5,7 @@ from pathlib import Path
 
 from harness.cli.flags import audit as flags
 from harness.cli.flags.shared import AsJson, Names, PluginFiles, RecordedFolder, RobotName, TaskName
-from harness.cli.lines import complain, say_json
+from harness.cli.output import complain, say_json
 from harness.errors import UsageError
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from harness.cli.flags import bench as flags
 from harness.cli.flags.shared import AsJson, EvaluationEpisodes, Names, PluginFiles, RobotName, SimulatorNames, TaskName
-from harness.cli.lines import say, say_json
+from harness.cli.output import say, say_json
 from harness.errors import UsageError
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from harness.cli.flags import check as flags
 from harness.cli.flags.shared import AsJson, PluginFiles
-from harness.cli.lines import say, say_json
+from harness.cli.output import say, say_json
 from harness.errors import UsageError
 
 if TYPE_CHECKING:

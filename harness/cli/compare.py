@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.flags.shared import AsJson
-from harness.cli.lines import complain, say_json
+from harness.cli.output import complain, say_json
 
 REGRESSION = 1
 
@@ -22,9 +22,9 @@ def compare(
     """
     from harness.cli.terminal import show
     from harness.report.committed import refuse_committed
-    from harness.report.tables.between import between_table
+    from harness.report.tables.two_experiments import between_table
     from harness.results import load_results
-    from harness.results.between import between
+    from harness.results.two_experiments import between
 
     for folder in (before, after):
         refuse_committed(folder, "harness compare")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.lines import say
+from harness.cli.output import say
 from harness.errors import HarnessError, UsageError
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class _HereAndNow:
 def _show(results: "Results") -> None:
     from rich.text import Text
 
-    from harness.cli.made import make_table_and_page
+    from harness.cli.table_and_page import make_table_and_page
     from harness.cli.terminal import show
     from harness.report.rows.comparison import format_number
     from harness.report.tables.overview import comparison_lines

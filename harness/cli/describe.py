@@ -6,7 +6,7 @@ import typer
 
 from harness.cli.completion import names_of
 from harness.cli.flags.shared import ROBOTS, PluginFiles
-from harness.cli.lines import say
+from harness.cli.output import say
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from harness.cli.commands import hidden_commands
-from harness.cli.lines import say
+from harness.cli.output import say
 from harness.cli.runnable import example_run, usable
 from harness.hookspecs import NOUNS
 from harness.registry.registry import Registry, load_registry

@@ -7,7 +7,7 @@ import typer
 
 from harness.cli.flags import eta as flags
 from harness.cli.flags.shared import AsJson, CurveKind, PluginFiles, RecordedFolder
-from harness.cli.lines import say, say_json
+from harness.cli.output import say, say_json
 from harness.cli.recordings import refuse_flags
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from harness.cli.lines import say
+from harness.cli.output import say
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.lines import complain, say
+from harness.cli.output import complain, say
 
 LEFT_OUT = 1
 
@@ -18,7 +18,7 @@ def merge(
     ],
 ) -> int:
     """Put the cells of several experiments' folders into one, as if one run had done them. Changes no other folder."""
-    from harness.cli.made import make_table_and_page
+    from harness.cli.table_and_page import make_table_and_page
     from harness.record.merge import merge as put_together
     from harness.record.store import CELLS
     from harness.results import load_results

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.flags.shared import PluginFiles
-from harness.cli.lines import complain
+from harness.cli.output import complain
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
 from harness.registry.given import read_given

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.lines import say
+from harness.cli.output import say
 from harness.errors import UsageError
 
 NEXT = """{folder}: {count} files. Type next:

@@ -7,7 +7,7 @@ import typer
 
 from harness.cli.commands import hidden_commands
 from harness.cli.flags.shared import AsJson
-from harness.cli.lines import say_json
+from harness.cli.output import say_json
 from harness.registry.registry import load_registry
 from harness.registry.targets import examined, why_unfit
 

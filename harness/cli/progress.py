@@ -12,7 +12,7 @@ from rich.progress import Progress, ProgressColumn, Task, TaskID
 from rich.table import Column
 from rich.text import Text
 
-from harness.cli.learned import learned_texts, return_text, success_text, unended_text
+from harness.cli.learning_texts import learned_texts, return_text, success_text, unended_text
 from harness.cli.terminal import Terminal
 from harness.executor import Event
 from harness.progress import RETURN, SPEED, SUCCESS

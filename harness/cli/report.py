@@ -11,7 +11,7 @@ import typer
 
 from harness.cli.flags import report as flags
 from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles
-from harness.cli.lines import complain
+from harness.cli.output import complain
 from harness.cli.recordings import holds_recordings, refuse_flags
 from harness.cli.results_shown import show_results
 

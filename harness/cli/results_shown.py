@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from harness.cli.lines import complain, say
+from harness.cli.output import complain, say
 
 if TYPE_CHECKING:
     from harness.results import Results

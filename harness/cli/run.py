@@ -25,7 +25,7 @@ from harness.cli.flags.shared import (
     SimulatorNames,
 )
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import complain, say, say_json
+from harness.cli.output import complain, say, say_json
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -302,8 +302,8 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
 
 def _show(results: "Results", as_json: bool) -> None:
     """The comparison on standard output; what was written too, unless JSON is to stand there alone."""
-    from harness.cli.made import make_table_and_page
     from harness.cli.results_shown import show_results
+    from harness.cli.table_and_page import make_table_and_page
 
     show_results(results, f"harness report {results.folder} --details{results.report_flags}", as_json=as_json)
     make_table_and_page(results, as_json)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from harness.cli.flags.score import Environment, Every, OutFolder, RewardNames, Targets
 from harness.cli.flags.shared import AsJson, PluginFiles
-from harness.cli.lines import complain, say, say_json
+from harness.cli.output import complain, say, say_json
 from harness.cli.recordings import holds_recordings, refuse_flags
 from harness.errors import UsageError
 

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
 from harness.cli.foreseen import about
-from harness.cli.learned import learned_texts, unended_text
-from harness.cli.lines import say, say_json
+from harness.cli.learning_texts import learned_texts, unended_text
+from harness.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress

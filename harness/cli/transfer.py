@@ -6,7 +6,7 @@ import typer
 
 from harness.cli.flags.shared import SIMULATORS, AsJson, ExperimentFolder, PluginFiles
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import say_json
+from harness.cli.output import say_json
 
 
 def transfer(

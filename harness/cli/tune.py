@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from harness.cli.flags import tune as flags
 from harness.cli.flags.shared import AsJson, ExecutorName, Jobs, Measures, PluginFiles, RewardNames, RobotName, TaskName
 from harness.cli.interrupted import kept_when_interrupted
-from harness.cli.lines import say, say_json
+from harness.cli.output import say, say_json
 from harness.errors import UsageError
 
 _SEVERAL = re.compile(r",\s*\w+=")

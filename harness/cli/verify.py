@@ -1,7 +1,7 @@
 """``harness verify`` and ``harness repair``: whether a folder still is what was written, and making it so."""
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
-from harness.cli.lines import say, say_json
+from harness.cli.output import say, say_json
 
 UNSOUND = 1
 

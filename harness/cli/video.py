@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.flags.shared import ExperimentFolder, PluginFiles
-from harness.cli.lines import say
+from harness.cli.output import say
 from harness.errors import UsageError
 
 MOST_CELLS = 4

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.flags.shared import ExperimentFolder
-from harness.cli.lines import say
+from harness.cli.output import say
 from harness.errors import HarnessError, UsageError, one_line
 
 if TYPE_CHECKING:

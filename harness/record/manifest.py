@@ -11,10 +11,10 @@ from pydantic import TypeAdapter
 from harness.files.bounded import digest_of, reading
 from harness.files.sealed import read_sealed, seal
 from harness.files.whole_file import write_whole
-from harness.record import forms
+from harness.record import file_forms as forms
 from harness.record.cell import Cell
+from harness.record.file_forms import Status, require_form
 from harness.record.folder import MANIFEST
-from harness.record.forms import Status, require_form
 
 SEALED_SINCE = 2
 """The first format of manifests, those of transfers included, that names the digests of its folder's files."""

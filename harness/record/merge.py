@@ -12,6 +12,7 @@ from harness.files.bounded import digest_of
 from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
 from harness.record.cell_folder import require_files
+from harness.record.file_forms import Status
 from harness.record.folder import (
     DERIVED,
     EVALUATION_RECORDING,
@@ -21,7 +22,6 @@ from harness.record.folder import (
     partial_folder,
     publish,
 )
-from harness.record.forms import Status
 from harness.record.manifest import Manifest
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan

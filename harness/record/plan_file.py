@@ -12,7 +12,7 @@ from harness.errors import SchemaError, UsageError
 from harness.files.bounded import digest_of, reading
 from harness.files.sealed import read_sealed, seal
 from harness.files.whole_file import write_whole
-from harness.record import forms
+from harness.record import file_forms as forms
 from harness.record.cell import Cell
 from harness.registry.toml_file import read_toml
 

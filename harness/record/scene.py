@@ -17,8 +17,8 @@ from typing_extensions import TypedDict
 from harness.arrays import Float
 from harness.files.bounded import read_json, reading
 from harness.files.whole_file import write_whole
+from harness.record.file_forms import EXACT, Name, require_form
 from harness.record.folder import SCENE
-from harness.record.forms import EXACT, Name, require_form
 
 FORMAT = 1
 MOST_BYTES = 4 * 2**20

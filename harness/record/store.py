@@ -23,8 +23,8 @@ from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
 from harness.record.cell_folder import examine
+from harness.record.file_forms import Status
 from harness.record.folder import CHECKPOINT, LOG, MANIFEST, partial_folder, publish
-from harness.record.forms import Status
 from harness.record.manifest import Manifest, now, read_manifest
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan

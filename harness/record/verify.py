@@ -9,7 +9,7 @@ from harness.errors import NewerFormat, SchemaError
 from harness.files.keyed_file import is_whole
 from harness.files.sums import SUMS, changed_since_made
 from harness.files.whole_file import is_partial
-from harness.record import forms
+from harness.record import file_forms as forms
 from harness.record.cell_folder import REMEDY, examine, require_files
 from harness.record.folder import DERIVED, TRANSFER
 from harness.record.manifest import Ending, Manifest, read_manifest, read_record

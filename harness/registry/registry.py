@@ -12,6 +12,7 @@ import pluggy
 
 from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
+from harness.registry.chosen_plugins import Wanted
 from harness.registry.given import Given, PluginClass, PluginFile
 from harness.registry.hooks import fault_of, hooks_of
 from harness.registry.installed import installed
@@ -20,7 +21,6 @@ from harness.registry.names import unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import Spec, canonical
 from harness.registry.step_functions import ARGUMENTS, StepFunction, functions_of_file
-from harness.registry.wanted import Wanted
 
 MENTIONED = 2
 """Plugins that did not load, in the message about a name that is not there."""
@@ -201,7 +201,7 @@ def load_registry(
 
     Args:
         found: Entry points to load; those of the installed distributions if None. The environment variable
-            HARNESS_PLUGINS, where it is set, says which of them; see `harness.registry.wanted.Wanted`.
+            HARNESS_PLUGINS, where it is set, says which of them; see `harness.registry.chosen_plugins.Wanted`.
         given: What was given by hand, beside those.
         on_load: Called with each plugin before it is imported. If an import ends the process or never returns, the
             plugin of the last call is the one.

@@ -12,7 +12,7 @@ from typing_extensions import TypedDict
 from harness.errors import UsageError
 from harness.eta.headline import SHORT, SUCCESS
 from harness.files.bounded import parse_json, read_bytes, reading
-from harness.record.forms import OPEN, Count, Line, Name, Status, require_form
+from harness.record.file_forms import OPEN, Count, Line, Name, Status, require_form
 from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.rows.comparison import Grid, format_number
 from harness.report.summary.summary import RECORD, SUMMARY

@@ -10,8 +10,8 @@ from typing_extensions import TypedDict
 
 from harness.errors import SchemaError
 from harness.files.bounded import parse_json, read_bytes, reading
+from harness.record.file_forms import EXACT, Line, Whole, require_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY
-from harness.record.forms import EXACT, Line, Whole, require_form
 from harness.record.manifest import Manifest
 
 FRAMES, STRIP = "frames.json", "frames.webp"

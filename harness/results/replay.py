@@ -147,7 +147,7 @@ def show_cells(results: Results, ids: Sequence[str], episodes: int = MOST) -> Sh
     cells = [find_done(results, name) for name in ids]
     titles = tuple(f"{cell.reward.label} · seed {cell.seed}" for cell in cells)
     common = " · ".join(dict.fromkeys(Group.of(cell).title for cell in cells))
-    show = _show(results, Pair(tuple(cells), common, titles), episodes)
+    show = _show(results, ShownCells(tuple(cells), common, titles), episodes)
     if show is None:
         raise UsageError(f"Of {', '.join(ids)}, a cell has no {SCENE}: an earlier version made it. Run it again.")
     return show
@@ -174,7 +174,7 @@ def choose_episodes(outcomes: Sequence[Sequence[Outcome]], most: int = MOST) -> 
     return sorted(list(dict.fromkeys(wanted))[:most])
 
 
-class Pair(NamedTuple):
+class ShownCells(NamedTuple):
     """Cells to be shown beside one another, the title of what they share, and those that tell them apart."""
 
     cells: tuple[Cell, ...]
@@ -191,7 +191,7 @@ class Pair(NamedTuple):
         return [other_manner(cell.deterministic) for cell in self.cells]
 
 
-def _pairs(results: Results) -> Iterator[Pair]:
+def _pairs(results: Results) -> Iterator[ShownCells]:
     """Pairs with both rewards of each combination, and the first seed of each reward that is in no combination."""
     cells_of = {(Group.of(cell), cell.reward.label, cell.seed): cell for cell in results.done_cells}
     shown: set[tuple[Group, str]] = set()
@@ -201,12 +201,12 @@ def _pairs(results: Results) -> Iterator[Pair]:
             shown |= {(it.group, reward) for reward in rewards}
             seeds = [tuple(cells_of[it.group, reward, seed] for reward in rewards) for seed in it.seeds]
             cells = max(seeds, key=lambda pair: sum(_count_outcomes(results, cell, it.manner) for cell in pair))
-            yield Pair(cells, it.group.title, (f"Baseline: {it.baseline}", f"Proposed: {it.proposed}"), it)
+            yield ShownCells(cells, it.group.title, (f"Baseline: {it.baseline}", f"Proposed: {it.proposed}"), it)
     for cell in results.done_cells:
         group, reward = Group.of(cell), cell.reward.label
         if (group, reward) not in shown:
             shown.add((group, reward))
-            yield Pair((cell,), group.title, (reward,))
+            yield ShownCells((cell,), group.title, (reward,))
 
 
 def _count_outcomes(results: Results, cell: Cell, manner: str) -> int:
@@ -232,7 +232,7 @@ def find_done(results: Results, name: str) -> Cell:
     return found[0]
 
 
-def _show(results: Results, pair: Pair, most: int) -> Show | None:
+def _show(results: Results, pair: ShownCells, most: int) -> Show | None:
     """The show of a pair; None if a cell has no scene, or if no episode ended."""
     cells, title, titles, combination = pair
     folders = [results.store.cell_folder(cell) for cell in cells]

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 
 from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import digest_of
-from harness.record import forms
+from harness.record import file_forms as forms
 from harness.record.cell_folder import require_files
 from harness.record.folder import MANIFEST, POLICY, WEIGHTS
 from harness.record.manifest import Ending, read_record

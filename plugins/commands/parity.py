@@ -3,7 +3,7 @@
 import typer
 
 from harness.cli.flags.shared import AsJson, PluginFiles
-from harness.cli.lines import say, say_json
+from harness.cli.output import say, say_json
 from harness.errors import UsageError
 
 from ..parity import flags

@@ -3,7 +3,7 @@
 import json
 import shutil
 
-from harness.results.between import Between, Verdict
+from harness.results.two_experiments import Between, Verdict
 
 
 def test_an_experiment_beside_itself_is_the_same(harness, finished, tmp_path):

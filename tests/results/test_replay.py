@@ -9,7 +9,7 @@ from harness.errors import SchemaError, UsageError
 from harness.record.folder import EVALUATION, SCENE, STOCHASTIC
 from harness.record.trace import Trace, read_trace
 from harness.results import Results, replay
-from harness.results.replay import Pair, choose_episodes, first_show, show_cells, shows_of
+from harness.results.replay import ShownCells, choose_episodes, first_show, show_cells, shows_of
 from harness.testing.metrics.traces import recorded_trace
 
 R, G, T = "reached", "ground", "time-out"
@@ -41,9 +41,9 @@ def test_the_evaluation_that_decides_is_shown(recorded: Results):
     """The one in the other manner, where that has more episodes."""
     (combination,) = recorded.combinations
     cells = tuple(recorded.done_cells)
-    assert Pair(cells, "", (), combination).files == [EVALUATION] * 2
+    assert ShownCells(cells, "", (), combination).files == [EVALUATION] * 2
     more = replace(combination, episodes={"deterministic": 1, "stochastic": 100})
-    assert Pair(cells, "", (), more).files == [STOCHASTIC] * 2
+    assert ShownCells(cells, "", (), more).files == [STOCHASTIC] * 2
 
 
 def test_an_episode_alone_has_the_metrics_of_the_whole(recorded: Results):

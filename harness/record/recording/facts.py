@@ -12,7 +12,7 @@ from typing_extensions import TypedDict
 
 from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal
-from harness.record.forms import EXACT, Digest, Line, Name, Whole, require_form
+from harness.record.file_forms import EXACT, Digest, Line, Name, Whole, require_form
 
 FORMAT = 2
 """Since format 2 a recording may hold the actions."""

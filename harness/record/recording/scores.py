@@ -20,7 +20,7 @@ from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import parse_json, reading, require_regular
 from harness.files.whole_file import whole_file
-from harness.record.forms import EXACT, Name, require_form
+from harness.record.file_forms import EXACT, Name, require_form
 from harness.record.recording.facts import (
     BEHAVIOUR,
     MOST_NAMES,

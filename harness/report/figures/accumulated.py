@@ -2,7 +2,7 @@
 
 from harness.arrays import Float
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Flag, Line, Word, linear_axis
-from harness.report.figures.panel import Curved, Panel, panels_of, reward_range, step_range
+from harness.report.figures.panel import Curved, CurvePanel, panels_of, reward_range, step_range
 from harness.report.figures.points import POINTS, select_points
 from harness.report.figures.regions import Region, regions_of
 
@@ -27,7 +27,7 @@ def draw_panels(
     return _draw_panel(panels[0], steps, rewards, points), _draw_panel(panels[1], steps, rewards, points)
 
 
-def _draw_panel(panel: Panel, steps: Axis, rewards: Axis, points: int) -> Chart:
+def _draw_panel(panel: CurvePanel, steps: Axis, rewards: Axis, points: int) -> Chart:
     stride, colour = panel.stride, panel.role.lower()
     thin = [
         draw_curve(run, stride, f"seed {seed}", colour, points)._replace(width=1.0, opacity=0.5)
@@ -53,7 +53,7 @@ def _shade(region: Region, colour: str) -> Area:
     return Area([*steps, steps[-1], steps[0]], [*values, 0.0, 0.0], colour)
 
 
-def _markers(panel: Panel, colour: str) -> Dots:
+def _markers(panel: CurvePanel, colour: str) -> Dots:
     """A dot on the drawn mean curve at each marked step."""
     names = tuple(f"{name}: step {step:,}" for name, step in panel.marks.items())
     return Dots(list(panel.marks.values()), panel.heights, colour, names, is_open=True)

@@ -42,7 +42,7 @@ class Curved(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Panel:
+class CurvePanel:
     """The runs of one training under their own reward.
 
     Attributes:
@@ -83,24 +83,24 @@ class Panel:
         return heights
 
 
-def panels_of(combination: Curved) -> tuple[Panel, Panel] | None:
+def panels_of(combination: Curved) -> tuple[CurvePanel, CurvePanel] | None:
     """A panel for the baseline and one for the proposed reward; None without a finished pair."""
     baseline, proposed = combination.baseline_index, combination.proposed_index
     if baseline is None or proposed is None:
         return None
     curves, seeds = combination.curves, combination.seeds
     return (
-        Panel("Baseline", combination.baseline, curves[BB], seeds, _marks(baseline)),
-        Panel("Proposed", combination.proposed, curves[KK], seeds, _marks(proposed)),
+        CurvePanel("Baseline", combination.baseline, curves[BB], seeds, _marks(baseline)),
+        CurvePanel("Proposed", combination.proposed, curves[KK], seeds, _marks(proposed)),
     )
 
 
-def step_range(panels: Sequence[Panel]) -> tuple[float, float]:
+def step_range(panels: Sequence[CurvePanel]) -> tuple[float, float]:
     """The steps that all panels span."""
     return 0.0, float(max(panel.curve.index.steps for panel in panels) - 1)
 
 
-def reward_range(panels: Sequence[Panel]) -> tuple[float, float]:
+def reward_range(panels: Sequence[CurvePanel]) -> tuple[float, float]:
     """The range from the lowest to the highest value of all panels and 0, with some margin."""
     low = min(0.0, *(float(panel.runs.min()) for panel in panels))
     high = max(0.0, *(float(panel.runs.max()) for panel in panels))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float
-from harness.report.figures.panel import Panel
+from harness.report.figures.panel import CurvePanel
 from harness.report.figures.points import POINTS, select_points
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
@@ -35,7 +35,7 @@ class Region(NamedTuple):
         return float(self.x[-1] - self.x[0]) >= ROOM * last
 
 
-def regions_of(panel: Panel, points: int = POINTS) -> list[Region]:
+def regions_of(panel: CurvePanel, points: int = POINTS) -> list[Region]:
     """Both regions of a panel's mean curve, of which `points` are drawn. A region without any area is left out."""
     drawn = select_points(panel.mean, points)
     steps, values = (drawn * panel.stride).astype(np.float64), panel.mean[drawn]
@@ -54,7 +54,7 @@ def _around_zero(steps: Float, values: Float) -> list[tuple[Float, Float]]:
     return [(steps, np.minimum(values, 0.0)), (steps, np.maximum(values, 0.0))]
 
 
-def _around_crossover(panel: Panel, steps: Float, values: Float) -> list[tuple[Float, Float]]:
+def _around_crossover(panel: CurvePanel, steps: Float, values: Float) -> list[tuple[Float, Float]]:
     """The regions before and after the cross-over, as indices with per-step curves are summed."""
     index = panel.curve.index
     end = -1 if index.first_negative is None else index.steps if index.crossover is None else index.crossover

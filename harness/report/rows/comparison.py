@@ -13,7 +13,7 @@ from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import smallest_p
-from harness.record.forms import Status
+from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
 from harness.report.answers import word_of
 from harness.results import Results

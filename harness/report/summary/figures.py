@@ -12,7 +12,7 @@ from harness.report.rows.behaviour import text_of
 from harness.report.rows.comparison import format_number, rewards_text, seeds_text
 from harness.report.rows.numbers import splits_of
 from harness.report.rows.returns import MEAN
-from harness.report.summary.svg import INTERVALS, Panel, draw_svg
+from harness.report.summary.svg import INTERVALS, TitledChart, draw_svg
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning
 
@@ -36,7 +36,7 @@ def runs_file(combination: Comparison, missing: str = "") -> bytes | None:
     if charts is None:
         return None
     headings = (f"Baseline: {combination.baseline}", f"Proposed: {combination.proposed}")
-    panels = [Panel(heading, chart) for heading, chart in zip(headings, charts, strict=True)]
+    panels = [TitledChart(heading, chart) for heading, chart in zip(headings, charts, strict=True)]
     return _file("Accumulated reward", combination, missing, panels, [RUNS])
 
 
@@ -46,7 +46,7 @@ def split_file(combination: Comparison, missing: str = "") -> bytes | None:
     drawn = {name: draw_split(name, split) for name, split in splits.items()}
     headings = {"eta": f"{MEAN} {combination.manner}: eta = ruler x behaviour"}
     panels = [
-        Panel(headings.get(name, f"{name} = ruler x behaviour"), chart)
+        TitledChart(headings.get(name, f"{name} = ruler x behaviour"), chart)
         for name, chart in drawn.items()
         if chart is not None
     ]
@@ -67,13 +67,13 @@ def learning_file(combination: Comparison, learning: Learning, missing: str = ""
     told = [f"{learning_heading(name)}: {describe_learning(learning, name, text)}" for name, text in of_each.items()]
     width = LEARNING_WIDTH / len(names)
     panels = [
-        Panel(learning_heading(name), chart._replace(width=width, height=LEARNING_HEIGHT))
+        TitledChart(learning_heading(name), chart._replace(width=width, height=LEARNING_HEIGHT))
         for name, chart in charts.items()
     ]
     return _file("Learning", combination, missing, panels, [LEARNING, *told])
 
 
-def _file(what: str, combination: Comparison, missing: str, panels: list[Panel], notes: list[str]) -> bytes:
+def _file(what: str, combination: Comparison, missing: str, panels: list[TitledChart], notes: list[str]) -> bytes:
     """A figure as a file. Above its panels stands what was compared where, over how many seeds, and what is missing."""
     where, rewards = combination.group.title, rewards_text(combination)
     seeds = seeds_text(combination.seeds) + (f"; {missing}" if missing else "")

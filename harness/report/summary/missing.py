@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from harness.record.forms import Status
+from harness.record.file_forms import Status
 from harness.results import Results
 from harness.results.comparison import Comparison, Group
 

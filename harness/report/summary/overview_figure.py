@@ -12,7 +12,7 @@ from harness.report.figures.split import draw_ratio, ratio_axis
 from harness.report.figures.split_rows import SplitRow
 from harness.report.rows.comparison import BETTER, ratio_text, scales_text
 from harness.report.rows.numbers import splits_of
-from harness.report.summary.svg import INTERVALS, Panel, draw_svg
+from harness.report.summary.svg import INTERVALS, TitledChart, draw_svg
 from harness.results.comparison import Comparison
 
 NAME = 44
@@ -57,7 +57,7 @@ def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) ->
     labels = [_label(*given) for given in zip(names, combinations, missing, strict=True)]
     rows = list(_rows(combinations, labels))
     of = ["eta"] if any(it.main for it in combinations) else list(BETTER)
-    panels = [Panel(name, _chart(name, rows, is_first=number == 0)) for number, name in enumerate(of)]
+    panels = [TitledChart(name, _chart(name, rows, is_first=number == 0)) for number, name in enumerate(of)]
     title = "eta = ruler x behaviour of every combination"
     return draw_svg(title, (title, shared), panels, [scales_text(combinations[0].group.subject), INTERVALS])
 

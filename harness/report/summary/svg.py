@@ -33,7 +33,7 @@ BOLD = 1.12
 """How much wider a bold text is."""
 
 
-class Panel(NamedTuple):
+class TitledChart(NamedTuple):
     """A chart and its heading."""
 
     heading: str
@@ -41,7 +41,7 @@ class Panel(NamedTuple):
     chart: Chart
 
 
-def draw_svg(title: str, headline: Sequence[str], panels: Sequence[Panel], notes: Sequence[str] = ()) -> bytes:
+def draw_svg(title: str, headline: Sequence[str], panels: Sequence[TitledChart], notes: Sequence[str] = ()) -> bytes:
     """A figure as a file: the headline, the panels side by side, one legend for all, notes.
 
     Args:
@@ -78,7 +78,7 @@ def chart_style() -> str:
     return re.sub(r"var\(--([\w-]+)\)", lambda name: colours[name[1]], rules)
 
 
-def _draw_panels(svg: Element, panels: Sequence[Panel], y: float, title: str) -> float:
+def _draw_panels(svg: Element, panels: Sequence[TitledChart], y: float, title: str) -> float:
     """Draw headings, then charts, whose horizontal axes are level; returns where they end."""
     x, tops = EDGE, []
     for panel in panels:
@@ -93,7 +93,7 @@ def _draw_panels(svg: Element, panels: Sequence[Panel], y: float, title: str) ->
     return bottom + LINE / 2
 
 
-def _draw_legend(svg: Element, panels: Sequence[Panel], y: float, room: float) -> float:
+def _draw_legend(svg: Element, panels: Sequence[TitledChart], y: float, room: float) -> float:
     """Draw every name once, in lines as long as there is room; returns where they end."""
     named: dict[str, Line | Dots] = {}
     for panel in panels:

@@ -45,8 +45,8 @@ from harness.record.verify import verify
 from harness.registry.given import Given, read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results, load_results
-from harness.results.between import Between, Verdict, between
 from harness.results.load import require_arm
+from harness.results.two_experiments import Between, Verdict, between
 from harness_plugins.exporters.csv_runs import write_runs
 
 TOY = Path(__file__).with_name("toy.py")

@@ -7,7 +7,7 @@ import pytest
 
 from harness.report.figures.chart import Chart, Dots, Flag, Line, Note, linear_axis
 from harness.report.figures.draw import CHARACTER
-from harness.report.summary.svg import CREATOR, Panel, chart_style, draw_svg
+from harness.report.summary.svg import CREATOR, TitledChart, chart_style, draw_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 SIZE = 150_000
@@ -24,7 +24,7 @@ CHART = Chart(
 @pytest.fixture(scope="module")
 def figure():
     """Two panels of one chart under a long headline."""
-    return draw_svg("a title", ("first", LABEL), [Panel("one", CHART), Panel(LABEL, CHART)], [LABEL])
+    return draw_svg("a title", ("first", LABEL), [TitledChart("one", CHART), TitledChart(LABEL, CHART)], [LABEL])
 
 
 def texts(svg):
@@ -88,7 +88,7 @@ def test_legend_has_every_name_once(figure):
 def test_horizontal_axes_are_level():
     """Though one panel has a text above it, and the other one a long heading."""
     flagged = CHART._replace(marks=(Flag(0.5, "here", 1),))
-    svg = ET.fromstring(draw_svg("a title", ("first",), [Panel("one", flagged), Panel(LABEL, CHART)]))
+    svg = ET.fromstring(draw_svg("a title", ("first",), [TitledChart("one", flagged), TitledChart(LABEL, CHART)]))
     ends = [float(node.get("y")) + float(node.get("height")) for node in svg if node.get("role") == "img"]
     assert len(ends) == 2
     assert ends[0] == ends[1]
@@ -97,18 +97,18 @@ def test_horizontal_axes_are_level():
 def test_samples_of_dots_are_drawn():
     """As those of lines are."""
     chart = CHART._replace(marks=(Dots([0.5], [0.5], "ink", legend="a dot"),))
-    svg = ET.fromstring(draw_svg("a title", ("first",), [Panel("", chart)]))
+    svg = ET.fromstring(draw_svg("a title", ("first",), [TitledChart("", chart)]))
     (sample,) = (node for node in svg.iter() if node.get("class") == "chart sample")
     assert [node.get("class") for node in sample] == ["dot ink"]
 
 
 def test_hidden_characters_are_written_out():
     """XML has no place for most of them."""
-    svg = draw_svg("a\x00", ("b\x1b",), [Panel("c\x01", CHART._replace(marks=()))], ["d\u202e"])
+    svg = draw_svg("a\x00", ("b\x1b",), [TitledChart("c\x01", CHART._replace(marks=()))], ["d\u202e"])
     assert {r"b\x1b", r"c\x01", r"d\u202e"} <= {text for text, *_ in texts(svg)}
 
 
 def test_same_numbers_same_bytes(figure):
     """There is no date and no random id."""
-    again = draw_svg("a title", ("first", LABEL), [Panel("one", CHART), Panel(LABEL, CHART)], [LABEL])
+    again = draw_svg("a title", ("first", LABEL), [TitledChart("one", CHART), TitledChart(LABEL, CHART)], [LABEL])
     assert figure == again

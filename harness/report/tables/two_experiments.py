@@ -9,9 +9,9 @@ from harness.report.answers import LOOKS
 from harness.report.rows.behaviour import behaviour_row
 from harness.report.rows.comparison import Grid, answer_text
 from harness.report.tables.grid import show_grid
-from harness.results.between import Between, Pair, Verdict
 from harness.results.comparison import Comparison
 from harness.results.overview import line_names, measure_text, shared_text, short_value
+from harness.results.two_experiments import BeforeAfter, Between, Verdict
 
 STYLES = {
     Verdict.BETTER.value.upper(): LOOKS[Answer.HELPS].style,
@@ -42,7 +42,7 @@ def between_table(found: Between) -> RenderableType:
     return Group(*parts)
 
 
-def _row(name: str, pair: Pair) -> tuple[str, ...]:
+def _row(name: str, pair: BeforeAfter) -> tuple[str, ...]:
     answers = [answer_text(it.headline) for it in (pair.before, pair.after)]
     etas = [[short_value(it.splits[name].eta) for it in (pair.before, pair.after)] for name in ("eta_N", "eta_P")]
     seeds = str(pair.decisive.seeds) if pair.decisive else "0"
@@ -54,12 +54,12 @@ def _measure_text(combination: Comparison) -> str:
     return next((SHORT.get(name, name.replace("_", " ")) for name in combination.deciding), "behaviour")
 
 
-def _decisive(pair: Pair) -> str:
+def _decisive(pair: BeforeAfter) -> str:
     """Both values of the measure that decides."""
     return measure_text(pair.decisive)
 
 
-def _notes(pair: Pair) -> list[str]:
+def _notes(pair: BeforeAfter) -> list[str]:
     """What to keep in mind of the measures."""
     missing = [f"{it.name} is not compared: {it.reason}." for it in pair.changes if it.reason and not it.seeds]
     other = [

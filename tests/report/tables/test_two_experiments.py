@@ -3,8 +3,8 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from harness.report.tables.between import between_table
-from harness.results.between import Verdict, between
+from harness.report.tables.two_experiments import between_table
+from harness.results.two_experiments import Verdict, between
 
 ALL, NONE = {"arp": lambda seed: (8, 9, 10, 8)}, {"arp": lambda seed: ()}
 

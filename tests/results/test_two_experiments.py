@@ -3,7 +3,7 @@
 import pytest
 
 from harness.errors import UsageError
-from harness.results.between import Verdict, between
+from harness.results.two_experiments import Verdict, between
 from tests.report.conftest import build_results
 
 ALL, NONE = {"arp": lambda seed: (8, 9, 10, 8)}, {"arp": lambda seed: ()}

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from harness.cli.lines import say
+from harness.cli.output import say
 from harness.errors import UsageError
 
 if TYPE_CHECKING:

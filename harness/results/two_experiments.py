@@ -29,7 +29,7 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Pair:
+class BeforeAfter:
     """One combination in both experiments.
 
     Attributes:
@@ -83,13 +83,13 @@ class Pair:
 class Between(NamedTuple):
     """Two experiments."""
 
-    pairs: tuple[Pair, ...]
+    pairs: tuple[BeforeAfter, ...]
     """Combinations that are in both."""
     only_before: tuple[Comparison, ...]
     only_after: tuple[Comparison, ...]
 
     @property
-    def regressions(self) -> tuple[Pair, ...]:
+    def regressions(self) -> tuple[BeforeAfter, ...]:
         """The pairs in which a test finds that the proposed reward's policies do worse in what decides."""
         return tuple(pair for pair in self.pairs if pair.verdict == Verdict.WORSE)
 
@@ -125,7 +125,7 @@ def between(before: Results, after: Results) -> Between:
     changes = [_changes(first, second, swaps) for first, second in trained]
     pairs = zip(shared, _correct(changes), trained, strict=True)
     return Between(
-        tuple(Pair(one[key], other[key], found, _other_code(*both)) for key, found, both in pairs),
+        tuple(BeforeAfter(one[key], other[key], found, _other_code(*both)) for key, found, both in pairs),
         tuple(it for key, it in one.items() if key not in other),
         tuple(it for key, it in other.items() if key not in one),
     )

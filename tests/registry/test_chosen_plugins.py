@@ -2,8 +2,8 @@
 
 import pytest
 
+from harness.registry.chosen_plugins import VARIABLE, Wanted
 from harness.registry.spec import OURS
-from harness.registry.wanted import VARIABLE, Wanted
 
 
 def _loads(monkeypatch: pytest.MonkeyPatch, value: str | None, *plugin: str) -> bool:
