@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -9,23 +10,25 @@ from pydantic import Field, TypeAdapter, with_config
 from typing_extensions import TypedDict
 
 from harness.errors import SchemaError
-from harness.files.bounded import parse_json, read_bytes, reading
+from harness.files.bounded import parse_json, reading
+from harness.files.keyed_file import read_keyed, write_keyed
 from harness.record.file_forms import EXACT, Line, Whole, require_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY
 from harness.record.manifest import Manifest
 
-FRAMES, STRIP = "frames.json", "frames.webp"
+NAME = "frames"
+"""The file in the folder of a cell's kept results: a line of JSON, then the pictures."""
 MOST_BYTES = 150_000
 """The most bytes of the pictures of one episode."""
 MOST_FACTS = 20_000
+"""The most bytes of what is said of them."""
 NONE = "no pictures were drawn when the cells ended"
 
 
 @with_config(EXACT)
 class FramesForm(TypedDict):
-    """The form of ``frames.json``."""
+    """The form of what is said of the pictures."""
 
-    made_of: Line
     reason: Line
     episode: Whole
     steps: Annotated[list[Whole], Field(max_length=100)]
@@ -53,42 +56,56 @@ class Frames(NamedTuple):
     """The number of the episode, counted from 0."""
 
 
-def frames_folder(folder: Path, cell: str) -> Path:
+def frames_file(folder: Path, cell: str) -> Path:
     """Where the pictures of a cell are kept.
 
     Args:
         folder: The folder of the experiment.
         cell: The id of the cell.
     """
-    return folder / DERIVED / cell / "frames"
+    return folder / DERIVED / cell / NAME
 
 
 def made_of(done: Manifest) -> str:
-    """A digest of the files of a done cell that its pictures follow from."""
+    """The key of a done cell's pictures: a digest of the files that they follow from."""
     names = (f"{EVALUATION_RECORDING}/", f"{POLICY}/")
     told = {name: digest for name, digest in done.files.items() if name.startswith(names)}
-    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+    return f"frames {hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()}"
 
 
 def read_frames(folder: Path, done: Manifest) -> Frames:
-    """The pictures of a done cell, or the reason why there are none. Files that are not sound are not shown.
+    """The pictures of a done cell, or the reason why there are none.
+
+    Pictures of another training, and files that are not whole, are not shown.
 
     Args:
         folder: The folder of the experiment.
         done: What the cell says of itself.
     """
-    place = frames_folder(folder, done.cell.id)
-    if not (place / FRAMES).is_file():
+    path = frames_file(folder, done.cell.id)
+    content = read_keyed(path, made_of(done), MOST_BYTES + MOST_FACTS)
+    if content is None:
         return Frames(NONE)
+    facts, _, strip = content.partition(b"\n")
     try:
-        with reading(place / FRAMES, "pictures of an episode"):
-            data = parse_json(read_bytes(place / FRAMES, MOST_FACTS))
+        with reading(path, "file of pictures"):
+            data = parse_json(facts)
             require_form(FORM, data)
-            if data["made_of"] != made_of(done):
-                return Frames("the pictures are those of another training")
-            if data["reason"]:
-                return Frames(data["reason"])
-            strip = read_bytes(place / STRIP, MOST_BYTES)
-            return Frames("", tuple(data["steps"]), data["told"], data["outcome"], strip, data["episode"])
     except SchemaError as error:
         return Frames(str(error))
+    if data["reason"]:
+        return Frames(data["reason"])
+    return Frames("", tuple(data["steps"]), data["told"], data["outcome"], strip, data["episode"])
+
+
+def write_frames(folder: Path, done: Manifest, content: bytes) -> None:
+    """Keep the pictures of a done cell: a line of JSON as `FramesForm` has it, then the pictures.
+
+    A folder that allows no writing stays as it is, and so does one that holds a link.
+    """
+    path = frames_file(folder, done.cell.id)
+    if any(place.is_symlink() for place in (folder / DERIVED, path.parent)):
+        return
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_keyed(path, made_of(done), content)

@@ -5,6 +5,7 @@ Each cell's pictures are drawn in a process of its own: graphics libraries may c
 
 import io
 import json
+import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -24,7 +25,7 @@ from harness.record.manifest import Manifest
 from harness.registry.given import Given, given_from_json, given_to_json
 from harness.registry.registry import load_registry
 from harness.results.comparison import Group
-from harness.results.frames import FRAMES, MOST_BYTES, STRIP, frames_folder, made_of, read_frames
+from harness.results.frames import MOST_BYTES, read_frames, write_frames
 from harness.results.recordings.results import RecordedResults
 from harness.scene.picture import require_pillow
 from harness.text import one_line_of
@@ -32,6 +33,8 @@ from harness.text import one_line_of
 if TYPE_CHECKING:
     from PIL import Image
 
+DRAWN = "drawn"
+"""The file that a process leaves: what is kept of the cell."""
 PICTURES = 8
 """How many of an episode, side by side."""
 WIDTH, HEIGHT = 160, 160
@@ -52,25 +55,31 @@ def draw_frames(results: RecordedResults, at_once: int) -> None:
         results: The results whose page is going to show the pictures.
         at_once: How many processes draw.
     """
-    missing = [done for done in _shown(results) if _is_missing(results.folder, done)]
-    orders = [
-        Order(
-            frames_folder(results.folder, done.cell.id),
-            DrawFrames(done.cell, str(results.store.cell_folder(done.cell)), made_of(done), results.registry.given),
-            LIMITS,
-        )
-        for done in missing
-    ]
-    digests = {frames_folder(results.folder, done.cell.id): made_of(done) for done in missing}
-
-    def hear(news: News) -> None:
-        if news.kind == "ended" and news.reason:
-            _leave(news.folder, {"made_of": digests[news.folder], "reason": f"drawing failed: {news.reason}"})
-
-    try:
-        run_orders(orders, at_once, hear)
-    except OSError:
+    missing = {done.cell.id: done for done in _shown(results) if not read_frames(results.folder, done).strip}
+    if not missing:  # what could not be drawn before may be possible now
         return
+    with tempfile.TemporaryDirectory(prefix="harness-frames-") as place:
+        orders = [
+            Order(
+                Path(place) / name,
+                DrawFrames(done.cell, str(results.store.cell_folder(done.cell).absolute()), results.registry.given),
+                LIMITS,
+            )
+            for name, done in missing.items()
+        ]
+        reasons: dict[str, str] = {}
+
+        def hear(news: News) -> None:
+            if news.kind == "ended" and news.reason:
+                reasons[news.folder.name] = news.reason
+
+        run_orders(orders, at_once, hear)
+        for name, done in missing.items():
+            drawn = Path(place) / name / DRAWN
+            content = (
+                drawn.read_bytes() if drawn.is_file() else _told(reason=f"drawing failed: {reasons.get(name, '')}")
+            )
+            write_frames(results.folder, done, content)
 
 
 def _shown(results: RecordedResults) -> list[Manifest]:
@@ -83,31 +92,24 @@ def _shown(results: RecordedResults) -> list[Manifest]:
     return [results.manifest(cell) for cell in shown]
 
 
-def _is_missing(folder: Path, done: Manifest) -> bool:
-    return not read_frames(folder, done).strip  # what could not be drawn may be possible now
-
-
 @dataclass(frozen=True)
 class DrawFrames:
     """Draws the first episode of one cell's evaluation, as a worker is told to do it."""
 
     cell: Cell
     files: str
-    made_of: str
     plugins: tuple[Given, ...] = ()
 
     noun: ClassVar[str] = "drawing"
 
     def to_json(self) -> dict[str, Any]:
         """See `harness.experiment.workers.order.Work`."""
-        told = {"cell": self.cell.to_json(), "plugins": given_to_json(self.plugins)}
-        return {**told, "files": self.files, "made_of": self.made_of}
+        return {"cell": self.cell.to_json(), "files": self.files, "plugins": given_to_json(self.plugins)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """See `harness.experiment.workers.order.Work`."""
-        plugins = given_from_json(data["plugins"])
-        return cls(Cell.from_json(data["cell"]), data["files"], data["made_of"], plugins)
+        return cls(Cell.from_json(data["cell"]), data["files"], given_from_json(data["plugins"]))
 
     def do(self, folder: Path, report: Report) -> bool:
         """See `harness.experiment.workers.order.Work`."""
@@ -116,26 +118,28 @@ class DrawFrames:
             require_pillow()
             played = PlayedAgain(self.cell, Path(self.files), load_registry(given=self.plugins))
             with closing(played):
-                facts, strip = _draw(played)
+                content = _draw(played)
         except HarnessError as error:
-            _leave(folder, {"made_of": self.made_of, "reason": one_line_of(str(error))})
-        else:
-            _leave(folder, {"made_of": self.made_of, **facts}, strip)
+            content = _told(reason=one_line_of(str(error)))
+        partial = partial_folder(folder)
+        partial.mkdir(parents=True, exist_ok=True)
+        (partial / DRAWN).write_bytes(content)
+        publish(partial, folder)
         return True
 
 
-def _draw(played: PlayedAgain) -> tuple[dict[str, Any], bytes]:
+def _draw(played: PlayedAgain) -> bytes:
     """What there is to say of the first episode, and its pictures."""
     if not played.episodes:
-        return {"reason": "no episode of the evaluation ended"}, b""
+        return _told(reason="no episode of the evaluation ended")
     rows = played.episodes[0]
     clock = np.unique(np.linspace(0, len(rows), PICTURES).round().astype(int))
     pictures = played.play(0, clock)
     steps = [int(step) for step in clock if int(step) in pictures]
     strip = _strip([pictures[step] for step in steps])
     if not strip:
-        return {"reason": f"the pictures take more than {MOST_BYTES:,} bytes"}, b""
-    return {"steps": steps, "told": played.told(rows), "outcome": played.outcome(rows)}, strip
+        return _told(reason=f"the pictures take more than {MOST_BYTES:,} bytes")
+    return _told(steps=steps, told=played.told(rows), outcome=played.outcome(rows)) + strip
 
 
 def _strip(pictures: Sequence["Image.Image"]) -> bytes:
@@ -155,11 +159,7 @@ def _strip(pictures: Sequence["Image.Image"]) -> bytes:
     return b""
 
 
-def _leave(folder: Path, facts: Mapping[str, Any], strip: bytes = b"") -> None:
-    partial = partial_folder(folder)
-    partial.mkdir(parents=True, exist_ok=True)
+def _told(**facts: Any) -> bytes:
+    """What is said of pictures, a line; see `harness.results.frames.FramesForm`."""
     told = {"reason": "", "episode": 0, "steps": [], "told": "", "outcome": "", **facts}
-    (partial / FRAMES).write_text(json.dumps(told), encoding="utf-8")
-    if strip:
-        (partial / STRIP).write_bytes(strip)
-    publish(partial, folder)
+    return f"{json.dumps(told)}\n".encode()

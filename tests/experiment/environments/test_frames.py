@@ -1,14 +1,17 @@
 """Pictures of an evaluation episode, for the page."""
 
-import json
+import io
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from harness.experiment.environments.frames import PICTURES, draw_frames
 from harness.experiment.experiment import run
+from harness.files.keyed_file import write_keyed
+from harness.record.verify import verify
 from harness.report.page.frames import frames_of
-from harness.results.frames import FRAMES, MOST_BYTES, STRIP, frames_folder, read_frames
+from harness.results.frames import MOST_BYTES, frames_file, made_of, read_frames
 from harness.results.recordings.results import RecordedResults
 
 pytest.importorskip("PIL")
@@ -28,7 +31,7 @@ def results(tmp_path: Path) -> RecordedResults:
 
 def test_the_first_seed_of_a_comparison_is_drawn(results: RecordedResults):
     """Under both rewards; no other cell is."""
-    drawn = [cell for cell in results.done_cells if (frames_folder(results.folder, cell.id) / STRIP).is_file()]
+    drawn = [cell for cell in results.done_cells if frames_file(results.folder, cell.id).is_file()]
     assert sorted((cell.reward.label, cell.seed) for cell in drawn) == [("near", 0), ("right", 0)]
 
 
@@ -37,7 +40,7 @@ def test_pictures_stand_side_by_side(results: RecordedResults):
     from PIL import Image
 
     found = read_frames(results.folder, results.manifest(results.done_cells[0]))
-    with Image.open(frames_folder(results.folder, results.done_cells[0].id) / STRIP) as strip:
+    with Image.open(io.BytesIO(found.strip)) as strip:
         assert strip.width == 160 * len(found.steps)
     assert found.steps[0] == 0
     assert 2 <= len(found.steps) <= PICTURES
@@ -52,22 +55,36 @@ def test_the_page_has_both_sides(results: RecordedResults):
     assert all("Pictures after 0, " in side.told for side in strips.sides)
 
 
+def test_kept_pictures_are_whole(results: RecordedResults):
+    """As everything that is kept of a cell."""
+    assert not verify(results.folder)
+
+
 def test_pictures_of_another_training_are_not_shown(results: RecordedResults):
-    """A cell that was done again has none."""
-    cell = results.done_cells[0]
-    place = frames_folder(results.folder, cell.id) / FRAMES
-    place.write_text(json.dumps({**json.loads(place.read_text()), "made_of": "0" * 64}))
-    assert read_frames(results.folder, results.manifest(cell)).reason == "the pictures are those of another training"
+    """A cell that was done again has none, until they are drawn again."""
+    done = results.manifest(results.done_cells[0])
+    other = replace(done, files={**done.files, "policy/card.json": "0" * 64})
+    assert read_frames(results.folder, other).reason == "no pictures were drawn when the cells ended"
 
 
-@pytest.mark.parametrize("content", ["", "[]", '{"steps": "many"}', "\x00"])
-def test_what_is_not_sound_is_a_reason(results: RecordedResults, content: str):
+@pytest.mark.parametrize("content", [b"", b"[]\n", b'{"steps": "many"}\n', b"\x00\n"])
+def test_what_is_not_sound_is_a_reason(results: RecordedResults, content: bytes):
     """One line in place of the pictures; nothing else stops."""
-    cell = results.done_cells[0]
-    (frames_folder(results.folder, cell.id) / FRAMES).write_text(content)
-    found = read_frames(results.folder, results.manifest(cell))
+    done = results.manifest(results.done_cells[0])
+    write_keyed(frames_file(results.folder, done.cell.id), made_of(done), content)
+    found = read_frames(results.folder, done)
     assert found.reason
     assert not found.strip
+
+
+def test_a_damaged_file_is_no_picture(results: RecordedResults):
+    """It is drawn again by the next run."""
+    done = results.manifest(results.done_cells[0])
+    path = frames_file(results.folder, done.cell.id)
+    path.write_bytes(path.read_bytes()[:-1])
+    assert not read_frames(results.folder, done).strip
+    draw_frames(results, 1)
+    assert read_frames(results.folder, done).strip
 
 
 def test_an_environment_that_cannot_draw_says_why(tmp_path: Path):
