@@ -11,7 +11,7 @@ from harness.eta.equal import key_to_json
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.swaps import smallest_p, swaps_of
 from harness.results.comparison import Comparison, correct_all
-from harness.results.recordings.compare import compare
+from harness.results.recordings.compare import compare_runs
 from harness.results.recordings.learning import learning_of
 from harness.results.recordings.runs import MANNERS, Runs
 
@@ -80,7 +80,7 @@ def compare_all(folder: Path, groups: Sequence[Runs], kind: Kind) -> tuple[Study
         kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
     """
     swaps = swaps_of(sorted({seed for runs in groups for _, seed in runs.members}))
-    found = [[compare(runs, *pair, swaps, kind) for pair in runs.pairs] for runs in groups]
+    found = [[compare_runs(runs, *pair, swaps, kind) for pair in runs.pairs] for runs in groups]
     family = iter(correct_all([comparison for comparisons in found for comparison in comparisons]))
     return tuple(
         Study(folder, runs, tuple(islice(family, len(comparisons))), _tables(runs), kind)

@@ -1,0 +1,274 @@
+"""Two rewards that trained in one group of cells, compared: the same for traces of an arm and for recordings."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Generic, Literal, Protocol, TypeVar
+
+from harness.errors import Unscored
+from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.curve import GroupCurve
+from harness.eta.decompose import decompose
+from harness.eta.return_split import ReturnSplit, split_returns
+from harness.eta.scored_sums import BB, BK, KB, KK, Pair
+from harness.eta.splits import Decomposition
+from harness.eta.swaps import Swaps
+from harness.results.along import Moments, changes_along, learning_changes
+from harness.results.comparison import Comparison, Group, StepChange
+from harness.results.measured import Measured, Moment
+from harness.results.mixture import Mixture
+
+OWN: tuple[Pair, Pair] = (BB, KK)
+CROSSED: tuple[Pair, Pair] = (BK, KB)
+Training = TypeVar("Training")
+
+
+@dataclass(frozen=True)
+class Match(Generic[Training]):
+    """The trainings of one comparison, in the order of the seeds.
+
+    Attributes:
+        baseline: The label of the reward that the other one is compared with.
+        proposed: The label of the other one.
+        seeds: The seeds of the baseline's trainings, and of the others too unless this is the null control.
+        of_baseline: The trainings by the baseline.
+        of_proposed: The trainings by the other reward.
+        control: The baseline's trainings again with other seeds, if there are some for all seeds.
+    """
+
+    baseline: str
+    proposed: str
+    seeds: tuple[int, ...]
+    of_baseline: Sequence[Training]
+    of_proposed: Sequence[Training]
+    control: Sequence[Training] = ()
+
+    @property
+    def sides(self) -> tuple[Sequence[Training], Sequence[Training]]:
+        """Both lists of trainings."""
+        return self.of_baseline, self.of_proposed
+
+    def of(self, who: str) -> Sequence[Training]:
+        """The trainings of one side, ``baseline`` or ``proposed``."""
+        return self.of_baseline if who == "baseline" else self.of_proposed
+
+
+class Trainings(Protocol[Training]):
+    """The trainings of one group, as far as a comparison asks about them: cells of an arm, or recordings."""
+
+    @property
+    def group(self) -> Group:
+        """What all of them share."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The names of the measures."""
+
+    @property
+    def deciding(self) -> tuple[str, ...]:
+        """The names of the measures that decide, in this order."""
+
+    @property
+    def success(self) -> str:
+        """The name of the share of episodes by which learning is measured; empty if there is none."""
+
+    @property
+    def number_of(self) -> Literal["returns", "indices"]:
+        """What the sentence about the number tells. Only what it tells makes a claim, besides the indices."""
+
+    def decided_in(self, episodes: Mapping[str, int]) -> str:
+        """The manner that decides; empty for that of the cells."""
+
+    def measured(self, training: Training) -> Measured:
+        """Every measure of a training, by manner."""
+
+    def moments(self, training: Training) -> Sequence[Moment]:
+        """Its evaluations, the one after the training last."""
+
+    def measure(self, name: str, manner: str, episodes: int) -> Measure:
+        """What a measure is in the episodes of one manner, of which each seed has so many at least."""
+
+    def has_floor(self, manner: str) -> bool:
+        """Whether random actions are shown beside the episodes of a manner."""
+
+    def reason(self, match: Match[Training], name: str, manner: str) -> str:
+        """Why a measure has no value in some training; empty if it has one in all."""
+
+    def curve(self, match: Match[Training], pair: Pair) -> GroupCurve:
+        """S_r(tau_q) of one pair (r, q).
+
+        Raises:
+            Unscored: It is not known what r pays these trainings.
+        """
+
+    def control(self, match: Match[Training]) -> GroupCurve | None:
+        """The curve of the baseline's trainings with other seeds."""
+
+    def return_manners(self, episodes: Mapping[str, int]) -> Sequence[str]:
+        """The manners in which mean returns are compared."""
+
+    def returned(self, match: Match[Training], pair: Pair, manner: str) -> list[float]:
+        """R_r(q) of every seed, of one pair (r, q).
+
+        Raises:
+            Unscored: It is not known.
+        """
+
+    def mixtures(self, match: Match[Training]) -> tuple[Mixture, ...]:
+        """Plugins of which several versions were used."""
+
+
+def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps) -> Comparison:
+    """One reward against another, by the seeds that were trained with both; p-values are not corrected yet.
+
+    Args:
+        trainings: The trainings of the group.
+        match: Those of both rewards.
+        swaps: The ways in which the names of a seed's trainings are swapped.
+    """
+    comparer = _Comparer(trainings, match, swaps)
+    empty = Comparison(
+        trainings.group,
+        match.baseline,
+        match.proposed,
+        match.seeds,
+        None,
+        (),
+        {},
+        episodes=comparer.episodes,
+        deciding=trainings.deciding,
+        decided_in=trainings.decided_in(comparer.episodes),
+        number_of=trainings.number_of,
+    )
+    if not match.seeds:
+        return empty
+    decomposition, pairs = comparer.indices()
+    returns, missing = comparer.returns()
+    return replace(
+        empty,
+        decomposition=decomposition,
+        changes=comparer.changes(),
+        curves=_CurvesOnDemand(pairs, lambda pair: trainings.curve(match, pair)),
+        along=comparer.along(),
+        mixtures=trainings.mixtures(match),
+        returns=returns,
+        missing=missing,
+    )
+
+
+class _CurvesOnDemand(Mapping[Pair, GroupCurve]):
+    """The curves of a comparison. They are read again at each request, because all curves would fill the memory."""
+
+    def __init__(self, pairs: tuple[Pair, ...], read: Callable[[Pair], GroupCurve]) -> None:
+        self._pairs, self._read = pairs, read
+
+    def __getitem__(self, pair: Pair) -> GroupCurve:
+        if pair not in self._pairs:
+            raise KeyError(pair)
+        return self._read(pair)
+
+    def __iter__(self) -> Iterator[Pair]:
+        return iter(self._pairs)
+
+    def __len__(self) -> int:
+        return len(self._pairs)
+
+
+class _Comparer(Generic[Training]):
+    """Compares the trainings of two rewards."""
+
+    def __init__(self, trainings: Trainings[Training], match: Match[Training], swaps: Swaps) -> None:
+        self._trainings, self._match, self._swaps = trainings, match, swaps
+        self._one, self._other = ([trainings.measured(it) for it in side] for side in match.sides)
+        self.episodes = _fewest_episodes([*self._one, *self._other])
+        """The number of episodes in each manner that all trainings have, as in the one with the fewest."""
+
+    def indices(self) -> tuple[Decomposition | None, tuple[Pair, ...]]:
+        """Both etas with their parts, and the curves that are known; no etas where an own reward is not known."""
+        read: dict[Pair, GroupCurve] = {}
+        missing = None
+        try:
+            for pair in (*OWN, *CROSSED):
+                read[pair] = self._trainings.curve(self._match, pair)
+        except Unscored as unscored:
+            missing = str(unscored)
+        known = read if missing is None else {pair: read[pair] for pair in OWN if pair in read}
+        if not {*OWN} <= known.keys():
+            return None, tuple(known)
+        signs, control = self._swaps.of(self._match.seeds), self._trainings.control(self._match)
+        return decompose(known, missing=missing, signs=signs, control=control), tuple(known)
+
+    def returns(self) -> tuple[dict[str, ReturnSplit], dict[str, str]]:
+        """The split of the mean return in each manner; the reason where an own return is not known."""
+        found, missing = dict[str, ReturnSplit](), dict[str, str]()
+        for manner in self._trainings.return_manners(self.episodes):
+            values, reasons = self._returned(manner)
+            own, crossed = (next((reasons[it] for it in pairs if it in reasons), None) for pairs in (OWN, CROSSED))
+            if own is not None:
+                missing[manner] = own
+                continue
+            known = values if crossed is None else {pair: values[pair] for pair in OWN}
+            swaps = self._swaps if self._trainings.number_of == "returns" else None
+            found[manner] = split_returns(known, self._match.seeds, swaps, crossed)
+        return found, missing
+
+    def _returned(self, manner: str) -> tuple[dict[Pair, list[float]], dict[Pair, str]]:
+        values, reasons = dict[Pair, list[float]](), dict[Pair, str]()
+        for pair in (*OWN, *CROSSED):
+            try:
+                values[pair] = self._trainings.returned(self._match, pair, manner)
+            except Unscored as unscored:
+                reasons[pair] = str(unscored)
+        return values, reasons
+
+    def changes(self) -> tuple[Change, ...]:
+        """The measures of the trained policies in each manner, of the trainings, and of how fast they learned."""
+        found = [
+            self._change(
+                self._trainings.measure(name, manner, episodes),
+                *([it.manners[manner].get(name) for it in side] for side in (self._one, self._other)),
+            )
+            for manner, episodes in self.episodes.items()
+            for name in self._trainings.names
+        ]
+        success = self._trainings.success if self._is_evaluated else ""
+        learned = learning_changes(self._trainings.group, self._moments, success, self._change) if success else []
+        return (*found, *learned)
+
+    def along(self) -> tuple[StepChange, ...]:
+        """The measures that decide, at each evaluation before the end of the trainings."""
+        if not self._is_evaluated:
+            return ()
+        names = [name for name in self._trainings.deciding if name in self._trainings.names]
+        episodes = next(iter(self.episodes.values()))  # of the cells' own manner
+
+        def change(name: str, manner: str, *sides: Sequence[float | None]) -> Change:
+            return self._change(self._trainings.measure(name, manner, episodes), *sides)
+
+        return changes_along(self._trainings.group, self._moments, names, change)
+
+    @property
+    def _is_evaluated(self) -> bool:
+        return bool(self._trainings.group.evaluate_every)
+
+    @cached_property
+    def _moments(self) -> Moments:
+        one, other = ([self._trainings.moments(it) for it in side] for side in self._match.sides)
+        return one, other
+
+    def _change(self, measure: Measure, *sides: Sequence[float | None]) -> Change:
+        one, other = (dict(zip(self._match.seeds, values, strict=True)) for values in sides)
+        has_floor = self._trainings.has_floor(measure.manner)
+        random = [it.random.get(measure.name) for it in (*self._one, *self._other)] if has_floor else []
+        reason = self._trainings.reason(self._match, measure.name, measure.manner)
+        return replace(change_of(measure, one, other, self._swaps, random), reason=reason)
+
+
+def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:
+    """The fewest episodes by manner. A manner that some training lacks, such as one of version 0.1, is left out."""
+    manners = measured[0].manners if measured else ()
+    return {
+        manner: min(it.episodes[manner] for it in measured)
+        for manner in manners
+        if all(manner in it.manners for it in measured)
+    }
