@@ -1,11 +1,15 @@
 """One function reads every folder that holds results."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.errors import UsageError
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.store import Store
 from harness.results import load_results
 from harness.results.load import require_arm
 from harness.results.recordings.results import RecordedResults
@@ -55,6 +59,17 @@ def test_a_folder_of_nothing_is_refused(tmp_path: Path):
     """With what to name."""
     with pytest.raises(UsageError, match="is no experiment"):
         load_results(tmp_path)
+
+
+def test_recordings_beside_a_whole_experiment_are_refused(
+    loose: Path, make_cell: Callable[..., Cell], make_plan: Callable[..., Plan]
+):
+    """Its cells would be left out, or lose their baseline: it is named, and nothing is written."""
+    Store.create(loose / "arm", make_plan(make_cell()))
+    before = sorted(loose.rglob("*"))
+    with pytest.raises(UsageError, match=r"holds whole experiments, not only recorded trainings: .*arm"):
+        load_results(loose)
+    assert sorted(loose.rglob("*")) == before
 
 
 def test_what_needs_an_arm_says_so(loose: Path):
