@@ -10,7 +10,7 @@ from harness.errors import UsageError
 
 if TYPE_CHECKING:
     from harness.bench.bench import Bench
-    from harness.bench.speed.comparison import Comparison
+    from harness.bench.speed.comparison import SpeedChanges
     from harness.bench.speed.speeds import Speeds
     from harness.experiment.plan import Plan
     from harness.registry.registry import Registry
@@ -173,7 +173,7 @@ def _tell(number: int, count: int, title: str) -> None:
     say(f"[{number}/{count}] {title}", err=True)
 
 
-def _show(found: "Speeds", comparison: "Comparison | None", as_json: bool, html: Path | None) -> None:
+def _show(found: "Speeds", comparison: "SpeedChanges | None", as_json: bool, html: Path | None) -> None:
     if html is not None:
         from harness.bench.speed.speed_page import write_speed_page
 

@@ -89,8 +89,8 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Two runs.
+class SpeedChanges:
+    """What two runs of the same timings differ in.
 
     Attributes:
         changes: Of every contender that both have, in the order of the new run.
@@ -117,7 +117,7 @@ class Comparison:
         }
 
 
-def compare_speeds(old: Speeds, new: Speeds) -> Comparison:
+def compare_speeds(old: Speeds, new: Speeds) -> SpeedChanges:
     """What changed from `old` to `new`; entries with fewer than `FEWEST_ROUNDS` rounds are not judged."""
     before = {speed.entry: speed for speed in old.speeds if len(speed.rounds) >= FEWEST_ROUNDS}
     pairs = [
@@ -127,7 +127,7 @@ def compare_speeds(old: Speeds, new: Speeds) -> Comparison:
     ]
     lines = sum(len(_shared(*pair)) for pair in pairs)
     now = {speed.entry for speed in new.speeds}
-    return Comparison(
+    return SpeedChanges(
         changes=tuple(change for pair in pairs for change in _changes(*pair, lines)),
         missing=tuple(speed.entry.title for speed in old.speeds if speed.entry not in now),
         remarks=tuple(_remarks(old, new)),
@@ -173,7 +173,7 @@ def described(change: Change) -> str:
     )
 
 
-def summary(comparison: Comparison) -> Sequence[str]:
+def summary(comparison: SpeedChanges) -> Sequence[str]:
     """What to say first: what became slower, or that nothing did."""
     if not comparison.changes:
         return ["Nothing could be compared."]

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from harness.bench.speed.comparison import Change, Comparison
+from harness.bench.speed.comparison import Change, SpeedChanges
 from harness.bench.speed.entry import KINDS
 from harness.bench.speed.speeds import Speed, Speeds, Spread, spread_of
 from harness.report.rows.comparison import Grid
@@ -58,7 +58,7 @@ def _micro(seconds: float) -> str:
     return f"{MICRO * seconds:,.1f}"
 
 
-def comparison_grid(comparison: Comparison) -> Grid:
+def comparison_grid(comparison: SpeedChanges) -> Grid:
     """Every line of both runs: its speed then and now, what changed, and what noise explains."""
     rows: list[tuple[str, ...]] = [
         (
@@ -86,7 +86,7 @@ def left_out_lines(speeds: Speeds) -> list[str]:
     return [f"{word}: {name}: {reason}" for word, name, reason in told]
 
 
-def comparison_lines(comparison: Comparison) -> list[str]:
+def comparison_lines(comparison: SpeedChanges) -> list[str]:
     """What differs beside the plugins, and what only the earlier run has."""
     missing = [f"not compared: {title}: only the earlier run has it" for title in comparison.missing]
     return [*comparison.remarks, *missing]

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.bench.speed.comparison import Comparison, summary
+from harness.bench.speed.comparison import SpeedChanges, summary
 from harness.bench.speed.speed_grids import comparison_grid, comparison_lines, left_out_lines, name_of, speed_grids
 from harness.bench.speed.speeds import Speeds, spread_of
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark
@@ -16,7 +16,7 @@ ROW = 24.0
 """Height of a line of the figure, [px]."""
 
 
-def write_speed_page(speeds: Speeds, comparison: Comparison | None, path: Path) -> None:
+def write_speed_page(speeds: Speeds, comparison: SpeedChanges | None, path: Path) -> None:
     """Write figure and tables to `path`.
 
     Args:
@@ -40,7 +40,7 @@ def write_speed_page(speeds: Speeds, comparison: Comparison | None, path: Path) 
     write_page(page, path, "The page")
 
 
-def draw_speeds(speeds: Speeds, comparison: Comparison | None) -> Chart | None:
+def draw_speeds(speeds: Speeds, comparison: SpeedChanges | None) -> Chart | None:
     """A row per line: median and middle half of the rounds; those of the earlier run below it. None if empty."""
     now = [
         (name_of(speed.entry.title, name), values) for speed in speeds.speeds for name, values in speed.speeds.items()

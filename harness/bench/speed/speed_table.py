@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.bench.speed.comparison import Comparison, summary
+from harness.bench.speed.comparison import SpeedChanges, summary
 from harness.bench.speed.speed_grids import comparison_grid, comparison_lines, left_out_lines, speed_grids
 from harness.bench.speed.speeds import Speeds
 from harness.report.tables.grid import show_grid
@@ -11,7 +11,7 @@ from harness.report.tables.grid import show_grid
 STYLES = {"SLOWER": "bold red", "faster": "green"}
 
 
-def speed_table(speeds: Speeds, comparison: Comparison | None) -> RenderableType:
+def speed_table(speeds: Speeds, comparison: SpeedChanges | None) -> RenderableType:
     """What ``harness bench simulators`` prints: the speeds, what has none, and last what became slower."""
     parts = [part for grid in speed_grids(speeds) for part in show_grid(grid)]
     parts += map(Text, left_out_lines(speeds))
