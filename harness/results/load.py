@@ -12,8 +12,8 @@ from harness.registry.registry import Registry, load_registry
 from harness.results.done_cells import DoneCells
 from harness.results.recordings.done_recordings import DoneRecordings
 from harness.results.recordings.loose import LooseStore
+from harness.results.recordings.read_runs import has_recordings
 from harness.results.recordings.results import RecordedResults
-from harness.results.recordings.runs import has_recordings
 from harness.results.results import Results
 
 

@@ -78,7 +78,7 @@ def _write_models(folder: Path, files: dict[Path, Form]) -> None:
 def _write_runs(folder: Path, out: Path) -> int:
     """Write the trainings as CSV files; the exit status, 1 if a cell is damaged."""
     from harness.results import load_results
-    from harness.results.recordings.runs import has_recordings
+    from harness.results.recordings.read_runs import has_recordings
 
     from ..exporters.csv_runs import write_recordings, write_runs
 

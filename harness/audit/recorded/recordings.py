@@ -17,7 +17,8 @@ from harness.eta.rescaling import Line
 from harness.eta.seed_mean import mean_over_seeds
 from harness.record.recording.recorded_training import RecordedTraining, read_recording
 from harness.results.recordings.episodes import Part
-from harness.results.recordings.runs import LAST_SHARE, Run, env_of, read_all
+from harness.results.recordings.read_runs import env_of, read_all
+from harness.results.recordings.runs import LAST_SHARE, Run
 
 RANDOM = "random actions"
 

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from harness.errors import UsageError
 from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, Cell
 from harness.record.manifest import Manifest
-from harness.record.plan_file import PLAN, StoredPlan
-from harness.record.store import MOST_NAMED, Store
+from harness.record.plan_file import StoredPlan
+from harness.record.store import Store
 from harness.registry.choice import Choice
-from harness.results.recordings.runs import Run, Runs, read_runs
+from harness.results.recordings.read_runs import read_runs
+from harness.results.recordings.runs import Run, Runs
 
 
 class LooseStore(Store):
@@ -25,7 +25,6 @@ class LooseStore(Store):
             UsageError: There are none, none that can be compared, or whole experiments lie among them.
         """
         super().__init__(folder)
-        _refuse_experiments(folder)
         self.runs: Runs = read_runs(folder)
         self._run_of = {self._cell(run): run for run in self.runs.members.values()}
 
@@ -52,18 +51,3 @@ class LooseStore(Store):
             NO_SIMULATOR, NO_ROBOT, group.task, group.algorithm, reward, run.seed, group.steps,
             group.evaluation_episodes, evaluation_horizon=EVALUATION_HORIZON,
         )  # fmt: skip
-
-
-def _refuse_experiments(folder: Path) -> None:
-    """Check that no experiment lies in a folder: it has a plan of its own, and perhaps an arm's cells.
-
-    Raises:
-        UsageError: Experiments lie in it; they are named.
-    """
-    inside = sorted(path.parent for path in folder.rglob(PLAN) if Store.is_experiment(path.parent))
-    if inside:
-        named = ", ".join(f"'{path}'" for path in inside[:MOST_NAMED])
-        raise UsageError(
-            f"'{folder}' holds whole experiments, not only recorded trainings: {named}. "
-            "Name an experiment itself, and move recordings that belong to none into a folder of their own"
-        )

@@ -12,7 +12,8 @@ from harness.record.folder import RANDOM, recording_of
 from harness.record.recording.recorded_training import recordings_in
 from harness.results.comparison import Group
 from harness.results.metrics import require_measures
-from harness.results.recordings.runs import Runs, read_runs
+from harness.results.recordings.read_runs import read_runs
+from harness.results.recordings.runs import Runs
 from harness.results.recordings.study import Study, compare_all
 from harness.results.records import Records
 

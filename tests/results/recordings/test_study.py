@@ -14,7 +14,8 @@ from harness.report.rows.comparison import basis_text
 from harness.results.learning import STRETCHES
 from harness.results.recordings.episodes import episodes_of
 from harness.results.recordings.learning import learning_of, return_name
-from harness.results.recordings.runs import EVALUATION, LAST, TRAINING, read_runs
+from harness.results.recordings.read_runs import read_runs
+from harness.results.recordings.runs import EVALUATION, LAST, TRAINING
 from harness.results.recordings.study import compare_all
 from tests.results.recordings.conftest import PAYS, PULLS, load_study, record
 

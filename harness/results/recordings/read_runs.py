@@ -1,0 +1,335 @@
+"""Reads the recorded trainings below a folder, and finds out what makes them one study."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+from harness.errors import SchemaError, UsageError
+from harness.eta.equal import equal_sentences, equal_trainings
+from harness.eta.rescaling import Rescaling, rescaling_of
+from harness.record.cell import NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM
+from harness.record.plan_file import PLAN
+from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
+from harness.record.recording.recorded_training import recordings_in
+from harness.record.store import MOST_NAMED
+from harness.registry.choice import Choice
+from harness.results.comparison import Group
+from harness.results.measured import DETERMINISTIC, STOCHASTIC
+from harness.results.recordings.episodes import cut_text
+from harness.results.recordings.recording_results import RecordingResults
+from harness.results.recordings.runs import NO_CONTROL, NO_NAME, RANDOM, Run, Runs
+
+
+def has_recordings(folder: Path) -> bool:
+    """Whether a recorded training lies somewhere in a folder."""
+    return next(recordings_in(folder), None) is not None
+
+
+def read_runs(
+    folder: Path,
+    only: Sequence[Path] | None = None,
+    baseline: str = "",
+    deciding: Sequence[str] = (),
+    group: Group | None = None,
+    random: Path | None = None,
+    control: Mapping[int, int] = NO_CONTROL,
+) -> Runs:
+    """All recorded trainings in a folder, at any depth.
+
+    Args:
+        folder: Where they lie.
+        only: Of these folders in it, and not at any depth; None for all.
+        baseline: The reward that the others are compared with; by default the one that was given first.
+        deciding: Measures that come before the others, the one that decides first.
+        group: What the trainings share, if they are known to be of one group of cells.
+        random: The recording of random actions in the same env, if it lies somewhere else.
+        control: By each seed the other seed that the baseline was trained with again, for the null control.
+
+    Raises:
+        UsageError: There are none, or none that can be compared.
+    """
+    everything, damaged = read_all(folder, only)
+    if not everything:
+        told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
+        raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
+    env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
+    seeds, seed_notes = _with_seeds([it for it in everything if not it.facts.evaluation])
+    evaluated = [it for it in everything if it.facts.evaluation]
+    evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
+    members = {key: replace(run, **evaluations.get(key, {})) for key, run in _by_key(seeds).items() if run.steps}
+    others = {other: seed for seed, other in control.items() if other not in control}
+    again = {others[key[1]]: members.pop(key) for key in list(members) if key[0] == baseline and key[1] in others}
+    empty = [f"'{run.path}' is left out: it has no steps" for run in seeds if not run.steps]
+    named = _in_order(run.facts.rewards for run in members.values())
+    rewards = tuple(sorted(named, key=lambda name: name != baseline))  # all others stay in their order
+    trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
+    if len(trained) < 2 and not again:
+        told = f"all trainings in it were trained with {trained[0]}" if trained else "no training in it has a step"
+        raise UsageError(
+            f"'{folder}' has nothing to compare: {told}. Train with another of its rewards too, and record that beside"
+        )
+    shortest = min(run.steps for run in members.values())
+    notes = [*env_notes, *seed_notes, *evaluation_notes, *empty, *_cut_notes(members.values(), shortest)]
+    notes += [*_end_notes(trained, members), *_code_notes(everything), *_bounds_notes(everything)]
+    equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
+    rescaled = _rescaled(rewards, members.values())
+    notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
+    notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
+    return Runs(
+        group or _group_of(env, shortest),
+        rewards,
+        trained,
+        _in_order([deciding, *(run.facts.behaviour for run in members.values())]),
+        frozenset(name for run in members.values() for name in run.facts.lower_is_better),
+        members,
+        shortest,
+        tuple(notes),
+        tuple(damaged),
+        equal,
+        rescaled,
+        _read(folder, random) if random else next((it for it in evaluated if it.facts.acted == RANDOM), None),
+        again,
+    )
+
+
+def _group_of(env: str, steps: int) -> Group:
+    """What is known of recordings that no experiment made: the env, and how long the shortest of them is."""
+    return Group(NO_ROBOT, Choice(env, (), env), UNKNOWN_ALGORITHM, steps, 0, simulator=NO_SIMULATOR)
+
+
+def _rescaled(rewards: Sequence[str], runs: Iterable[Run]) -> dict[tuple[str, str], Rescaling]:
+    """For each reward the first one before it that it is but for scale and offset."""
+    found: dict[tuple[str, str], Rescaling] = {}
+    for other, name in combinations(rewards, 2):
+        lines = [
+            run.likeness.lines[other, name]
+            for run in runs
+            if {name, other} <= {*run.facts.rewards} and run.episodes.knows(name) and run.episodes.knows(other)
+        ]
+        rescaling = rescaling_of(lines)
+        if rescaling is not None and name not in {it for it, _ in found}:
+            found[name, other] = rescaling
+    return found
+
+
+def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run], list[str]]:
+    """Every recording in a folder, at any depth, evaluations too, by its path; and what could not be read, a line each.
+
+    The seed of one that was recorded without is -1. With `only` it reads these folders alone.
+
+    Raises:
+        UsageError: Whole experiments lie among them.
+    """
+    if only is None:
+        _refuse_experiments(folder)
+    runs, damaged = [], []
+    for path in sorted(recordings_in(folder)) if only is None else only:
+        try:
+            runs.append(_read(folder, path))
+        except SchemaError as error:
+            damaged.append(str(error))
+    paid = {(run.reward, run.seed) for run in runs if run.facts.pay}
+    return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
+
+
+def _refuse_experiments(folder: Path) -> None:
+    """Check that no experiment lies below a folder: it has a plan of its own, and perhaps an arm's cells.
+
+    Raises:
+        UsageError: Experiments lie in it; they are named.
+    """
+    inside = sorted(path.parent for path in folder.rglob(PLAN) if path.parent != folder)
+    if inside:
+        named = ", ".join(f"'{path}'" for path in inside[:MOST_NAMED])
+        raise UsageError(
+            f"'{folder}' holds whole experiments, not only recorded trainings: {named}. "
+            "Name an experiment itself, and move recordings that belong to none into a folder of their own"
+        )
+
+
+def _read(folder: Path, path: Path) -> Run:
+    recorded = RecordingResults(folder, path)
+    facts = recorded.facts
+    seed = _seed_of(facts)
+    run = Run(recorded, facts, -1 if seed is None else seed, recorded.steps, recorded.episodes, recorded.likeness)
+    recorded.keep()
+    return run
+
+
+def _without_mistaken(run: Run) -> Run:
+    """The same without rewards recorded as what the env pays where the env paid the reward that taught instead.
+
+    Under their names other recordings have another reward. Where the recorder paid the learner, the env itself pays the
+    same whatever taught.
+    """
+    paid = f"recorded as what the env pays, and that was {run.reward} here"
+    for name, other in run.likeness.paid_alike:
+        if other == run.reward:
+            run = replace(run, episodes=run.episodes.without(name, paid))
+    return run
+
+
+def _seed_of(facts: TrainingFacts) -> int | None:
+    seeds = facts.seed if isinstance(facts.seed, tuple) else (facts.seed,)
+    return next((seed for seed in seeds if seed is not None), None)
+
+
+def env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
+    """The id of the one env of all, and notes.
+
+    Raises:
+        UsageError: There are several.
+    """
+    names: dict[str, Path] = {}
+    for run in runs:
+        names.setdefault(str(run.facts.env.get("id") or NO_NAME), run.path)
+    if len(names) > 1:
+        told = ", ".join(f"{name} ('{path}')" for name, path in names.items())
+        raise UsageError(f"'{folder}' mixes trainings in several envs: {told}. Name a folder of one env")
+    given = {str(run.facts.env.get("kwargs") or {}) for run in runs}
+    notes = [f"The env was made with different arguments: {' and '.join(sorted(given))}"] if len(given) > 1 else []
+    return next(iter(names)), notes
+
+
+def _with_seeds(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
+    """Whoever has no seed gets the lowest number that is free: any pairs do that do not depend on what came out."""
+    taken: dict[str, set[int]] = {}
+    for run in runs:
+        taken.setdefault(run.reward, set()).add(run.seed)
+    found, numbered = [], 0
+    for run in runs:
+        number = run.seed
+        if number < 0:
+            numbered += 1
+            number = next(free for free in range(len(runs) + 1) if free not in taken[run.reward])
+            taken[run.reward].add(number)
+        found.append(replace(run, seed=number))
+    told = f"{_count(numbered, 'training')} recorded without a seed: numbered in the order of their folders"
+    return found, [told] if numbered else []
+
+
+def _by_key(runs: Iterable[Run]) -> dict[tuple[str, int], Run]:
+    found: dict[tuple[str, int], Run] = {}
+    for run in runs:
+        other = found.setdefault((run.reward, run.seed), run)
+        if other is not run:
+            raise UsageError(
+                f"'{other.path}' and '{run.path}' were both trained with {run.reward} and seed {run.seed}: keep one, "
+                "or give every training a seed of its own"
+            )
+    return found
+
+
+def _keyed(runs: Iterable[Run]) -> dict[tuple[str, int], Run]:
+    """Evaluations of one kind by reward and seed; those without a seed are numbered."""
+    return _by_key(_with_seeds(list(runs))[0])
+
+
+def _evaluations(
+    folder: Path, runs: Sequence[Run], trainings: Sequence[Run], deterministic: bool
+) -> tuple[dict[tuple[str, int], dict[str, Any]], list[str]]:
+    """By reward and seed of the trainings: the fields of `Run` that their evaluations fill; and notes.
+
+    Args:
+        folder: Where they lie.
+        runs: All evaluations, those of random actions too.
+        trainings: The trainings.
+        deterministic: How policies act in the evaluations that decide.
+    """
+    other = STOCHASTIC if deterministic else DETERMINISTIC
+    by_policies = [run for run in runs if run.facts.acted != RANDOM]
+    final = [run for run in by_policies if not run.facts.after]
+    own = _keyed(run for run in final if run.facts.acted != other)
+    others = _keyed(run for run in final if run.facts.acted == other)
+    steps = sorted({run.facts.after for run in by_policies if run.facts.after})
+    early = [_keyed(run for run in by_policies if run.facts.after == after) for after in steps]
+    found = {**others, **own}  # where only the other manner was recorded, it decides
+    known = {(run.reward, run.seed) for run in trainings}
+    lost = [run for key, run in found.items() if key not in known]
+    notes = [
+        f"'{run.path}' is left out: it evaluates {run.reward} of seed {run.seed}, whose training is not in '{folder}'"
+        for run in lost
+    ]
+    missing = len(known - found.keys())
+    if 0 < missing < len(known):
+        notes.append(f"{missing} of {_count(len(known), 'training')} have no evaluation beside them")
+    before = {key: tuple(of[key] for of in early if key in of) for key in known}
+    fields = {
+        key: {"evaluation": found.get(key), "other": others.get(key) if key in own else None, "before": before[key]}
+        for key in known
+    }
+    return fields, notes
+
+
+def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for some in names for name in some))
+
+
+def _cut_notes(runs: Iterable[Run], shortest: int) -> list[str]:
+    longer = [run.steps for run in runs if run.steps > shortest]
+    last = next(run for run in runs if run.steps == shortest)
+    told = f"All are cut to the {shortest:,} steps of the shortest, '{last.path}'"
+    notes = [f"{told}: {_count(len(longer), 'training')} went on, for {max(longer):,} steps at most"] if longer else []
+    going = [run for run in runs if not run.facts.closed]
+    if going:
+        notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")
+    return notes
+
+
+def _end_notes(trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
+    """Trainings in which no episode ended, and evaluations whose episodes were cut, for each reward that trained."""
+    notes = []
+    for reward in trained:
+        runs = [run for (name, _), run in members.items() if name == reward]
+        unended = sum(not len(run.episodes.last) for run in runs)
+        if unended:
+            told = f"No episode ended in {unended} of {_count(len(runs), 'training')} by {reward}"
+            notes.append(f"{told}: give the environment a time limit")
+        evaluations: dict[int, list[Run]] = {}
+        for evaluation in (run.evaluation for run in runs if run.evaluation is not None):
+            evaluations.setdefault(evaluation.facts.horizon, []).append(evaluation)
+        for horizon, some in evaluations.items():
+            cut = sum(it.facts.cut for it in some)
+            if cut:
+                told = cut_text(cut, sum(len(it.episodes.last) for it in some), horizon)
+                notes.append(f"Policies trained by {reward}: {told}")
+    return notes
+
+
+def _code_notes(runs: Iterable[Run]) -> list[str]:
+    """Rewards and measures that have one name and are not the same."""
+    found: dict[str, dict[str, Path]] = {}
+    for run in runs:
+        for column, source in run.facts.sources.items():
+            if source.text and source.text != OWN_SOURCE:
+                found.setdefault(column, {}).setdefault(source.text, run.path)
+    return [
+        f"The code of {column.replace('_', ' ', 1)} is not the same in '{paths[0]}' and '{paths[1]}': its numbers may "
+        "not be comparable"
+        for column, of in found.items()
+        if len(paths := list(of.values())) > 1
+    ]
+
+
+def _bounds_notes(runs: Iterable[Run]) -> list[str]:
+    """Measures that left the bounds that their recordings name."""
+    left = {
+        name: (run.path, bounds)
+        for run in runs
+        for name, bounds in run.facts.bounds.items()
+        if not run.episodes.is_within(name, bounds)
+    }
+    return [
+        f"{name} leaves its bounds, {low:g} to {high:g}, in '{path}': its intervals are not cut to them"
+        for name, (path, (low, high)) in left.items()
+    ]
+
+
+def _quoted(run: Run) -> str:
+    return f"'{run.path}'"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number:,} {noun}" + "s" * (number != 1)
