@@ -12,6 +12,7 @@ from typer.exceptions import TyperException
 from harness.cli.audit import audit
 from harness.cli.bench import bench
 from harness.cli.check import check
+from harness.cli.choose import choose
 from harness.cli.commands import add_plugin_commands, names_of
 from harness.cli.compare import compare
 from harness.cli.demo import demo
@@ -43,6 +44,7 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
         "Run and read": {
             "demo": demo,
             "run": run,
+            "choose": choose,
             "report": report,
             "compare": compare,
             "status": status,

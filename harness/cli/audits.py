@@ -3,6 +3,8 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from harness.audit.rollout import Rollout
     from harness.record.cell import Cell
     from harness.registry.registry import Registry
@@ -31,6 +33,27 @@ def audits_of(results: "Results") -> "Audits":
             rollouts[place] = _record(cell, registry)
         found[key] = _ask(cell, registry, rollouts[place])
     return found
+
+
+def screened(cells: "Sequence[Cell]", registry: "Registry") -> list[str]:
+    """A line for each reward that cells of an arm train by: whether not finishing pays more than finishing.
+
+    Raises:
+        UsageError: The cells are in an environment, which has no scripted movements.
+    """
+    from harness.errors import UsageError
+
+    first = {cell.reward.label: cell for cell in reversed(cells)}
+    if any(cell.is_in_environment for cell in cells):
+        raise UsageError("--screen moves the arm by scripts, and an environment has none: leave it out")
+    found: dict[tuple[str, str], tuple[Rollout, ...] | str] = {}
+    lines = []
+    for label, cell in reversed(first.items()):
+        place = (cell.robot, cell.task.label)
+        if place not in found:
+            found[place] = _record(cell, registry)
+        lines.append(f"{label}: {' '.join(_ask(cell, registry, found[place]).verdict)}")
+    return lines
 
 
 def _record(cell: "Cell", registry: "Registry") -> "tuple[Rollout, ...] | str":

@@ -14,6 +14,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "harness run --sim mujoco,pybullet --algo sac:learning_rate=3e-4,td3 --reward arp:k1=1,k2=2",
             "harness run experiment.toml --seeds 20 --out my-results",
             "harness run experiment.toml --out my-results --dry-run",
+            "harness run --sim mujoco --algo sac-fast --reward dense --until decided",
+        ),
+        "choose": (
+            "harness choose --reward arp,dense,relative --sim mujoco --algo sac-fast",
+            "harness choose --plugin 'candidates/*.py' --task gymnasium:id=Pendulum-v1 --algo sac-fast",
         ),
         "report": (
             "harness report my-results",

@@ -65,6 +65,35 @@ Baseline = Annotated[
 Seeds = Annotated[
     str | None, typer.Option(help="How many seeds, or a list of them (3,7,11).", show_default="6", metavar="N")
 ]
+Until = Annotated[
+    Literal["decided"] | None,
+    typer.Option(help="Train in looks, and stop where the answer stands.", show_default="train all seeds at once"),
+]
+Looks = Annotated[
+    str | None,
+    typer.Option(
+        help="With --until: the seeds of each reward in each place at each look.",
+        show_default="6,8,12,16,24,32; of four places and more 2,3,4,6,8,12,16",
+        metavar="N,...",
+    ),
+]
+Margin = Annotated[
+    float | None,
+    typer.Option(
+        help="With --until: a difference of success below this, as a share, ends the training.",
+        show_default="0.10",
+        metavar="SHARE",
+    ),
+]
+BudgetTime = Annotated[
+    str | None,
+    typer.Option(
+        "--budget",
+        help="Begin no cell after this time, such as 2h or 90m; the same command goes on later.",
+        show_default="no limit",
+        metavar="TIME",
+    ),
+]
 Steps = Annotated[
     int | None, typer.Option(help="Environment steps of training per cell.", show_default="5000", metavar="N")
 ]
@@ -144,6 +173,10 @@ CellMemory = Annotated[
     float, typer.Option(help="The most memory that a cell may use, in GiB.", show_default="no limit", metavar="GIB")
 ]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Start a new process for every cell.")]
+Screen = Annotated[
+    bool,
+    typer.Option("--screen", help="First say which rewards pay for not finishing, by scripted movements of the arm."),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")]
 DryRun = Annotated[
@@ -160,6 +193,9 @@ def run(
     task: TaskNames = None,
     robot: RobotName = None,
     seeds: Seeds = None,
+    until: Until = None,
+    looks: Looks = None,
+    margin: Margin = None,
     steps: Steps = None,
     evaluation_episodes: EvaluationEpisodes = None,
     evaluate_every: EvaluateEvery = None,
@@ -178,6 +214,7 @@ def run(
     changed: Changed = "refuse",
     only: Only = None,
     limit: Limit = None,
+    budget: BudgetTime = None,
     retry_failed: RetryFailed = 0,
     fail_fast: FailFast = False,
     stall_after: StallAfter = 1800.0,
@@ -202,14 +239,17 @@ def run(
     measures, files = split_measures(measure or ())
     trackers = _all_trackers(tracker, {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow})
     given |= {"tracker": trackers, "metrics": metric, "measure": measures or None, "seeds": _parse_seeds(seeds)}
+    given |= {"looks": None if looks is None else parse_looks(looks), "budget": parse_time(budget)}
     options = RunOptions(**{field.name: given[field.name] for field in fields(RunOptions)})
-    asked, plugins = _read(experiment, given), read_given(plugin, files)
+    asked, plugins = read_asked(experiment, given), read_given(plugin, files)
     if dry_run:
-        return _foresee(asked, options, plugins, as_json)
-    return _train(asked, options, plugins, quiet, as_json)
+        return foresee_run(asked, options, plugins, as_json)
+    results, status = train(asked, options, plugins, quiet)
+    _show(results, as_json)
+    return status
 
 
-def _read(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
+def read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
     """The experiment of a file, of flags, or of both.
 
     Raises:
@@ -231,7 +271,7 @@ def _all_trackers(named: Names, short: Mapping[str, bool]) -> list[str]:
     return [*(named or ()), *(name for name, is_on in short.items() if is_on)]
 
 
-def _foresee(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", as_json: bool) -> int:
+def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", as_json: bool) -> int:
     """Say what would be run."""
     from harness.cli.foreseen import foreseen_lines
     from harness.experiment.experiment import check
@@ -249,8 +289,8 @@ def _foresee(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Give
     return 0
 
 
-def _train(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", quiet: bool, as_json: bool) -> int:
-    """Run what is not done, and show what came of it; status 1 where a cell failed."""
+def train(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", quiet: bool) -> "tuple[Results, int]":
+    """Run what is not done; what came of it, and status 1 where a cell failed."""
     from harness.cli.progress import LiveProgress
     from harness.cli.terminal import Terminal
     from harness.experiment.experiment import prepare
@@ -266,10 +306,9 @@ def _train(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]
         LiveProgress((*begun.spared, *begun.waiting), begun.spared, console, ready.store.log_of) as progress,
     ):
         results = begun.run(progress, progress.warn)
-    _show(results, as_json)
     if results.failed:
         complain(f"cells that failed: {len(results.failed)}. The same command tries them again, and no other")
-    return 1 if results.failed else 0
+    return results, 1 if results.failed else 0
 
 
 def _what_to_type() -> str:
@@ -298,6 +337,39 @@ def _parse_seeds(text: str | None) -> int | list[int] | None:
     if not numbers:
         raise UsageError(f"--seeds {text}: give a number of seeds (3) or a list of seeds (3,7,11)")
     return numbers if "," in text else numbers[0]
+
+
+def parse_looks(text: str) -> list[int]:
+    """The numbers of seeds of ``--looks``.
+
+    Raises:
+        UsageError: They are no numbers.
+    """
+    try:
+        return [int(part) for part in text.split(",") if part.strip()]
+    except ValueError:
+        raise UsageError(f"--looks {text}: give numbers of seeds that increase, such as 6,12,24") from None
+
+
+UNITS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
+
+
+def parse_time(text: str | None) -> float:
+    """The seconds of ``--budget``; 0 for no limit.
+
+    Raises:
+        UsageError: It is no time.
+    """
+    if text is None:
+        return 0.0
+    number, unit = text.strip()[:-1], UNITS.get(text.strip()[-1:], 0.0)
+    try:
+        seconds = float(number) * unit
+    except ValueError:
+        seconds = 0.0
+    if not 0.0 < seconds < 1e9:
+        raise UsageError(f"--budget {text}: give a time, such as 90s, 30m, 2h or 1d")
+    return seconds
 
 
 def _show(results: "Results", as_json: bool) -> None:

@@ -1,5 +1,6 @@
 """``harness status``: how far a run has come, asked from another shell."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
@@ -9,6 +10,7 @@ from harness.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
+    from harness.results.standing import Standing
 
 KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending")
 NUMBERS_AFTER = 2.0
@@ -25,14 +27,30 @@ def status(
 
     found = read_status(folder)
     if as_json:
-        say_json(found.to_json())
+        standing = _standing(folder)
+        say_json({**found.to_json(), "looks": standing and standing.to_json()})
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))
     say(f"{len(found.cells)} cells: {counts}{_time_left(found.seconds_left)}")
+    standing = _standing(folder)
+    if standing is not None:
+        say(f"{standing.text[:1].upper()}{standing.text[1:]}")
     for one in found.cells:
         if one.status in SHOWN:
             say(f"{one.status}: {one.cell.title}: {_detail(one, found)}")
+
+
+def _standing(folder: Path) -> "Standing | None":
+    """How an experiment with looks stands; None if it has none."""
+    from harness.record.store import Store
+
+    if not Store.open(folder).read_plan().terms.looks:
+        return None  # without importing what reads results
+    from harness.results.load import load_results
+    from harness.results.standing import standing_of
+
+    return standing_of(load_results(folder))
 
 
 def _detail(one: "Progress", found: "FolderStatus") -> str:

@@ -1,5 +1,6 @@
 """The difference of a measure of behaviour under two rewards, and how far it can be trusted."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -12,6 +13,7 @@ from harness.eta.interval import (
     SHARE,
     UNBOUNDED,
     Bounds,
+    Interval,
     mean_interval,
     of_difference,
     share_variance,
@@ -64,12 +66,15 @@ class Change:
             where there is none.
         high: Upper end.
         p: The p-value for no difference, by an exact test over swapped seeds; None if it cannot be computed.
-        corrected: The p-value corrected for all claims that are made together.
+        corrected: The p-value corrected for all claims that are made together; of a measure that decides that of the
+            verdict.
         values: The values of each compared seed, under the baseline and under the proposed reward.
         variance: The variance of a seed's difference; None below two seeds.
         outcomes: The mean difference with the trainings' names swapped in all ways, see `harness.eta.swaps`; None
             for a single seed, which can claim nothing.
         reason: Why the metric failed for a seed; empty if it did not fail, also if it is not defined.
+        of_seeds: The compared seeds, in the order of `values`.
+        level: A corrected p-value up to this says that there is a difference.
     """
 
     measure: Measure
@@ -86,6 +91,8 @@ class Change:
     variance: float | None = field(default=None, repr=False)
     outcomes: Float | None = field(default=None, repr=False, compare=False)
     reason: str = ""
+    of_seeds: tuple[int, ...] = field(default=(), repr=False)
+    level: float = field(default=ALPHA, repr=False)
 
     @property
     def name(self) -> str:
@@ -107,16 +114,26 @@ class Change:
     @property
     def direction(self) -> str:
         """``better`` or ``worse`` if the corrected test says so, else empty."""
-        if self.corrected is None or self.corrected > ALPHA or not self.difference:
+        if self.corrected is None or self.corrected > self.level or not self.difference:
             return ""
         return "better" if (self.difference > 0.0) == (self.measure.better == "higher") else "worse"
 
-    def is_within(self, margin: float) -> bool:
-        """Whether the difference is smaller than `margin`, by two one-sided tests at 5 % (Schuirmann 1987)."""
+    @property
+    def likely(self) -> Interval | None:
+        """The 90 % interval of the difference; None where there is none."""
         if self.variance is None or why_no_interval(self.seeds):
-            return False
-        low, high = mean_interval(self.differences, self.variance, confidence=0.90)
-        return -margin < low and high < margin
+            return None
+        return mean_interval(self.differences, self.variance, confidence=0.90)
+
+    @property
+    def lowest(self) -> float | None:
+        """The lowest value of a seed, under either reward."""
+        return min((value for pair in self.values for value in pair), default=None)
+
+    @property
+    def spread(self) -> float | None:
+        """The standard deviation of one training; None below two seeds."""
+        return None if self.variance is None else math.sqrt(self.variance / 2.0)
 
     @property
     def middles(self) -> tuple[float | None, float | None]:
@@ -196,6 +213,7 @@ def change_of(
         values=tuple(pairs.values()),
         variance=variance,
         outcomes=outcomes,
+        of_seeds=tuple(pairs),
     )
 
 

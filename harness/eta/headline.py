@@ -1,4 +1,4 @@
-"""The answers of a comparison: first about the robot, then about the number, one sentence each.
+"""The answer about the robot, one sentence or two.
 
 A word of better or worse stands here only where a test says so whose error rate is known; see ``docs/statistics.md``.
 """
@@ -7,19 +7,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
-from harness.eta.behaviour_change import Change
-from harness.eta.index import Ratio
-from harness.eta.power import Range, seeds_to_tell
-from harness.eta.return_split import ReturnSplit
-from harness.eta.seed_mean import SeedMean
-from harness.eta.splits import Split, Splits
-from harness.eta.swaps import ALPHA, fewest_seeds
+from harness.eta.behaviour_change import Measure
+from harness.eta.interval import Interval
+from harness.eta.power import Range, fewest_seeds, seeds_to_tell
+from harness.eta.verdict.ruling import Ruling
 
 SUCCESS, TIME = "success_rate", "time_to_target"
 DECIDING = (SUCCESS, TIME)
-"""Measures that decide about the robot. The first that tells the two trainings apart decides. Both count failures."""
+"""Measures that decide about the robot, together: the answer rests on the one that says most. Both count failures."""
 SHORT = {SUCCESS: "success", TIME: "the time"}
 """Names of these measures for sentences about their margins."""
 UNMEASURED = (
@@ -30,6 +27,10 @@ SUCCESS_MARGIN = 0.05
 """A difference of success below this, as a share of the episodes, counts as none."""
 TIME_MARGIN = 0.10
 """A difference of the time to the target below this, as a share of the baseline's, counts as none."""
+LEARNED = 0.10
+"""Where both rewards teach success in less than this share of the episodes, neither teaches the task."""
+FAILED = 0.5
+"""A seed failed if its policy succeeds in less than this share of its episodes."""
 
 
 class Answer(StrEnum):
@@ -38,6 +39,7 @@ class Answer(StrEnum):
     HELPS = "helps"
     HURTS = "hurts"
     NO_DIFFERENCE = "no difference"
+    NEITHER_LEARNS = "neither learns"
     CANNOT_TELL = "cannot tell"
 
 
@@ -46,6 +48,50 @@ class Names(NamedTuple):
 
     baseline: str
     proposed: str
+
+
+class Compared(Protocol):
+    """Values of a measure under two rewards: in one place, or means over several."""
+
+    @property
+    def measure(self) -> Measure:
+        """What is measured."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def baseline(self) -> float | None:
+        """The mean under the baseline."""
+
+    @property
+    def proposed(self) -> float | None:
+        """The mean under the proposed reward."""
+
+    @property
+    def seeds(self) -> int:
+        """How many seeds are compared, in each place."""
+
+    @property
+    def low(self) -> float | None:
+        """The lower end of the 95 % interval of the difference."""
+
+    @property
+    def high(self) -> float | None:
+        """The upper end."""
+
+    @property
+    def likely(self) -> Interval | None:
+        """The 90 % interval of the difference, of which the tests for a small difference are made."""
+
+    @property
+    def lowest(self) -> float | None:
+        """The lowest value of a seed, under either reward."""
+
+    @property
+    def spread(self) -> float | None:
+        """The standard deviation of one training, as far as it counts for the mean; None if it is not known."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +103,8 @@ class Headline:
         robot: This answer in a sentence.
         number: How much the indices changed, and how much of that is ruler, in a sentence.
         decided_by: The measure that decided; None if no measure did.
-        seeds_to_decide: How many seeds would tell a difference as large as the margin, as a range; None where the
-            robot's answer needs no more, or no number can be told.
+        seeds_to_decide: How many seeds would tell the difference that was seen, as a range; None where the robot's
+            answer needs no more, or no number can be told.
     """
 
     answer: Answer
@@ -80,58 +126,56 @@ class Headline:
 
 def judge(
     names: Names,
-    deciding: Sequence[Change],
+    deciding: Sequence[Compared],
     number: str,
-    claims: int = 1,
+    ruling: Ruling | None = None,
     unmeasured: str = UNMEASURED,
+    where: str = "",
 ) -> Headline:
-    """Both answers from measures that may decide. The first that tells the two trainings apart decides.
+    """Both answers from the measures that decide.
 
     Args:
         names: The names of the rewards.
         deciding: Measures of behaviour of one manner, each of one seed at least.
         number: The sentence about the number.
-        claims: How many are made together with these, for the number of seeds that would decide.
+        ruling: What the test says of them; its measures are these, in their order.
         unmeasured: The sentence for the case that there is no measure.
+        where: Where this is so, in words, such as ``over 8 places``; empty for a single place.
     """
+    ruling = ruling or Ruling()
     if not deciding:
         return Headline(Answer.CANNOT_TELL, unmeasured, number)
-    decisive = next((change for change in deciding if change.direction), None)
-    if decisive is not None:
-        answer = Answer.HELPS if decisive.direction == "better" else Answer.HURTS
-        return Headline(answer, _decided(names, decisive), number, decisive.name)
-    if all(change.is_within(margin_of(change)) for change in deciding):
-        return Headline(Answer.NO_DIFFERENCE, _no_difference(names, deciding), number)
-    needed = _seeds_needed(deciding, claims)
-    return Headline(Answer.CANNOT_TELL, _undecided(names, deciding, needed), number, seeds_to_decide=needed)
+    if ruling.instead:
+        values = "; ".join(_values(names, change) for change in deciding)
+        return Headline(Answer.CANNOT_TELL, f"{ruling.instead} {names.proposed}: {values}.", number)
+    if ruling.is_decided:
+        answer = Answer.HELPS if ruling.sign > 0 else Answer.HURTS
+        told = _decided(names, deciding, ruling, where)
+        return Headline(answer, told, number, deciding[ruling.decider].name)
+    return _equal(names, deciding, number, ruling, where) or _cannot_tell(names, deciding, number, ruling, where)
 
 
-def margin_of(change: Change) -> float:
+def _equal(names: Names, deciding: Sequence[Compared], number: str, ruling: Ruling, where: str) -> Headline | None:
+    """The answer that there is nothing to tell apart, where a test says so."""
+    if _neither_learns(deciding[0]):
+        return Headline(Answer.NEITHER_LEARNS, _too_little(names, deciding[0], where), number)
+    if ruling.small is not None:
+        return Headline(Answer.NO_DIFFERENCE, _small(names, deciding[0], ruling.small, where), number)
+    if all(is_within(change, margin_of(change)) for change in deciding):
+        return Headline(Answer.NO_DIFFERENCE, _no_difference(names, deciding, where), number)
+    return None
+
+
+def is_within(change: Compared, margin: float) -> bool:
+    """Whether the difference is smaller than a margin, by two one-sided tests at 5 % (Schuirmann 1987)."""
+    return change.likely is not None and -margin < change.likely[0] and change.likely[1] < margin
+
+
+def margin_of(change: Compared) -> float:
     """The margin of a measure, in its unit. A smaller difference counts as none."""
     if _is_share(change):
         return SUCCESS_MARGIN
     return TIME_MARGIN * abs(change.baseline or 0.0)
-
-
-def number_sentence(names: Names, splits: Splits) -> str:
-    """A sentence on how much each index changed, and how much of that is ruler and behaviour."""
-    told = [_ratio_sentence(name, name.replace("eta", "I"), names, split) for name, split in splits.items()]
-    return " ".join([*told, *(f"{name}: {flag}." for name, split in splits.items() for flag in split.flags)])
-
-
-def return_sentence(names: Names, split: ReturnSplit) -> str:
-    """The same for the mean return of an episode: as a ratio if there is one, else as a difference."""
-    eta = split.ratio.eta
-    if eta.value is not None and eta.near_zero is None:
-        told = _ratio_sentence("The ratio of mean returns", "The mean return", names, split.ratio)
-        return " ".join([told, *(f"The ratio: {flag}." for flag in split.ratio.flags)])
-    change, ruler, behaviour = (_mean_text(it) for it in (split.total.change, split.total.ruler, split.total.behaviour))
-    told = f"The mean return with {names.proposed} minus that with {names.baseline} is {change}"
-    if split.total.ruler.mean is None:
-        return f"{told}; not split: {split.total.ruler.note}."
-    return (
-        f"{told}: {ruler} from counting the same runs differently (ruler), {behaviour} from different runs (behaviour)."
-    )
 
 
 def count_seeds(seeds: int) -> str:
@@ -139,41 +183,111 @@ def count_seeds(seeds: int) -> str:
     return "1 seed" if seeds == 1 else f"{seeds} seeds"
 
 
-def _amount_text(change: Change, value: float | None) -> str:
-    """A value of a deciding measure, with its unit."""
-    if value is None:
-        return "n/a"
-    return f"{value:.1%}" if _is_share(change) else f"{value:.3g} {change.measure.unit}".rstrip()
+def p_text(p: float | None) -> str:
+    """A p-value in a sentence."""
+    return "n/a" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}"
 
 
-def _decided(names: Names, change: Change) -> str:
-    verb = "helps" if change.direction == "better" else "hurts"
-    corrected = change.corrected or 0.0
-    p = "< 0.001" if corrected < 0.001 else f"{corrected:.3f}"
-    return f"{names.proposed} {verb}: {_values(names, change)}; {count_seeds(change.seeds)}, corrected p {p}."
-
-
-def _no_difference(names: Names, changes: Sequence[Change]) -> str:
-    told = "; ".join(f"{_values(names, change)}, less than {_margin_text(change)} apart" for change in changes)
-    tests = f"equivalence by two one-sided tests, {ALPHA:.0%} each"
-    return f"{names.proposed} makes no difference that counts: {told} ({tests})."
-
-
-def _undecided(names: Names, changes: Sequence[Change], needed: Range | None) -> str:
-    seeds, fewest = changes[0].seeds, fewest_seeds()
+def _decided(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
+    verb, change = "helps" if ruling.sign > 0 else "hurts", deciding[ruling.decider]
     told = (
-        f"Cannot tell from {count_seeds(seeds)} whether {names.proposed} helps or hurts: "
-        f"{'; '.join(_values(names, change) for change in changes)}."
+        f"{names.proposed} {verb}{where and ' '}{where}: {_values(names, change)}; {count_seeds(change.seeds)}, "
+        f"corrected p {p_text(ruling.corrected)}."
     )
-    if needed is None:
-        return f"{told} Fewer than {fewest} seeds cannot show anything." if seeds < fewest else told
+    if not ruling.is_contrary:
+        return told
+    contrary = next(it for at, it in enumerate(deciding) if ruling.passes(at) and ruling.signs[at] != ruling.sign)
+    return f"{told} But the opposite holds of another measure: {_values(names, contrary)}."
+
+
+def _neither_learns(change: Compared) -> bool:
     return (
-        f"{told} {needed[0]} to {needed[1]} seeds would tell a difference of "
-        f"{' or of '.join(map(_margin_text, changes))}."
+        _is_share(change)
+        and change.measure.better == "higher"
+        and None not in (change.baseline, change.proposed)
+        and max(change.baseline or 0.0, change.proposed or 0.0) < LEARNED
     )
 
 
-def _values(names: Names, change: Change) -> str:
+def _too_little(names: Names, change: Compared, where: str) -> str:
+    return (
+        f"Neither {names.baseline} nor {names.proposed} teaches the task{where and ' '}{where}: "
+        f"{_values(names, change)}. Whatever else differs, success below {LEARNED:.0%} is no behaviour to compare: "
+        "train longer, or with another algorithm."
+    )
+
+
+def _small(names: Names, change: Compared, margin: float, where: str) -> str:
+    told = f"{100 * margin:g} points" if _is_share(change) else f"{margin:.0%}"
+    return (
+        f"{names.proposed} differs by less than {told}{where and ' '}{where}: {_values(names, change)}; "
+        f"{count_seeds(change.seeds)}. The training ended here, as planned: more seeds would not be worth their cost."
+        f"{_unseen(change)}"
+    )
+
+
+def _no_difference(names: Names, changes: Sequence[Compared], where: str) -> str:
+    told = "; ".join(f"{_values(names, change)}, less than {_margin_text(change)} apart" for change in changes)
+    return (
+        f"{names.proposed} makes no difference that counts{where and ' '}{where}: {told} "
+        f"(equivalence by two one-sided tests, 5% each).{_unseen(changes[0])}"
+    )
+
+
+def _unseen(change: Compared) -> str:
+    """What the answer cannot see where no seed failed."""
+    if not _is_share(change) or change.lowest is None or change.lowest < FAILED:
+        return ""
+    return (
+        f" No seed failed; with {count_seeds(change.seeds)}, up to {min(1.0, 3.0 / change.seeds):.0%} of them could "
+        "still fail under either reward."
+    )
+
+
+def _cannot_tell(names: Names, deciding: Sequence[Compared], number: str, ruling: Ruling, where: str) -> Headline:
+    seeds, fewest = deciding[0].seeds, fewest_seeds(ruling.level / (ruling.asked if where else 1))
+    told = (
+        f"Cannot tell from {count_seeds(seeds)}{where and ' '}{where} whether {names.proposed} helps or hurts: "
+        f"{'; '.join(_values(names, change) for change in deciding)}."
+    )
+    if seeds < fewest:
+        told = f"{told} Fewer than {fewest} seeds cannot show anything here."
+    at_most = "; ".join(text for change in deciding if (text := _at_most(change)))
+    lines = [told, f"The difference is at most {at_most} (90%)." if at_most else "", _yet(deciding, ruling)]
+    seen, small = _seeds_needed(deciding, ruling, "seen"), _seeds_needed(deciding, ruling, "margin")
+    if seen:
+        lines.append(f"{seen[0]} to {seen[1]} seeds would tell the difference that was seen.")
+    if small:
+        margins = " or of ".join(map(_margin_text, deciding))
+        lines.append(f"{small[0]} to {small[1]} seeds would tell one of {margins}.")
+    robot = " ".join(line for line in lines if line)
+    return Headline(Answer.CANNOT_TELL, robot, number, seeds_to_decide=seen or small)
+
+
+def _at_most(change: Compared) -> str:
+    if change.likely is None:
+        return ""
+    most = max(map(abs, change.likely))
+    name = SHORT.get(change.name, change.name.replace("_", " "))
+    if _is_share(change):
+        return f"{100 * most:.1f} points of {name}"
+    return f"{most:.3g}{' ' if change.measure.unit else ''}{change.measure.unit} of {name}"
+
+
+def _yet(deciding: Sequence[Compared], ruling: Ruling) -> str:
+    """Why an interval that leaves out 0 is no answer."""
+    out = [it for it in deciding if it.low is not None and it.high is not None and (it.low > 0.0 or it.high < 0.0)]
+    if not out or ruling.corrected is None:
+        return ""
+    names = " and of ".join(SHORT.get(it.name, it.name.replace("_", " ")) for it in out)
+    told = f"The interval of {names} leaves out 0, but stands by itself"
+    p = p_text(ruling.corrected)
+    if ruling.asked > 1:
+        return f"{told}: {ruling.asked} questions were asked together, and for all of them p is {p}."
+    return f"{told}: the test holds for all deciding measures, and its p is {p}."
+
+
+def _values(names: Names, change: Compared) -> str:
     """The values of both rewards in words, and the interval of their difference."""
     told = (
         f"{change.name.replace('_', ' ')} {_amount_text(change, change.proposed)} with {names.proposed}, "
@@ -187,62 +301,36 @@ def _values(names: Names, change: Change) -> str:
     return f"{told} (difference {change.low:+.3g} to {change.high:+.3g}{unit})"
 
 
-def _is_share(change: Change) -> bool:
+def _amount_text(change: Compared, value: float | None) -> str:
+    """A value of a deciding measure, with its unit."""
+    if value is None:
+        return "n/a"
+    return f"{value:.1%}" if _is_share(change) else f"{value:.3g} {change.measure.unit}".rstrip()
+
+
+def _is_share(change: Compared) -> bool:
     """Whether a measure is written as a percentage."""
     return change.name == SUCCESS or change.measure.episodes is not None
 
 
-def _margin_text(change: Change) -> str:
+def _margin_text(change: Compared) -> str:
     name = SHORT.get(change.name, change.name.replace("_", " "))
     if _is_share(change):
         return f"{100 * SUCCESS_MARGIN:g} points of {name}"
     return f"{TIME_MARGIN:.0%} of {name}"
 
 
-def _seeds_needed(changes: Sequence[Change], claims: int) -> Range | None:
-    """The number of seeds with which every deciding measure would tell a difference as large as its margin."""
-    ranges = [
-        seeds_to_tell(margin_of(change), math.sqrt(change.variance), change.seeds, claims)
-        for change in changes
-        if change.variance is not None and margin_of(change) > 0.0
-    ]
+def _seeds_needed(changes: Sequence[Compared], ruling: Ruling, what: str) -> Range | None:
+    """How many seeds would tell the difference that was seen, by the measure that shows it first; or the margins."""
+    ranges = []
+    for change in changes:
+        apart = (change.proposed or 0.0) - (change.baseline or 0.0)
+        size = abs(apart) if what == "seen" else margin_of(change)
+        if change.spread is not None and size > 0.0 and math.isfinite(size):
+            ranges.append(seeds_to_tell(size, change.spread, change.seeds, ruling.asked, ruling.level))
     known = [found for found in ranges if found is not None]
-    if not known or len(known) < len(ranges):
+    if not known or (what == "margin" and len(known) < len(ranges)):
         return None
-    low, high = (max(ends) for ends in zip(*known, strict=True))
-    return low, max(high, changes[0].seeds + 1)
-
-
-def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
-    """A sentence on a ratio, with its name, and on the amount that it is a ratio of."""
-    eta = split.eta
-    if eta.value is None:
-        return f"{name} n/a: {eta.note}."
-    if eta.near_zero is not None:
-        return f"{name} says little: {eta.near_zero}."
-    told = f"{amount} with {names.proposed} is {_text(eta)} times that with {names.baseline}"
-    if split.ruler.value is None or split.ruler.near_zero is not None:
-        return f"{told}; not split: {split.ruler.near_zero or split.ruler.note}."
-    return (
-        f"{told}: x {_text(split.ruler)} from counting the same runs differently (ruler), "
-        f"x {_text(split.behaviour)} from different runs (behaviour)."
-    )
-
-
-def _text(ratio: Ratio) -> str:
-    told = f"{ratio.value:.3g}"
-    if ratio.low is None or ratio.high is None:
-        return told
-    return f"{told} [{ratio.low:.3g}, {ratio.high:.3g}]"
-
-
-def _mean_text(mean: SeedMean) -> str:
-    if mean.mean is None:
-        return "n/a"
-    told = _digits(mean.mean, "+")
-    return told if mean.low is None or mean.high is None else f"{told} [{_digits(mean.low)}, {_digits(mean.high)}]"
-
-
-def _digits(value: float, sign: str = "") -> str:
-    """A number with three digits, without an exponent up to a million."""
-    return f"{float(f'{value:.3g}'):{sign},.6g}"
+    low, high = min(known) if what == "seen" else tuple(max(ends) for ends in zip(*known, strict=True))
+    seeds = changes[0].seeds
+    return max(low, seeds + 1), max(high, seeds + 1)

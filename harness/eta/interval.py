@@ -112,7 +112,7 @@ def share_variance(values: Sequence[float] | Float, shares: Sequence[float], epi
         episodes: The number of episodes that each share is of.
     """
     count = len(values)
-    floor = sum(_binomial_variance(share, episodes) for share in shares)
+    floor = sum(binomial_variance(share, episodes) for share in shares)
     seen = max(variance_of(values), floor)
     return max(seen, ((count - 1) * seen + UNSEEN**2) / count)  # it makes no interval narrower
 
@@ -121,7 +121,8 @@ UNSEEN = 0.25
 """By simulation: with less, the interval misses where most seeds never fail and a rare one does."""
 
 
-def _binomial_variance(share: float, episodes: int) -> float:
+def binomial_variance(share: float, episodes: int) -> float:
+    """The variance of a share of so many episodes, after Agresti and Coull."""
     shrunk = (min(1.0, max(0.0, share)) * episodes + 2.0) / (episodes + 4.0)
     return shrunk * (1.0 - shrunk) / (episodes + 4.0)
 

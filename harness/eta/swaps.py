@@ -5,7 +5,6 @@ swaps these names in all ways that there are and asks in how many of them the di
 one seen (Fisher 1935). It assumes no distribution: seeds may be as skewed as they like.
 """
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -58,16 +57,6 @@ def swaps_of(seeds: Sequence[int]) -> Swaps:
         ways[0] = 0
     signs: Float = np.where(ways, -1.0, 1.0)
     return Swaps(signs, tuple(seeds))
-
-
-def smallest_p(seeds: int) -> float:
-    """The smallest p-value that so many seeds can give."""
-    return max(2.0 ** (1 - seeds), 1.0 / DRAWN)
-
-
-def fewest_seeds(alpha: float = ALPHA) -> int:
-    """Fewer seeds than these cannot show anything at this level: 6 at 0.05."""
-    return 1 + math.ceil(-math.log2(alpha))
 
 
 def p_of(outcomes: Float) -> float:

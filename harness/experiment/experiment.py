@@ -1,5 +1,7 @@
 """Run an experiment: from what a user asks for to the results."""
 
+import math
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -11,6 +13,7 @@ from harness.errors import UsageError
 from harness.executor import Event, Executor, Job, OnEvent
 from harness.experiment.changed import Sources, changed_cells, refuse_changed
 from harness.experiment.evaluation.floor import floor_carriers
+from harness.experiment.looks import refuse_other_looks
 from harness.experiment.objects import name_objects
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.progress.ended_cells import EndedCells
@@ -30,6 +33,7 @@ from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.load import read_results
+from harness.results.standing import standing_of
 from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
@@ -172,19 +176,44 @@ class BegunRun:
         trackers = Trackers(self.asked.trackers, on_trouble)
         tracking = Tracking(trackers, store.folder, read_left(store.folder))
         followed = Followed(store, ended, tracking, on_event, self.again)
+        until = time.monotonic() + options.budget if options.budget else math.inf
         try:
-            for _ in range(1 + options.retry_failed):
-                followed.failed.clear()
-                self._do(waiting, followed)
-                waiting = tuple(followed.failed)
+            for stage in self._stages():
+                waiting = stage
+                for _ in range(1 + options.retry_failed):
+                    followed.failed.clear()
+                    self._do(waiting, followed, until)
+                    waiting = tuple(followed.failed)
+                if time.monotonic() >= until or (options.fail_fast and followed.failed):
+                    break
         finally:
             followed.stop()
             store.discard_partial()
             ended.finish()
         return read_results(store.folder, self.asked.registry, options.curve, options.metrics)
 
-    def _do(self, cells: Sequence[Cell], followed: Followed) -> None:
-        """Have the executor do cells; with the option `fail_fast`, until one fails."""
+    def _stages(self) -> Iterator[tuple[Cell, ...]]:
+        """The cells that wait: all at once, or those of one look after the other until the answers stand."""
+        terms, tried, options = self.asked.plan.terms, set[Cell](), self.asked.options
+        if not terms.looks:
+            yield self.waiting
+            return
+        may = set(self._selected)
+        while True:
+            results = read_results(self.asked.store.folder, self.asked.registry, metrics=options.metrics)
+            standing = standing_of(results)
+            wanted = [] if standing is None else standing.next
+            done = {it.cell for it in results.done}
+            cells = tuple(cell for cell in wanted if cell in may and cell not in done and cell not in tried)
+            if options.limit is not None:
+                cells = cells[: options.limit - len(tried)]
+            if not cells:
+                return
+            tried |= set(cells)
+            yield cells
+
+    def _do(self, cells: Sequence[Cell], followed: Followed, until: float) -> None:
+        """Have the executor do cells, until a time; with the option `fail_fast`, until one fails."""
         store, options = self.asked.store, self.asked.options
         carriers = floor_carriers(cells, store)
         of_all = replace(options.of_cells, plugins=self.asked.registry.given)
@@ -192,15 +221,16 @@ class BegunRun:
 
         def follow(event: Event) -> None:
             followed(event)
-            if options.fail_fast and followed.failed:
-                raise _FirstFailure
+            is_late = event.kind == "ended" and time.monotonic() >= until
+            if is_late or (options.fail_fast and followed.failed):
+                raise _Enough
 
-        with suppress(_FirstFailure):
+        with suppress(_Enough):
             self.asked.executor.run(jobs, options.at_once, follow)
 
 
-class _FirstFailure(Exception):
-    """Raised when a cell has failed and no other cell is to be done."""
+class _Enough(Exception):
+    """Raised when no other cell is to be done: one has failed, or the time is over."""
 
 
 def prepare(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequence[Plugins] = ()) -> ExperimentRun:
@@ -238,9 +268,10 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))
     if Store.is_experiment(store.folder):
-        refuse_mixed(
-            f"--out '{store.folder}'", store.read_plan().cells, (*plan.cells, *(cell for cell, _ in plan.skipped))
-        )
+        asked = (*plan.cells, *(cell for cell, _ in plan.skipped))
+        earlier = store.read_plan()
+        refuse_mixed(f"--out '{store.folder}'", earlier.cells, asked)
+        refuse_other_looks(store.folder, earlier, plan.terms, asked)
     return ExperimentRun(plan, store, registry, executor, options, trackers)
 
 

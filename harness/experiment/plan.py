@@ -5,16 +5,19 @@ import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.errors import UsageError
+from harness.eta.verdict.looks import MARGIN
+from harness.experiment.looks import own_seed, terms_of
 from harness.experiment.task_plan import Given, TaskPlan, choose_each, plan_tasks, table_of, unnamed
 from harness.record.cell import EVALUATION_HORIZON as HORIZON
 from harness.record.cell import Cell
 from harness.record.plan_file import control_seeds
+from harness.record.terms import NEW, Terms
 from harness.registry.choice import Choice, split_list
 from harness.registry.parameters import build
 from harness.registry.registry import Registry
@@ -26,6 +29,8 @@ MOST_SEEDS = 10_000
 """The most seeds. With more, intervals hardly get narrower, and the trainings in sequence would take a year."""
 LARGEST_SEED = 2**31 - 1
 """The largest seed. Every generator takes it, also when the null control adds as much again."""
+MOST_LOOKS = 100
+"""The most looks at results."""
 MOST_STEPS = 1_000_000_000
 """The most steps of a training: eleven days at 1,000 steps a second."""
 MOST_EPISODES = 100_000
@@ -74,6 +79,17 @@ class Experiment:
         SeedCount | Annotated[list[Seed], Field(min_length=1, max_length=MOST_SEEDS)],
         Field(description="number of seeds, counted from 0, or a list of seeds"),
     ] = 6
+    until: Annotated[
+        Literal["", "decided", "best"],
+        Field(description="decided: train in looks until there is an answer; best: until the best reward is known"),
+    ] = ""
+    looks: Annotated[
+        list[SeedCount] | None,
+        Field(max_length=MOST_LOOKS, description="with until: seeds at each look, increasing; None: the usual ones"),
+    ] = None
+    margin: Annotated[
+        float, Field(gt=0.0, lt=1.0, description="with until: a difference of success below this ends the training")
+    ] = MARGIN
     steps: Annotated[Steps, Field(description="environment steps of training per cell")] = 5_000
     evaluation_episodes: Annotated[Episodes, Field(description="episodes per evaluation")] = 100
     evaluate_every: Annotated[
@@ -117,6 +133,7 @@ class Plan:
         control: Where the baseline is compared with itself, the null control: by each seed the other seed that it is
             trained with again.
         warnings: What to know before anything is trained, a line each.
+        terms: What is agreed on before the first training.
         require_metrics: Raises UsageError unless there are metrics, or measures of the environments, of these names.
     """
 
@@ -126,6 +143,7 @@ class Plan:
     resolved: dict[str, Any]
     control: Mapping[int, int] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    terms: Terms = NEW
     require_metrics: Callable[[Sequence[str]], None] = field(default=lambda names: None, compare=False)
 
     @property
@@ -140,7 +158,10 @@ def read_experiment(path: Path, overrides: Mapping[str, Any]) -> Experiment:
     Raises:
         UsageError: The file cannot be read, or holds what no experiment has.
     """
-    return check_experiment(read_toml(path, "experiment file", overrides), f"experiment file '{path}'")
+    data = read_toml(path, "experiment file", overrides)
+    if overrides.get("until") and "seeds" not in overrides:
+        data.pop("seeds", None)  # those of an experiment that was trained at once
+    return check_experiment(data, f"experiment file '{path}'")
 
 
 def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Experiment:
@@ -152,6 +173,10 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
     for key in ("sim", "algo") if data.get("task", DEFAULT_TASK) == DEFAULT_TASK else ("algo",):
         if not data.get(key):
             raise UsageError(unnamed(key, noun))
+    if data.get("until") and data.get("seeds") is not None:
+        raise UsageError(f"until={data['until']} finds the number of seeds itself: leave out seeds, or give looks")
+    if not data.get("until") and data.get("looks") is not None:
+        raise UsageError("looks go with until: give --until decided")
     listed = {key: _split_names(value) if key in LISTS else value for key, value in data.items()}
     if "task" in data:
         tasks = _split_names(data["task"])
@@ -172,7 +197,9 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
     """
     tasks = plan_tasks(experiment, experiment.tasks, registry)
     algorithms = choose_each(registry, "algorithms", experiment.algo)
-    seeds = experiment.seed_list
+    fits = {(it.task, *pair): it.fit(*pair) for it in tasks for pair in itertools.product(algorithms, it.trained)}
+    terms = terms_of(experiment, tasks, algorithms) if experiment.until else NEW
+    seeds = list(range(terms.looks[-1])) if terms.looks else experiment.seed_list
     _require_few(len(seeds), tasks, len(algorithms))
     control = control_seeds(seeds) if any(it.has_control for it in tasks) else {}
     # Seeds outermost: every reward has a run early, and a plan that is cut short still compares.
@@ -186,18 +213,20 @@ def expand(experiment: Experiment, registry: Registry) -> Plan:
             for rest in _product(it, algorithms, [it.baseline])
         ),
     ]
-    fits = {(it.task, *pair): it.fit(*pair) for it in tasks for pair in itertools.product(algorithms, it.trained)}
     planned = [
         (_cell(experiment, it, simulator, fit.task, algorithm, reward, seed), fit.reason)
         for seed, it, simulator, algorithm, reward in matrix
         for fit in [fits[it.task, algorithm, reward]]
     ]
+    if terms.looks:
+        planned = [(own_seed(cell), reason) for cell, reason in planned]
     return Plan(
         tasks[0].baseline.label,
         tuple(cell for cell, reason in planned if not reason),
         tuple((cell, reason) for cell, reason in planned if reason),
         _resolve(experiment, tasks, algorithms, registry.needs()),
         control=control,
+        terms=terms,
         warnings=(*registry.broken_files(), *dict.fromkeys(line for it in tasks for line in it.warnings)),
         require_metrics=tasks[0].require_metrics if len(tasks) == 1 else _require_any(tasks),
     )
@@ -264,6 +293,11 @@ def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[s
     if not experiment.measure:
         del values["measure"]
     plugins = {"plugins": needs} if needs else {}
+    if experiment.until:
+        del values["seeds"]
+        return {**values, **plugins}
+    for key in ("until", "looks", "margin"):
+        del values[key]
     return {**values, **plugins, "seeds": experiment.seed_list}
 
 

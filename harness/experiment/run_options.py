@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Required, TypeAlias, TypedDict
+from typing import Any, Literal, Required, TypeAlias, TypedDict
 
 from harness.algorithm import Algorithm
 from harness.errors import UsageError
@@ -26,6 +26,7 @@ STALL_AFTER = 1800.0
 """Seconds without progress after which a cell is ended. Algorithms report every 100 steps, evaluations every step."""
 ZERO_FOR = {
     "checkpoint_every": "none",
+    "budget": "no limit",
     "retry_failed": "never",
     "stall_after": "never",
     "cell_time": "no limit",
@@ -53,6 +54,7 @@ class RunOptions:
             ``"keep"`` them beside the new ones, or do them ``"again"``.
         only: Do only the cells that this names; see `harness.experiment.selection.select`. The others stay pending.
         limit: Do at most so many cells; the others stay pending.
+        budget: Seconds after which the run ends, once a cell has ended; the others stay pending. 0 for any number.
         retry_failed: How often a failed cell is tried again, after all others.
         fail_fast: Whether to end with the first cell that fails.
         stall_after: Seconds without progress after which a cell counts as hung, and fails; 0 for never.
@@ -76,6 +78,7 @@ class RunOptions:
     changed: Changed = "refuse"
     only: str | None = None
     limit: int | None = None
+    budget: float = 0.0
     retry_failed: int = 0
     fail_fast: bool = False
     stall_after: float = STALL_AFTER
@@ -141,6 +144,9 @@ class RunArguments(TypedDict, total=False):
     task: Thing
     robot: str | None
     seeds: int | Sequence[int]
+    until: Literal["decided", "best"]
+    looks: Sequence[int]
+    margin: float
     steps: int
     evaluation_episodes: int
     evaluate_every: int
@@ -158,6 +164,7 @@ class RunArguments(TypedDict, total=False):
     changed: Changed
     only: str | None
     limit: int | None
+    budget: float
     retry_failed: int
     fail_fast: bool
     stall_after: float

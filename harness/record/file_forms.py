@@ -10,6 +10,8 @@ from typing_extensions import TypedDict
 
 MOST_CELLS = 1_000_000
 """The most cells of a plan."""
+MOST_LOOKS = 1_000
+"""The most looks of a plan."""
 MOST_FILES = 100_000
 """The most files of a cell's folder."""
 
@@ -118,6 +120,19 @@ class TransferForm(EndingForm):
     policy: Line
 
 
+@with_config(OPEN)
+class TermsForm(TypedDict, total=False):
+    """See `harness.record.terms.Terms`."""
+
+    looks: Annotated[list[Count], Field(max_length=MOST_LOOKS)]
+    asked: Count
+    margin: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+    race: bool
+    asks_speed: bool
+    averaged: Count
+    grown: Annotated[list[Whole], Field(max_length=MOST_LOOKS)]
+
+
 @with_config(EXACT)
 class PlanForm(TypedDict):
     """See `harness.record.plan_file.StoredPlan`."""
@@ -129,6 +144,7 @@ class PlanForm(TypedDict):
     cells: Annotated[list[CellForm], Field(max_length=MOST_CELLS)]
     experiment: NotRequired[dict[Name, Any]]
     experiment_digest: NotRequired[Digest]
+    terms: NotRequired[TermsForm]
 
 
 MANIFEST: TypeAdapter[ManifestForm] = TypeAdapter(ManifestForm)

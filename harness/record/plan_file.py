@@ -14,6 +14,7 @@ from harness.files.sealed import read_sealed, seal
 from harness.files.whole_file import write_whole
 from harness.record import file_forms as forms
 from harness.record.cell import Cell
+from harness.record.terms import FIRST, Terms
 from harness.registry.toml_file import read_toml
 
 EXPERIMENT, PLAN = "experiment.toml", "plan.json"
@@ -34,6 +35,7 @@ class StoredPlan:
         cells: Of all experiments that were run here.
         experiment: The newest one, every default filled in; empty in folders of version 0.1.
         note: What there is to say where the file is damaged, and this was put together from the cells; else empty.
+        terms: What was agreed on before the first training.
     """
 
     baseline: str
@@ -42,6 +44,7 @@ class StoredPlan:
     cells: tuple[Cell, ...]
     experiment: Mapping[str, Any] = field(default_factory=dict)
     note: str = ""
+    terms: Terms = FIRST
 
     def with_cells_of(self, earlier: Sequence[Cell]) -> Self:
         """The same, behind the cells that were asked for before: a folder grows, nothing is lost."""
@@ -61,6 +64,7 @@ class StoredPlan:
             "control": [list(pair) for pair in self.control.items()],
             "experiment": self.experiment,
             "experiment_digest": hashlib.sha256(text.encode()).hexdigest(),
+            "terms": self.terms.to_json(),
             "cells": [cell.to_json() for cell in self.cells],
         }
         write_whole(folder / PLAN, seal(data))
@@ -84,7 +88,8 @@ def read_plan(folder: Path) -> StoredPlan:
         forms.require_form(forms.PLAN, data)
         cells = tuple(Cell.from_json(cell) for cell in data["cells"])
         control = {int(seed): int(other) for seed, other in data.get("control", [])}
-        return StoredPlan(data["baseline"], data["a_a"], control, cells, data.get("experiment", {}))
+        terms = Terms.from_json(data.get("terms", {}))
+        return StoredPlan(data["baseline"], data["a_a"], control, cells, data.get("experiment", {}), terms=terms)
 
 
 def is_experiment_of_plan(folder: Path) -> bool:

@@ -16,6 +16,7 @@
 import shutil
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -28,6 +29,7 @@ from harness.record.folder import CHECKPOINT, LOG, MANIFEST, partial_folder, pub
 from harness.record.manifest import Manifest, now, read_manifest
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
+from harness.record.terms import Terms
 
 CELLS, RESULTS, REPORT, LOCK = "cells", "results.parquet", "report.html", ".lock"
 MOST_NAMED = 5
@@ -56,6 +58,10 @@ class Asked(Protocol):
     @property
     def resolved(self) -> dict[str, Any]:
         """The experiment as a file holds it."""
+
+    @property
+    def terms(self) -> Terms:
+        """What is agreed on before the first training."""
 
 
 class Store:
@@ -125,7 +131,10 @@ class Store:
         """Write down what is asked for, beside all that was before; skipped cells leave their reason."""
         known = self._known_cells()
         cells = dict.fromkeys([*plan.cells, *(cell for cell, _ in plan.skipped)])
-        asked = StoredPlan(plan.baseline, bool(plan.control), plan.control, tuple(cells), _without_none(plan.resolved))
+        terms = self._terms(plan.terms, known, tuple(cells))
+        asked = StoredPlan(
+            plan.baseline, bool(plan.control), plan.control, tuple(cells), _without_none(plan.resolved), terms=terms
+        )
         asked.with_cells_of(known).write(self.folder)
         for cell, reason in plan.skipped:
             self.record(cell, "skipped", reason)
@@ -226,6 +235,18 @@ class Store:
 
     def _left_manifests(self) -> list[Path]:
         return sorted((self.folder / CELLS).glob(f"[!.]*/{MANIFEST}"))
+
+    def _terms(self, asked: Terms, known: Sequence[Cell], cells: Sequence[Cell]) -> Terms:
+        """Those of the first experiment in the folder. They say where seeds were added after results could be seen."""
+        if not known:
+            return asked
+        terms = self.read_plan().terms
+        done = {cell.seed for cell in self._ended_cells()}
+        kinds = {replace(cell, seed=0) for cell in known}
+        added = {cell.seed for cell in cells if replace(cell, seed=0) in kinds} - {cell.seed for cell in known}
+        if not done or not added or terms.looks:
+            return terms
+        return replace(terms, grown=(*terms.grown, len(done)))
 
     def _known_cells(self) -> Sequence[Cell]:
         """What was asked for before; where the plan is damaged, what has ended: the rest is asked for again."""

@@ -8,6 +8,7 @@ from typing import Any
 from harness.errors import UsageError
 from harness.record.cell import Cell
 from harness.record.plan_file import StoredPlan, experiment_in
+from harness.record.terms import FIRST
 
 LISTS = ("sim", "algo", "reward")
 """Keys of an experiment that hold names; each multiplies the cells, as ``seeds`` does."""
@@ -58,7 +59,8 @@ def _with_experiment(folder: Path, plan: StoredPlan) -> StoredPlan:
 
 def _unite(one: StoredPlan, other: StoredPlan) -> StoredPlan:
     control = {**one.control, **other.control}
-    both = replace(other, control=control, a_a=one.a_a or other.a_a).with_cells_of(one.cells)
+    terms = one.terms if one.terms == other.terms else FIRST
+    both = replace(other, control=control, a_a=one.a_a or other.a_a, terms=terms).with_cells_of(one.cells)
     experiment = _experiment_of_both(one, other)
     return replace(both, cells=_in_order(both), experiment=experiment) if experiment else both
 

@@ -18,6 +18,7 @@ LOOKS = {
     Answer.HELPS: Look("▲", "bold green"),
     Answer.HURTS: Look("▼", "bold red"),
     Answer.NO_DIFFERENCE: Look("="),
+    Answer.NEITHER_LEARNS: Look("0"),
     Answer.CANNOT_TELL: Look("?"),
 }
 STYLES = {answer.value.upper(): look.style for answer, look in LOOKS.items() if look.style}

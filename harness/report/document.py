@@ -5,6 +5,7 @@ from typing import Any
 
 from harness.results import Results
 from harness.results.ranking import ranking_of
+from harness.results.standing import standing_of
 from harness.transfer.matrix import load_transfers
 
 
@@ -21,6 +22,8 @@ def report_to_json(results: Results) -> dict[str, Any]:
     data["evaluation_returns"] = [matrix.to_json() for matrix in results.returns]
     data["ranking"] = ranking_of(results).to_json()
     data["notes"] = list(results.notes)
+    standing = standing_of(results)
+    data["looks"] = standing and standing.to_json()
     transfers = load_transfers(results)
     told = {"transfer": transfers.to_json()} if transfers.matrices else {}
     return {**data, **told, **results.older_keys()}

@@ -14,11 +14,13 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION
 from harness.registry.choice import Choice
 from harness.results.compare import Match, compare
-from harness.results.comparison import Comparison, Group, correct_all
+from harness.results.comparison import Comparison, Group
 from harness.results.measured import DETERMINISTIC, STOCHASTIC, TRAINING, Measured, Moment
 from harness.results.metrics import measure_of
 from harness.results.mixture import Mixture, mixtures_of
 from harness.results.records import Records
+from harness.results.seen import Seen
+from harness.results.verdicts import with_verdicts
 
 
 def combine(records: Records) -> tuple[Comparison, ...]:
@@ -29,7 +31,8 @@ def combine(records: Records) -> tuple[Comparison, ...]:
     asked = sorted(_asked(records), key=lambda it: it[1] == it[2].label)  # the null control comes last
     matches = [(group, _match(records, group, baseline, proposed)) for group, baseline, proposed in asked]
     swaps = swaps_of(sorted({seed for _, match in matches for seed in match.seeds}))
-    return correct_all([compare(_Cells(records, group), match, swaps) for group, match in matches])
+    found = [compare(_Cells(records, group), match, swaps) for group, match in matches]
+    return with_verdicts(found, records.plan.terms, Seen.of(records.manifests, records.plan.terms.looks).look_of)
 
 
 def _asked(records: Records) -> list[tuple[Group, str, Choice]]:
@@ -83,6 +86,7 @@ class _Cells:
 
     def __init__(self, records: Records, group: Group) -> None:
         self._records, self.group, self.names = records, group, tuple(records.metrics)
+        self.averaged = records.plan.terms.averaged
 
     def decided_in(self, episodes: Mapping[str, int]) -> str:
         """See `Trainings`."""

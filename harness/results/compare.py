@@ -15,7 +15,7 @@ from harness.eta.splits import Decomposition
 from harness.eta.swaps import Swaps
 from harness.results.along import Moments, changes_along, learning_changes
 from harness.results.comparison import Comparison, Group, StepChange
-from harness.results.measured import Measured, Moment
+from harness.results.measured import LAST, Measured, Moment, last_values
 from harness.results.mixture import Mixture
 
 OWN: tuple[Pair, Pair] = (BB, KK)
@@ -71,6 +71,10 @@ class Trainings(Protocol[Training]):
     @property
     def success(self) -> str:
         """The name of the share of episodes by which learning is measured; empty if there is none."""
+
+    @property
+    def averaged(self) -> int:
+        """The final policy counts with the mean over so many of the last evaluations, at most."""
 
     @property
     def number_of(self) -> Literal["returns", "indices"]:
@@ -233,7 +237,22 @@ class _Comparer(Generic[Training]):
         ]
         success = self._trainings.success if self._is_evaluated else ""
         learned = learning_changes(self._trainings.group, self._moments, success, self._change) if success else []
-        return (*found, *learned)
+        return (*found, *self._last(), *learned)
+
+    def _last(self) -> list[Change]:
+        """The measures that decide, means over the last evaluations; none where only the final policy was evaluated."""
+        most, budget = self._trainings.averaged, self._trainings.group.steps
+        if most < 2 or not self._is_evaluated:
+            return []
+        one, other = ([last_values(its, budget, most) for its in side] for side in self._moments)
+        names = [name for name in self._trainings.deciding if all(name in values for values in (*one, *other))]
+        episodes = next(iter(self.episodes.values()), 0)
+        return [
+            self._change(
+                self._trainings.measure(name, LAST, episodes), *([it[name] for it in side] for side in (one, other))
+            )
+            for name in names
+        ]
 
     def along(self) -> tuple[StepChange, ...]:
         """The measures that decide, at each evaluation before the end of the trainings."""

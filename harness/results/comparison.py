@@ -8,25 +8,20 @@ from typing import Any, Literal, NamedTuple
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change
 from harness.eta.curve import GroupCurve
-from harness.eta.headline import (
-    DECIDING,
-    UNMEASURED,
-    Answer,
-    Headline,
-    Names,
-    judge,
-    number_sentence,
-    return_sentence,
-)
+from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names, judge, p_text
 from harness.eta.index import Index, Ratio
+from harness.eta.number import number_sentence, return_sentence
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
 from harness.eta.splits import Decomposition, Splits, no_splits, splits_to_json
-from harness.eta.swaps import corrected_where_known, smallest_p
+from harness.eta.swaps import corrected_where_known
+from harness.eta.verdict.deals import smallest_p
+from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
-from harness.results.measured import DETERMINISTIC, STOCHASTIC
+from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC, TRAINING
 from harness.results.mixture import Mixture
+from harness.results.pool import Pool
 
 UNTOLD = (None, NO_SIMULATOR, UNKNOWN_ALGORITHM)
 """What stands where there is nothing to tell."""
@@ -129,7 +124,7 @@ class Comparison:
         curves: S_r(tau_q) by (r, q), as far as the rewards could be scored. A curve is read again at each request.
         along: The deciding measures at each evaluation before the end of the trainings.
         episodes: How many finished episodes every seed has at least, in each manner.
-        claims: How many claims are made together, in all comparisons of the experiment except the null control.
+        claims: How many hints are corrected together, in all comparisons of the experiment except the null control.
         mixtures: Plugins of which several versions made the cells that are compared.
         returns: By manner, the mean return of an episode and its split, where both own returns are known.
         missing: By manner, why a mean return is not known.
@@ -137,6 +132,9 @@ class Comparison:
         decided_in: The manner that decides; by default that in which the cells say that policies act, unless it has
             fewer episodes than another.
         number_of: What the sentence about the number tells: the mean return, or both indices as in the note.
+        ruling: What the test says of the measures that decide, in this place; None before it was asked.
+        pool: The answer over all places; None where there is one place.
+        speed_ruling: What the test says of how fast the robot learns; None where that was not asked.
     """
 
     group: Group
@@ -155,6 +153,14 @@ class Comparison:
     deciding: tuple[str, ...] = DECIDING
     decided_in: str = ""
     number_of: Literal["returns", "indices"] = "returns"
+    ruling: Ruling | None = None
+    pool: Pool | None = None
+    speed_ruling: Ruling | None = None
+
+    @property
+    def place_key(self) -> tuple[Group, str, str]:
+        """Tells it apart from all other comparisons of the experiment."""
+        return self.group, self.baseline, self.proposed
 
     @property
     def is_control(self) -> bool:
@@ -220,27 +226,70 @@ class Comparison:
 
     @property
     def outcomes(self) -> list[Float | None]:
-        """The outcomes of every claim with swapped names, in the order in which `with_corrected` takes p-values.
+        """The outcomes of every hint with swapped names, in the order in which `with_corrected` takes p-values.
 
-        The claims are: mean returns, both etas, all changes, all evaluations along the budget.
+        The hints are: mean returns, both etas, all changes that do not decide, all evaluations along the budget.
         """
         splits = [split.ratio.outcomes for split in self.returns.values()]
         etas = [split.outcomes for split in self.decomposition.splits.values()] if self.decomposition else []
-        changes = [*self.changes, *(change for moment in self.along for change in moment.changes)]
-        return [*splits, *etas, *(change.outcomes for change in changes)]
+        changes = [None if self._is_ruled(change) else change.outcomes for change in self.changes]
+        along = [change.outcomes for moment in self.along for change in moment.changes]
+        return [*splits, *etas, *changes, *along]
 
     def with_corrected(self, p_values: Iterator[float | None], claims: int) -> "Comparison":
-        """The comparison with p-values that hold for so many claims together, in the order of `outcomes`."""
+        """The comparison with p-values that hold for so many hints together, in the order of `outcomes`."""
         returns = {manner: split.with_corrected(next(p_values)) for manner, split in self.returns.items()}
         decomposition = self.decomposition
         if decomposition is not None:
             decomposition = decomposition.with_corrected(next(p_values), next(p_values))
-        changes = tuple(replace(change, corrected=next(p_values)) for change in self.changes)
+        told = [(change, next(p_values)) for change in self.changes]
+        changes = tuple(it if self._is_ruled(it) else replace(it, corrected=p) for it, p in told)
         along = tuple(
             moment._replace(changes=tuple(replace(change, corrected=next(p_values)) for change in moment.changes))
             for moment in self.along
         )
         return replace(self, returns=returns, decomposition=decomposition, changes=changes, along=along, claims=claims)
+
+    def with_ruling(self, ruling: Ruling, pool: Pool | None) -> "Comparison":
+        """The comparison with what the test says of the measures that decide."""
+        p_values = dict(zip(map(id, self.decisive_changes), ruling.of_measures, strict=False))
+        changes = tuple(
+            replace(it, p=ruling.p, corrected=p_values[id(it)], level=ruling.level) if id(it) in p_values else it
+            for it in self.changes
+        )
+        return replace(self, changes=changes, ruling=ruling, pool=pool)
+
+    def with_speed(self, ruling: Ruling) -> "Comparison":
+        """The comparison with what the test says of how fast the robot learns."""
+        p = next(iter(ruling.of_measures), None)
+        changes = tuple(
+            replace(it, p=ruling.p, corrected=p, level=ruling.level) if it is self.speed else it for it in self.changes
+        )
+        return replace(self, changes=changes, speed_ruling=ruling)
+
+    @property
+    def decisive_changes(self) -> tuple[Change, ...]:
+        """The measures that decide, in the manner that decides, as far as they are known."""
+        there = self.changes_of(self.answered_in)
+        return tuple(change for name in self.deciding for change in there if change.name == name and change.seeds)
+
+    @property
+    def answered_in(self) -> str:
+        """The manner of the measures that decide: the last evaluations where there are several, else `manner`."""
+        return LAST if any(change.measure.manner == LAST for change in self.changes) else self.manner
+
+    @property
+    def speed(self) -> Change | None:
+        """Success over the whole training, which says how fast the robot learns; None if it was not measured."""
+        names = [SUCCESS, *self.deciding[:1]]
+        there = [it for it in self.changes_of(TRAINING) if it.name in names and it.measure.episodes is not None]
+        return next((it for it in there if it.seeds), None)
+
+    def _is_ruled(self, change: Change) -> bool:
+        """Whether the verdict tells of a change, so that it is no hint."""
+        if self.speed_ruling is not None and change is self.speed:
+            return True
+        return self.ruling is not None and any(change is it for it in self.decisive_changes)
 
     @property
     def own_manner(self) -> str:
@@ -255,26 +304,38 @@ class Comparison:
     @property
     def decisive(self) -> Change | None:
         """The first of the measures that decide, in the manner that decides; None if it was not measured."""
-        return next((change for change in self.changes_of(self.manner) if change.name in self.deciding[:1]), None)
+        return next((change for change in self.changes_of(self.answered_in) if change.name in self.deciding[:1]), None)
 
     @cached_property
     def headline(self) -> Headline:
         """The answers of the comparison: about the robot, and about the number."""
         if not self.seeds:
             return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self._empty}.", "")
-        return self._judge(self.changes_of(self.manner))
-
-    def headline_at(self, moment: StepChange) -> Headline:
-        """The answers that would have been given after so many steps."""
-        return self._judge(moment.changes)
-
-    def _judge(self, changes: Sequence[Change]) -> Headline:
-        known = [change for name in self.deciding for change in changes if change.name == name and change.seeds]
         told = UNMEASURED
         if self.decisive is not None:
             name = self.decisive.name.replace("_", " ")
             told = f"{name} is not known: {self.decisive.reason or 'no episode ended'}."
-        return judge(self.names, known, self.number, self.claims, told)
+        found = judge(self.names, self.decisive_changes, self.number, self.ruling, told)
+        if self.pool is None or found.decided_by or not self.pool.ruling.is_decided:
+            return found
+        over_all = f"{self.pool.where.capitalize()} together {self.proposed} {self.pool.headline.answer.value}."
+        return replace(found, robot=f"{over_all} Of this place alone: {found.robot}")
+
+    @property
+    def speed_text(self) -> str:
+        """Whether the robot learns faster, in a sentence; empty where that was not asked, or cannot be told."""
+        if self.speed_ruling is None or self.speed is None or not self.speed_ruling.is_decided:
+            return ""
+        word = "faster" if self.speed_ruling.sign > 0 else "slower"
+        return (
+            f"{self.names.proposed} learns {word}: success over the whole training "
+            f"{self.speed.proposed:.1%} with {self.names.proposed}, {self.speed.baseline:.1%} with "
+            f"{self.names.baseline}; corrected p {p_text(self.speed_ruling.corrected)}."
+        )
+
+    def hint_at(self, moment: StepChange) -> str:
+        """What an evaluation on the way hints at: ``better``, ``worse`` or ``cannot tell``. It decides nothing."""
+        return next((change.direction for change in moment.changes if change.direction), Answer.CANNOT_TELL.value)
 
     @property
     def number(self) -> str:
@@ -299,8 +360,10 @@ class Comparison:
             "seeds": list(self.seeds),
             "mixtures": [mixture.to_json() for mixture in self.mixtures],
             "headline": headline,
+            "test": self.ruling and self.ruling.to_json(),
+            "learns": self.speed_text,
             "deciding": list(self.deciding),
-            "decided_in": self.manner,
+            "decided_in": self.answered_in,
             "returns": {manner: split.to_json() for manner, split in self.returns.items()},
             "returns_missing": dict(self.missing),
             **splits_to_json(self.splits),
@@ -311,9 +374,7 @@ class Comparison:
             "smallest_p": smallest_p(len(self.seeds)) if self.seeds else None,
             "episodes": dict(self.episodes),
             "behaviour": [change.to_json() for change in self.changes],
-            "along_the_budget": [
-                {**moment.to_json(), "answer": self.headline_at(moment).answer.value} for moment in self.along
-            ],
+            "along_the_budget": [{**moment.to_json(), "answer": self.hint_at(moment)} for moment in self.along],
         }
 
     @property
@@ -330,12 +391,3 @@ def correct(family: Sequence[Comparison]) -> tuple[Comparison, ...]:
     p_values = corrected_where_known(outcomes for comparison in family for outcomes in comparison.outcomes)
     left, count = iter(p_values), sum(p is not None for p in p_values)
     return tuple(comparison.with_corrected(left, count) for comparison in family)
-
-
-def correct_all(found: Sequence[Comparison]) -> tuple[Comparison, ...]:
-    """Comparisons, in their order, with p-values that hold for all of their claims together.
-
-    A null control makes no claim about rewards. So it is corrected by itself, and makes no other p-value larger.
-    """
-    family = iter(correct([it for it in found if not it.is_control]))
-    return tuple(correct([it])[0] if it.is_control else next(family) for it in found)

@@ -34,7 +34,7 @@ def load_results(
             environment was trained in: which of its measures, beside the one that decides.
         plugins: Files and classes beside the installed plugins; see `harness.registry.given.read_given`.
         pairs: Whether every two rewards are compared, and not each with the baseline alone. All claims are corrected
-            together, so more of them have larger p-values. In environments that is always so.
+            together, so more of them have larger p-values.
 
     Raises:
         UsageError: The folder holds no results, or a named metric is not registered.
@@ -65,15 +65,19 @@ def read_results(
     """
     if not Store.is_experiment(folder) and has_recordings(folder):
         loose = LooseStore(folder)
-        return RecordedResults(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose)
+        return RecordedResults(
+            folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose, pairs=pairs
+        )
     store = Store.open(folder)
     cells = store.read_plan().cells
     kinds = {cell.is_in_environment for cell in cells}
     if len(kinds) > 1:
         raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")
     if kinds == {True}:
-        return RecordedResults(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=store)
-    return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=store, pairs=pairs)
+        kind_of: type[Results] = RecordedResults
+    else:
+        kind_of = Results
+    return kind_of(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=store, pairs=pairs)
 
 
 def done_cells_of(

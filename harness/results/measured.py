@@ -19,6 +19,10 @@ Asked = TypeVar("Asked")
 EVALUATION = "in evaluations"
 """The manner of the evaluations of recorded trainings."""
 DETERMINISTIC, STOCHASTIC, TRAINING, LEARNING = "deterministic", "stochastic", "while training", "while learning"
+LAST = "in the last evaluations"
+"""The manner of the mean over the last evaluations, see `last_values`."""
+LAST_PART = 0.75
+"""Evaluations after this part of the training count for the final policy."""
 AREA, STEPS_TO_GOAL = "success_area", "steps_to_goal"
 GOAL = 0.9
 """Sample efficiency is the number of steps until this share of the episodes succeeds."""
@@ -95,6 +99,24 @@ def moments_by_due(moments: Sequence[Moment], every: int, budget: int) -> list[t
     Algorithms that act for several steps at a time do not all hit a multiple.
     """
     return [(budget if moment.steps >= budget else moment.steps // every * every, moment) for moment in moments]
+
+
+def last_values(moments: Sequence[Moment], budget: int, most: int) -> Values:
+    """Means over the last evaluations, of which one alone is a checkpoint's luck; empty where there is one.
+
+    Args:
+        moments: All evaluations, the one after the training last.
+        budget: Environment steps of the training.
+        most: At most so many count, all of the last quarter of the training.
+    """
+    last = [moment for moment in moments if moment.steps >= LAST_PART * budget][-most:]
+    if len(last) < 2:
+        return {}
+    found: Values = {}
+    for name in last[-1].values:
+        known = [value for moment in last if (value := moment.values.get(name)) is not None]
+        found[name] = float(np.mean(known)) if len(known) == len(last) else None
+    return found
 
 
 def learning_values(moments: Sequence[Moment], budget: int, success: str = SUCCESS) -> Values:

@@ -17,6 +17,7 @@ from harness.results.comparison import Comparison
 from harness.results.frames import Frames
 from harness.results.learning import Learning, learning_of
 from harness.results.overview import overview_html
+from harness.results.pool import Pool
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix, return_matrices
 from harness.results.table import Numbers, cell_to_json, metric_columns, numbers_of, table_of, write_table
@@ -36,11 +37,16 @@ class Results(Records):
 
     @cached_property
     def combinations(self) -> tuple[Comparison, ...]:
-        """Every proposed reward against the baseline; in an environment also against one another.
+        """Every proposed reward against the baseline, or every two rewards where `pairs` was asked for.
 
         A baseline that is its own proposed reward is the null control.
         """
         return combine(self)
+
+    @property
+    def pools(self) -> tuple[Pool, ...]:
+        """One answer for each reward over all places in which it trained, where there are several."""
+        return tuple({id(it.pool): it.pool for it in self.combinations if it.pool is not None}.values())
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -84,6 +90,8 @@ class Results(Records):
             "baseline": self.baseline,
             "curve": self.kind,
             "combinations": [combination.to_json() for combination in self.combinations],
+            "over_places": [pool.to_json() for pool in self.pools],
+            "terms": self.plan.terms.to_json(),
             "cells": [{**cell_to_json(it), "task": it.cell.task.label} for it in self.manifests],
             "not_measured": self.not_measured,
             "equal_trainings": [

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from harness.errors import UsageError
 from harness.eta.behaviour_change import Change, change_of
-from harness.eta.headline import margin_of
+from harness.eta.headline import is_within, margin_of
 from harness.eta.swaps import Swaps, corrected_p, swaps_of
 from harness.results.comparison import Comparison, Group
 from harness.results.policies import Policies, policies_of
@@ -65,7 +65,7 @@ class BeforeAfter:
             return Verdict.SAME
         if self.decisive.direction:
             return Verdict(self.decisive.direction)
-        return Verdict.NO_DIFFERENCE if self.decisive.is_within(margin_of(self.decisive)) else Verdict.CANNOT_TELL
+        return Verdict.NO_DIFFERENCE if is_within(self.decisive, margin_of(self.decisive)) else Verdict.CANNOT_TELL
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""

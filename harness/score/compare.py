@@ -11,7 +11,8 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.curve import GroupCurve, Kind
 from harness.eta.decompose import decompose
-from harness.eta.headline import Names, number_sentence
+from harness.eta.headline import Names
+from harness.eta.number import number_sentence
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.splits import Decomposition
 from harness.eta.swaps import corrected_p
@@ -53,7 +54,7 @@ class ComparedRuns:
 
     @property
     def number(self) -> str:
-        """How much the indices changed, and how much of that is ruler, in words; see `harness.eta.headline`."""
+        """How much the indices changed, and how much of that is ruler, in words; see `harness.eta.number`."""
         known = [self.rewards[who] or f"the {who} reward" for who in ("baseline", "proposed")]
         return number_sentence(Names(*known), self.decomposition.splits)
 

@@ -157,7 +157,7 @@ def test_a_reward_against_itself_is_trained_again(harness, quick):
     (control,) = data["combinations"]
     assert (control["proposed"], control["is_control"], control["seeds"]) == ("baseline", True, [0, 1])
     assert [cell["seed"] for cell in data["cells"]] == [0, 1, 2, 3]
-    assert control["headline"]["answer"] == "cannot tell"
+    assert control["headline"]["answer"] == "neither learns"
     rulers, etas = ([control[name][part]["value"] for name in ("eta_N", "eta_P")] for part in ("ruler", "eta"))
     assert set(rulers) - {None} == {1.0}
     assert 1.0 not in etas

@@ -94,7 +94,10 @@ def _printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> Any:
 
 
 def test_report_says_what_it_said(old: Path, capsys: pytest.CaptureFixture[str]):
-    """Every key, text and number of `harness report --json`, transfer and learning curves included."""
+    """Every key, text and number of `harness report --json`, transfer and learning curves included.
+
+    The answer about the robot is the one of today's rule: `report.json` was given it by hand.
+    """
     before = json.loads((HERE / "report.json").read_text())
     _require_equal(_known(_printed(capsys, "report", old), before), before)
 

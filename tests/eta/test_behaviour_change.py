@@ -10,6 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.headline import is_within
 from harness.eta.interval import share_variance
 from harness.eta.swaps import p_of, swaps_of
 
@@ -169,19 +170,19 @@ def test_equivalence_is_two_one_sided_t_tests():
     for margin in np.linspace(0.1, 3.0, 40):
         below = scipy.stats.ttest_1samp(differences, margin, alternative="less").pvalue
         above = scipy.stats.ttest_1samp(differences, -margin, alternative="greater").pvalue
-        assert found.is_within(margin) == (max(below, above) < 0.05)
+        assert is_within(found, margin) == (max(below, above) < 0.05)
 
 
 def test_seeds_that_never_fail_are_not_equivalent_at_once():
     """Five do not show it, twenty do."""
     for seeds, told in ((5, False), (20, True)):
-        assert change([1.0] * seeds, [1.0] * seeds, SUCCESS).is_within(0.05) == told
+        assert is_within(change([1.0] * seeds, [1.0] * seeds, SUCCESS), 0.05) == told
 
 
 @pytest.mark.parametrize("seeds", [1, 2])
 def test_few_seeds_are_never_equivalent(seeds: int):
     """However wide the margin."""
-    assert not change([0.5] * seeds, [0.5] * seeds).is_within(100.0)
+    assert not is_within(change([0.5] * seeds, [0.5] * seeds), 100.0)
 
 
 # JSON
@@ -237,7 +238,7 @@ def test_a_cut_interval_changes_no_verdict():
     free, bound = change(*values), change(*values, DISTANCE._replace(bounds=(0.0, 1.0)))
     assert (bound.low, bound.high) != (free.low, free.high)
     assert bound.p == free.p
-    assert [bound.is_within(margin) for margin in (0.05, 9.0)] == [free.is_within(margin) for margin in (0.05, 9.0)]
+    assert [is_within(bound, margin) for margin in (0.05, 9.0)] == [is_within(free, margin) for margin in (0.05, 9.0)]
 
 
 def test_json_has_no_infinite_bounds():

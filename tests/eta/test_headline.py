@@ -17,7 +17,8 @@ from harness.eta.power import seeds_to_tell
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.splits import Decomposition
 from harness.eta.swaps import swaps_of
-from tests.eta.headlines import headline_of
+from harness.eta.verdict.ruling import Ruling
+from tests.eta.headlines import headline_of, ruling_of
 
 Sums = tuple[float, float]
 NAMES = Names("base", "mine")
@@ -52,9 +53,9 @@ def about(mean: float, seeds: int = SEEDS, width: float = 0.02) -> list[float]:
     return list(mean + width * np.linspace(-1.0, 1.0, seeds))
 
 
-def told(*changes: Change, claims: int = 1) -> Headline:
+def told(*changes: Change, asked: int = 1) -> Headline:
     """Of a comparison without any difference in reward."""
-    return headline_of(NAMES, compared(), changes, claims)
+    return headline_of(NAMES, compared(), changes, asked)
 
 
 # The robot
@@ -90,10 +91,53 @@ def test_time_decides_where_success_does_not(proposed: float, answer: str, verb:
     assert " steps); 10 seeds, " in found.robot
 
 
-def test_success_decides_before_time():
-    """Who fails less and takes longer helps, whatever the order of the measures."""
+def test_the_measure_that_says_most_decides_and_the_other_is_told():
+    """Who fails less and takes longer: by the smaller p, and the sentence says the opposite too."""
     slower = change(about(7.0), about(9.0), TIME, p=0.001)
-    assert told(slower, change(about(0.5), about(0.9), p=0.04)).answer == Answer.HELPS
+    found = told(slower, change(about(0.5), about(0.9), p=0.04))
+    assert (found.answer, found.decided_by) == (Answer.HURTS, "time_to_target")
+    assert " But the opposite holds of another measure: success rate 90.0% with mine" in found.robot
+
+
+def test_a_measure_that_does_not_pass_is_no_opposite():
+    """It may go either way by chance."""
+    found = told(change(about(7.0), about(9.0), TIME, p=0.001), change(about(0.5), about(0.9), p=0.3))
+    assert "opposite" not in found.robot
+
+
+def test_where_neither_learns_there_is_nothing_to_compare():
+    """Both succeed in less than a tenth of the episodes."""
+    found = told(change(about(0.02), about(0.08), p=0.2))
+    assert found.answer == Answer.NEITHER_LEARNS
+    assert found.robot.startswith("Neither base nor mine teaches the task: success rate 8.0% with mine, 2.0% with base")
+
+
+def test_where_one_learns_it_is_no_such_case():
+    """One above a tenth is enough."""
+    assert told(change(about(0.02), about(0.12, width=0.3), p=0.2)).answer == Answer.CANNOT_TELL
+
+
+def test_a_difference_too_small_to_go_on_for_ends_the_training():
+    """Where a plan of several looks said so."""
+    ruling = Ruling(0.5, 0.5, of_measures=(0.5,), signs=(1,), small=0.1)
+    found = judge(NAMES, [change(about(0.6), about(0.61))], "number", ruling)
+    assert found.answer == Answer.NO_DIFFERENCE
+    assert found.robot.startswith("mine differs by less than 10 points: success rate 61.0% with mine")
+
+
+def test_another_test_that_decides_is_named():
+    """In a race a comparison by itself is no test, whatever its p."""
+    ruling = Ruling(0.001, 0.001, of_measures=(0.001,), signs=(1,), instead="The race decides.")
+    found = judge(NAMES, [change(about(0.5), about(0.9))], "number", ruling)
+    assert found.answer == Answer.CANNOT_TELL
+    assert found.robot.startswith("The race decides. mine: success rate 90.0% with mine")
+
+
+def test_places_are_told():
+    """In the answer of several places."""
+    decided = change(about(0.5), about(0.9), p=0.01)
+    found = judge(NAMES, [decided], "", ruling_of([decided]), where="over 8 places")
+    assert found.robot.startswith("mine helps over 8 places: success rate")
 
 
 def test_other_measures_do_not_decide():
@@ -111,7 +155,7 @@ def test_no_difference():
         "mine makes no difference that counts: success rate 100.0% with mine, 100.0% with base (difference -2.8 to "
         "+2.8 points), less than 5 points of success apart; time to target 7.1 steps with mine, 7 steps with base "
         "(difference +0.1 to +0.1 steps), less than 10% of the time apart (equivalence by two one-sided tests, 5% "
-        "each)."
+        "each). No seed failed; with 20 seeds, up to 15% of them could still fail under either reward."
     )
 
 
@@ -133,15 +177,28 @@ def test_margins(measure: Measure, baseline: float, margin: float):
 
 
 def test_cannot_tell_says_how_many_seeds_would():
-    """For a difference as large as the margin; among so many claims."""
+    """For the difference that was seen first, then for one as large as the margin."""
     success = change(about(0.5, width=0.1), about(0.52, width=0.2), p=0.4)
-    found = told(success, claims=28)
-    expected = seeds_to_tell(0.05, success.variance**0.5, SEEDS, 28)
-    assert (found.answer, found.seeds_to_decide) == (Answer.CANNOT_TELL, expected)
+    found = told(success, asked=28)
+    seen, margin = (seeds_to_tell(size, (success.variance / 2) ** 0.5, SEEDS, 28, 0.05) for size in (0.02, 0.05))
+    assert (found.answer, found.seeds_to_decide) == (Answer.CANNOT_TELL, seen)
     assert found.robot == (
         "Cannot tell from 10 seeds whether mine helps or hurts: success rate 52.0% with mine, 50.0% with base "
-        f"(difference -5.4 to +9.4 points). {expected[0]} to {expected[1]} seeds would tell a difference of 5 points "
-        "of success."
+        "(difference -5.4 to +9.4 points). The difference is at most 8.0 points of success (90%). "
+        f"{seen[0]} to {seen[1]} seeds would tell the difference that was seen. {margin[0]} to {margin[1]} seeds "
+        "would tell one of 5 points of success."
+    )
+
+
+def test_an_interval_without_zero_that_is_no_answer_is_explained():
+    """In one plain sentence, with how many questions were asked."""
+    found = told(change(about(0.5), about(0.9), p=0.2), asked=8)
+    assert "The interval of success leaves out 0, but stands by itself: 8 questions were asked together, and for" in (
+        found.robot
+    )
+    alone = told(change(about(0.5), about(0.9), p=0.2))
+    assert "leaves out 0, but stands by itself: the test holds for all deciding measures, and its p is 0.200." in (
+        alone.robot
     )
 
 
@@ -150,10 +207,8 @@ def test_seeds_that_would_tell_are_for_both_measures():
     success = change(about(0.5), about(0.52))
     time = change(about(7.0, width=2.0), about(7.0, width=2.0)[::-1], TIME)
     found = told(success, time)
-    expected = seeds_to_tell(0.7, time.variance**0.5, SEEDS, 1)
-    assert found.seeds_to_decide is not None
-    assert found.seeds_to_decide[1] == expected[1]
-    assert found.robot.endswith(" seeds would tell a difference of 5 points of success or of 10% of the time.")
+    expected = seeds_to_tell(0.7, (time.variance / 2) ** 0.5, SEEDS, 1, 0.05)
+    assert f" to {expected[1]} seeds would tell one of 5 points of success or of 10% of the time." in found.robot
     few = told(change([1.0] * 8, [0.98] * 8))
     assert few.seeds_to_decide is None or few.seeds_to_decide[1] > 8
 
@@ -161,8 +216,7 @@ def test_seeds_that_would_tell_are_for_both_measures():
 @pytest.mark.parametrize(("seeds", "said"), [(1, "1 seed"), (2, "2 seeds"), (3, "3 seeds")])
 def test_few_seeds_cannot_tell(seeds: int, said: str):
     """However far apart: the smallest p-value of so many is above 0.05."""
-    one = change([0.1] * seeds, [0.9] * seeds)
-    found = headline_of(NAMES, compared(), [replace(one, corrected=one.p)])
+    found = told(change([0.1] * seeds, [0.9] * seeds))
     assert found.answer == Answer.CANNOT_TELL
     assert found.robot.startswith(
         f"Cannot tell from {said} whether mine helps or hurts: success rate 90.0% with mine, 10.0% with base"
@@ -173,7 +227,7 @@ def test_one_seed_names_the_fewest_that_can_show_something():
     """No interval, and no number of seeds from the spread of one."""
     found = told(change([0.1], [0.9], p=None))
     assert found.seeds_to_decide is None
-    assert found.robot.endswith("10.0% with base. Fewer than 6 seeds cannot show anything.")
+    assert found.robot.endswith("10.0% with base. Fewer than 4 seeds cannot show anything here.")
 
 
 def test_spread_that_takes_thousands_of_seeds_is_told():
@@ -209,7 +263,7 @@ def test_no_claim_without_a_corrected_p_value(pairs: list[tuple[float, float]], 
     found = told(change(one, other, measure, p))
     sentences = found.robot.replace("whether mine helps or hurts", "")
     if p is None or p > 0.05:
-        assert found.answer in (Answer.CANNOT_TELL, Answer.NO_DIFFERENCE)
+        assert found.answer in (Answer.CANNOT_TELL, Answer.NO_DIFFERENCE, Answer.NEITHER_LEARNS)
         assert not CLAIM.search(sentences + found.number)
     assert (found.answer in (Answer.HELPS, Answer.HURTS)) == bool(CLAIM.search(sentences))
 
@@ -304,7 +358,7 @@ def test_headline_is_whole_sentences(seeds: int):
 
 def test_json_is_plain():
     """Both answers."""
-    found = told(change(about(0.5, width=0.1), about(0.52, width=0.2)), claims=28)
+    found = told(change(about(0.5, width=0.1), about(0.52, width=0.2)), asked=28)
     data = json.loads(json.dumps(found.to_json()))
     assert set(data) == {"answer", "behaviour", "number", "decided_by", "seeds_to_decide"}
     assert (data["answer"], data["seeds_to_decide"]) == ("cannot tell", list(found.seeds_to_decide))
@@ -317,12 +371,13 @@ def test_any_measure_decides_by_its_own_name():
     """A share is told in percent and points, another measure in its unit, one without a unit as a number."""
     share = Measure("has_landed", "", "higher", "in evaluations", 100)
     height = Measure("end_height", "", "higher", "in evaluations")
-    decided = judge(NAMES, [change(about(0.5), about(0.9), share, p=0.01)], "number")
+    better = change(about(0.5), about(0.9), share, p=0.01)
+    decided = judge(NAMES, [better], "number", ruling_of([better]))
     assert decided.robot.startswith("mine helps: has landed 90.0% with mine, 50.0% with base (difference +")
     assert "points); 10 seeds" in decided.robot
     open_ = judge(NAMES, [change(about(5.0, width=3.0), about(6.0, width=-3.0), height)], "number")
     assert "end height 6 with mine, 5 with base (difference -" in open_.robot
-    assert open_.robot.endswith("would tell a difference of 10% of end height.")
+    assert open_.robot.endswith("would tell one of 10% of end height.")
 
 
 def test_without_a_measure_the_reason_is_told():

@@ -15,10 +15,8 @@ from harness.eta.swaps import (
     DRAWN,
     corrected_p,
     corrected_where_known,
-    fewest_seeds,
     label_shares,
     p_of,
-    smallest_p,
     swaps_of,
 )
 
@@ -117,25 +115,6 @@ def test_p_by_hand():
 def test_no_difference_has_a_p_of_one(differences: list[float]):
     """Also where a sum of floats is 0 but for its last bit."""
     assert p_of(outcomes_of(differences)) == 1.0
-
-
-@pytest.mark.parametrize("seeds", [2, 5, 6, ALL_UP_TO, 20])
-def test_smallest_p_is_that_of_seeds_which_all_agree(seeds: int):
-    """No outcome is clearer."""
-    p = p_of(outcomes_of([1.0] * seeds))
-    assert p == pytest.approx(smallest_p(seeds), rel=1e-9)
-
-
-@pytest.mark.parametrize("alpha", [0.05, 0.01, 0.001])
-def test_fewest_seeds_can_show_something(alpha: float):
-    """And one seed fewer cannot."""
-    fewest = fewest_seeds(alpha)
-    assert smallest_p(fewest) <= alpha < smallest_p(fewest - 1)
-
-
-def test_six_seeds_are_the_fewest_at_five_percent():
-    """What the documentation says."""
-    assert fewest_seeds() == 6
 
 
 # Several claims

@@ -36,6 +36,9 @@ def test_document_has_the_returns_of_each_group(build):
         "notes",
         "evaluation_returns",
         "ranking",
+        "over_places",
+        "terms",
+        "looks",
     }
 
 

@@ -15,9 +15,11 @@ from harness.eta.headline import Answer
 from harness.eta.index import Ratio
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.swaps import swaps_of
+from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import Cell
 from harness.registry.choice import Choice
 from harness.results.comparison import Comparison, Group, StepChange
+from harness.results.verdicts import with_verdicts
 
 GROUP = Group(
     "fd100", Choice("fd100-reach", (), "fd100-reach"), Choice("wander", (), "wander"), steps=12, evaluation_episodes=20,
@@ -133,18 +135,24 @@ def test_manner_with_the_most_episodes_decides(
 
 def test_deciding_manner_gives_the_answer(combination: Comparison):
     """The policies get better acting one way and worse the other."""
-    assert combination.headline.answer is Answer.HELPS
+    assert ruled(combination).headline.answer is Answer.HELPS
     drawn = replace(combination, episodes={"deterministic": 1, "stochastic": 20})
-    assert drawn.headline.answer is Answer.HURTS
+    assert ruled(drawn).headline.answer is Answer.HURTS
 
 
-def test_answer_along_the_budget_is_that_of_its_evaluation(combination: Comparison):
-    """Whatever comes out at the end."""
+def ruled(comparison: Comparison) -> Comparison:
+    """With the verdict of an experiment that asks nothing else."""
+    (found,) = with_verdicts([comparison])
+    return found
+
+
+def test_an_evaluation_on_the_way_is_a_hint(combination: Comparison):
+    """Better or worse by its corrected p, and no answer."""
     none, worse = (StepChange(5, (change("success_rate", "after 5 steps", value),)) for value in (0.5, 0.25))
-    assert combination.headline_at(none).answer is Answer.CANNOT_TELL
-    assert combination.headline_at(worse).answer is Answer.HURTS
+    assert combination.hint_at(none) == "cannot tell"
+    assert combination.hint_at(worse) == "worse"
     (told,) = replace(combination, along=(worse,)).to_json()["along_the_budget"]
-    assert (told["steps"], told["answer"], [it["name"] for it in told["behaviour"]]) == (5, "hurts", ["success_rate"])
+    assert (told["steps"], told["answer"], [it["name"] for it in told["behaviour"]]) == (5, "worse", ["success_rate"])
 
 
 def test_null_control_names_its_sides_apart(combination: Comparison):
@@ -154,10 +162,10 @@ def test_null_control_names_its_sides_apart(combination: Comparison):
     assert "75.2% with baseline (other seeds), 50.2% with baseline (" in control.headline.robot
 
 
-def test_claims_decide_how_many_seeds_it_takes(combination: Comparison):
-    """More claims, more seeds at most."""
+def test_questions_decide_how_many_seeds_it_takes(combination: Comparison):
+    """More questions asked together, more seeds at most."""
     unsure = replace(combination, changes=(change("success_rate", "deterministic", 0.5),))
-    few, many = (replace(unsure, claims=claims).headline.seeds_to_decide for claims in (1, 100))
+    few, many = (replace(unsure, ruling=Ruling(asked=asked)).headline.seeds_to_decide for asked in (1, 100))
     assert few[0] == many[0]
     assert few[1] < many[1]
 

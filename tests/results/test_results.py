@@ -28,14 +28,17 @@ MakePlan = Callable[..., Plan]
 def test_json_has_the_promised_keys(experiment: Store, registry: Registry):
     """What `harness report --json` promises is there, under these names, and what is added is named here."""
     data = Results(experiment.folder, registry).to_json()
-    assert set(data) == {"format", "baseline", "curve", "combinations", "cells", "not_measured", "equal_trainings"}
+    assert set(data) == {"format", "baseline", "curve", "combinations", "cells", "not_measured", "equal_trainings"} | {
+        "over_places",
+        "terms",
+    }
     assert data["format"] == 1
     combination, cell = data["combinations"][0], data["cells"][0]
     assert set(combination) == {
         *("simulator", "algorithm", "robot", "task", "steps", "deterministic", "baseline", "proposed", "is_control"),
         *("seeds", "mixtures", "headline", "eta_N", "eta_P", "total", "baseline_index", "proposed_index"),
         *("claims", "smallest_p", "episodes", "behaviour", "along_the_budget"),
-        *("deciding", "decided_in", "returns", "returns_missing"),
+        *("deciding", "decided_in", "returns", "returns_missing", "test", "learns"),
     }
     assert set(combination["headline"]) == {"answer", "behaviour", "robot", "number", "decided_by", "seeds_to_decide"}
     ratios = {"eta", "per_seed", "ruler", "behaviour", "interaction", "noise"}

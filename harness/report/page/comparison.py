@@ -62,7 +62,7 @@ class Panel(NamedTuple):
 EMPTY: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("returns", "frames", "behaviour", "payoffs")),
-        **dict.fromkeys(("advice", "tests", "summary", "number"), ""),
+        **dict.fromkeys(("advice", "tests", "summary", "number", "speed"), ""),
         **dict.fromkeys(("mixtures", "strips", "outcomes", "episodes", "endings", "showing", "learning", "splits"), ()),
         **dict.fromkeys(("curves", "profiles", "other_behaviour", "numbers", "trajectories"), ()),
     }
@@ -86,6 +86,7 @@ def comparison_section(
         "symbol": symbol_of(headline.answer),
         "robot": f"{headline.robot} {basis_text(combination)}".strip(),
         "number": headline.number,
+        "speed": combination.speed_text,
         "returns": returned._replace(title="") if returned.rows or returned.notes else None,
         "mixtures": [mixture.text for mixture in combination.mixtures],
         "advice": advice(results, combination),

@@ -8,8 +8,10 @@ from typing import Any
 from harness.report.answers import LEGEND
 from harness.report.document import report_text
 from harness.report.facts import repeat_of
+from harness.report.figures.draw import draw_chart
 from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
+from harness.report.figures.race import draw_race
 from harness.report.page.comparison import comparison_section, title_of
 from harness.report.page.download import Download, pack
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
@@ -19,16 +21,22 @@ from harness.report.replay.section import replay_of
 from harness.report.rows.comparison import (
     PATHS,
     SPLIT,
-    TESTS,
     TOTAL,
     count_cells,
     question,
     remarks_on_cells,
     rewards_text,
+    what_decides,
 )
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS
 from harness.report.rows.payoff import TITLE as PAYOFF_TITLE
 from harness.report.rows.payoff import Audits
+from harness.report.rows.pools import EXPLANATION as POOLED
+from harness.report.rows.pools import TITLE as POOLED_TITLE
+from harness.report.rows.pools import pooled_answers
+from harness.report.rows.race import EXPLANATION as RACE
+from harness.report.rows.race import TITLE as RACE_TITLE
+from harness.report.rows.race import race_told
 from harness.report.rows.ranking import AGREEMENT, CHOICE, task_rows
 from harness.report.rows.ranking import EXPLANATION as RANKING
 from harness.report.rows.ranking import TITLE as RANKING_TITLE
@@ -63,7 +71,6 @@ SHARED: Mapping[str, str] = MappingProxyType(
         "crossover": CROSSOVER,
         "split": SPLIT,
         "paths": f"{PATHS} {TOTAL}",
-        "tests": TESTS,
         "forest": FOREST,
         "payoffs": PAYOFFS,
         "payoff_title": PAYOFF_TITLE,
@@ -74,7 +81,7 @@ SHARED: Mapping[str, str] = MappingProxyType(
 """Texts of the template."""
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
-        **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer")),
+        **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
         **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads"), ()),
         **dict.fromkeys(("again", "experiment"), ""),
     }
@@ -115,6 +122,8 @@ def _render(results: Results, audits: Audits) -> str:
         ],
         is_open=is_open,
         told=_told(results),
+        pools=_pools(results),
+        race=_race(results),
         ranking=_ranking(results),
         cell_count=count_cells(results),
         unfinished=remarks_on_cells(results),
@@ -131,7 +140,28 @@ def _told(results: Results) -> dict[str, str]:
     """Texts that all comparisons share."""
     is_evaluated = any(it.group.evaluate_every for it in results.combinations)
     cells, learning = "Cells" if results.is_experiment else "Recordings", LEARNING if is_evaluated else TRAINED
-    return {**SHARED, "subject": results.subject, "cells": cells, "learning": learning}
+    return {
+        **SHARED,
+        "subject": results.subject,
+        "cells": cells,
+        "learning": learning,
+        "tests": what_decides(results.subject),
+    }
+
+
+def _race(results: Results) -> dict[str, Any] | None:
+    """The race for the best reward; None where there is none."""
+    told = race_told(results)
+    if told is None:
+        return None
+    figure = draw_chart(draw_race(told), told.sentence)
+    return {"title": RACE_TITLE, "explanation": RACE, "told": told.sentence, "grid": told.grid, "figure": figure}
+
+
+def _pools(results: Results) -> dict[str, Any] | None:
+    """The answers over all places; None where there is one place."""
+    answers = pooled_answers(results.combinations)
+    return {"title": POOLED_TITLE, "explanation": POOLED, "answers": answers} if answers else None
 
 
 def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:

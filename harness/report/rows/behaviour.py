@@ -82,9 +82,9 @@ def value_text(change: Change, value: float) -> str:
 
 
 def along_grid(combination: Comparison) -> Grid:
-    """What would have been said of the robot at each evaluation, the last one after the trainings."""
+    """What each evaluation on the way hints at. None of them decides; the last row is the end of the trainings."""
     name = next(iter(combination.deciding), "").replace("_rate", "").replace("_", " ")
-    headings = ("", f"{name}: baseline", "proposed", "difference", "answer")
+    headings = ("", f"{name}: baseline", "proposed", "difference", "hint")
     manner = combination.own_manner
     moments = [*combination.along, StepChange(combination.group.steps, combination.changes_of(manner))]
     rows = [_moment_row(combination, moment) for moment in moments] if combination.along else []
@@ -127,11 +127,11 @@ def _title(combination: Comparison, manner: str) -> str:
 
 
 def _moment_row(combination: Comparison, moment: StepChange) -> tuple[str, ...]:
-    """The row of an evaluation, with the answer that would have been given after it."""
+    """The row of an evaluation, with what it hints at."""
     decisive = next((change for change in moment.changes if change.name in combination.deciding[:1]), None)
     told = behaviour_row(decisive) if decisive else None
     values = (told.baseline, told.proposed, told.difference) if told else (NOTHING,) * 3
-    return (f"after {moment.steps:,} steps", *values, combination.headline_at(moment).answer.value)
+    return (f"after {moment.steps:,} steps", *values, combination.hint_at(moment))
 
 
 def _name(change: Change) -> str:

@@ -12,10 +12,11 @@ from harness.eta.headline import Headline, count_seeds
 from harness.eta.index import Index, Ratio
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
-from harness.eta.swaps import smallest_p
+from harness.eta.verdict.deals import smallest_p
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
 from harness.report.answers import word_of
+from harness.report.rows.pools import grown_text, looks_text
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC
@@ -36,8 +37,9 @@ TOTAL = (
 )
 NO_REWARD = "No reward enters the success rate and the other measures of behaviour."
 TESTS = (
-    "p: how often chance alone gives a difference as large, corrected for all claims of the experiment together. A "
-    "result stands only where p is at most 0.05. Intervals are over seeds, 95% each by itself."
+    "p: how often chance alone gives a difference as large. The measures that decide are corrected for all questions "
+    "that the experiment asks about the {subject}; everything else is a hint, corrected for all hints. A result stands "
+    "only where p is at most 0.05. Intervals are over seeds, 95% each by itself."
 )
 BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
 
@@ -74,6 +76,11 @@ def scales_text(subject: str) -> str:
     return SCALES.format(subject=subject)
 
 
+def what_decides(subject: str) -> str:
+    """What the tests hold for, of a ``robot`` or an ``agent``."""
+    return TESTS.format(subject=subject)
+
+
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
     if not comparison.seeds or comparison.manner in (DETERMINISTIC, STOCHASTIC):
@@ -89,14 +96,13 @@ def basis_text(comparison: Comparison) -> str:
 
 
 def advice(results: Results, combination: Comparison) -> str:
-    """The command that adds the seeds that would give an answer; empty if no number would, or if none is needed."""
+    """The command that trains until there is an answer; empty if no number of seeds gives one, or none is needed."""
     needed, seeds = combination.headline.seeds_to_decide, combination.seeds
     if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control:
         return ""
     if results.is_temporary or not results.is_experiment:
         return ""
-    more = next(count for count in needed if count > len(seeds))
-    return f"More seeds: {_run_text(results, str(results.folder))} --seeds {more}{results.plugin_flags}"
+    return f"For an answer with the fewest trainings: {_run_text(results, 'NEW')} --until decided{results.plugin_flags}"
 
 
 def again_text(results: Results) -> str:
@@ -109,14 +115,15 @@ def _run_text(results: Results, out: str) -> str:
 
 
 def claims_text(combination: Comparison) -> str:
-    """What tests with so many seeds can show at best; empty without a seed."""
-    seeds = len(combination.seeds)
+    """How many questions and hints there are, and what a test with so many seeds can show; empty without a seed."""
+    seeds, ruling = len(combination.seeds), combination.ruling
     if not seeds:
         return ""
-    noun = "claim" if combination.claims == 1 else "claims"
-    return (
-        f"{combination.claims} {noun}, corrected together; no p below {smallest_p(seeds):.2g} from {count_seeds(seeds)}"
-    )
+    asked = 1 if ruling is None else ruling.asked
+    least = f"no p below {smallest_p(seeds):.2g} from {count_seeds(seeds)} of each reward"
+    questions = f"{asked} question{'s' * (asked != 1)} about the {combination.group.subject}, asked together; {least}."
+    hints = f"{combination.claims} hint{'s' * (combination.claims != 1)}, corrected by themselves, decide nothing."
+    return f"{questions} {hints}"
 
 
 def ratio_grid(splits: Splits) -> Grid:
@@ -227,7 +234,8 @@ def remarks_on_cells(results: Results) -> list[str]:
     for group, equal in results.equal.items():
         where = f"{group.title}: " if len(results.groups) > 1 else ""
         lines += [f"{where}{line}." for line in equal_sentences(equal)]
-    return [*lines, *(f"{line}." for line in results.notes)]
+    told = [text for text in (grown_text(results), looks_text(results)) if text]
+    return [*lines, *(f"{line}." for line in results.notes), *told]
 
 
 def better_of(name: str) -> str:

@@ -7,7 +7,6 @@ from harness.report.rows.behaviour import along_grid, behaviour_grids
 from harness.report.rows.comparison import (
     NO_REWARD,
     SPLIT,
-    TESTS,
     advice,
     answer_text,
     basis_text,
@@ -17,10 +16,12 @@ from harness.report.rows.comparison import (
     rewards_text,
     scales_text,
     seeds_text,
+    what_decides,
 )
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.returns import EXPLANATION, READING, matrix_title, return_grid
 from harness.report.tables.grid import show_grid, show_titled
+from harness.report.tables.overview import pooled_lines
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.return_matrix import ReturnMatrix
@@ -29,11 +30,19 @@ from harness.results.return_matrix import ReturnMatrix
 def comparison_table(results: Results) -> RenderableType:
     """What ``harness report --details`` prints: a block per combination, then the cells."""
     combinations = results.combinations
-    blocks = [_combination_block(results, combination) for combination in combinations]
+    pooled = pooled_lines(combinations)
+    blocks: list[RenderableType] = [*pooled, *([Text()] if pooled else [])]
+    blocks += [_combination_block(results, combination) for combination in combinations]
     if any(combination.seeds for combination in combinations):
         is_split = any(combination.is_split for combination in combinations)
         read = [READING] if any(combination.main for combination in combinations) else []
-        told = [scales_text(results.subject), *([SPLIT] if is_split else []), *read, NO_REWARD, TESTS]
+        told = [
+            scales_text(results.subject),
+            *([SPLIT] if is_split else []),
+            *read,
+            NO_REWARD,
+            what_decides(results.subject),
+        ]
         blocks.append(Text(" ".join(told) + "\n"))
     if results.returns:
         blocks += [*map(_return_block, results.returns), Text(EXPLANATION + "\n")]
@@ -54,6 +63,7 @@ def _combination_block(results: Results, combination: Comparison) -> RenderableT
         Text(headline.robot),
     ]
     parts += [Text(line) for line in (basis_text(combination), advice(results, combination)) if line]
+    parts += [Text(combination.speed_text)] if combination.speed_text else []
     parts += [Text("\nThe number", style="bold"), Text(headline.number)] if headline.number else []
     parts.append(Text(f"\n{claims_text(combination)}"))
     for grid in (*behaviour_grids(combination), along_grid(combination), *number_grids(combination, results.kind)):

@@ -8,6 +8,7 @@ from rich.text import Text
 
 from harness.report.answers import STYLES
 from harness.report.rows.comparison import Grid, advice, basis_text, count_cells, remarks_on_cells, split_grid
+from harness.report.rows.pools import TITLE, pooled_answers
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.tables.grid import divide_columns, show_grid
 from harness.results import Results
@@ -33,6 +34,8 @@ def overview_table(results: Results, details: str) -> RenderableType:
     """
     combinations = results.combinations
     parts: list[RenderableType] = [comparison_lines(combinations)] if combinations else []
+    pooled = pooled_lines(combinations)
+    parts += [Text(), *pooled] if pooled else []
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
     if len(combinations) == 1:
         parts += _sentences(results, combinations[0])
@@ -43,6 +46,12 @@ def overview_table(results: Results, details: str) -> RenderableType:
         parts += [Text(), Text(matrix_title(matrix), style="bold"), *show_grid(return_grid(matrix))]
     parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, remarks_on_cells(results))]
     return Together(*parts, *([Text(f"All numbers behind this: {details}")] if combinations else []))
+
+
+def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
+    """The answers over all places, where there are several."""
+    lines = [Text(f"{it.answer}: {it.told}") for it in pooled_answers(combinations)]
+    return [Text(TITLE, style="bold"), *lines] if lines else []
 
 
 def comparison_lines(combinations: Sequence[Comparison]) -> RenderableType:
@@ -101,5 +110,11 @@ def _bases(combinations: Sequence[Comparison]) -> list[str]:
 def _sentences(results: Results, combination: Comparison) -> list[RenderableType]:
     """Both answers in sentences, and how to get an answer if there is none."""
     headline = combination.headline
-    lines = [headline.robot, basis_text(combination), headline.number, advice(results, combination)]
+    lines = [
+        headline.robot,
+        basis_text(combination),
+        combination.speed_text,
+        headline.number,
+        advice(results, combination),
+    ]
     return [part for line in lines if line for part in (Text(), Text(line))]

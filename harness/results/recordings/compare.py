@@ -18,7 +18,9 @@ from harness.results.recordings.runs import MANNERS, Run, Runs
 UNKNOWN = "a reward is not known in all trainings"
 
 
-def compare_runs(runs: Runs, baseline: str, proposed: str, swaps: Swaps, kind: Kind = "accumulated") -> Comparison:
+def compare_runs(
+    runs: Runs, baseline: str, proposed: str, swaps: Swaps, kind: Kind = "accumulated", averaged: int = 1
+) -> Comparison:
     """One reward against another, by the seeds that were trained with both; p-values are not corrected yet."""
     others = {seed: run for (name, seed), run in runs.members.items() if name == proposed}
     others = dict(runs.control) if baseline == proposed else others
@@ -32,7 +34,7 @@ def compare_runs(runs: Runs, baseline: str, proposed: str, swaps: Swaps, kind: K
         [others[seed] for seed in seeds],
         again if len(again) == len(seeds) else [],
     )
-    return compare(_Recorded(runs, kind), match, swaps)
+    return compare(_Recorded(runs, kind, averaged), match, swaps)
 
 
 class _Recorded:
@@ -40,8 +42,8 @@ class _Recorded:
 
     number_of: Literal["returns", "indices"] = "returns"
 
-    def __init__(self, runs: Runs, kind: Kind) -> None:
-        self._runs, self._kind = runs, kind
+    def __init__(self, runs: Runs, kind: Kind, averaged: int) -> None:
+        self._runs, self._kind, self.averaged = runs, kind, averaged
         self.group, self.names, self.deciding = runs.group, runs.measures, runs.measures[:1]
         self._random = dict(runs.random.whole.behaviour) if runs.random else {}
 

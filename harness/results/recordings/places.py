@@ -16,6 +16,7 @@ from harness.results.recordings.read_runs import read_runs
 from harness.results.recordings.runs import Runs
 from harness.results.recordings.study import Study, compare_all
 from harness.results.records import Records
+from harness.results.seen import Seen
 
 
 class PlaceStudy(NamedTuple):
@@ -43,7 +44,13 @@ class PlaceStudy(NamedTuple):
 
 
 def study_of_loose(
-    folder: Path, runs: Runs, cells: Sequence[Cell], kind: Kind, shown: Sequence[str] | None = None
+    folder: Path,
+    runs: Runs,
+    cells: Sequence[Cell],
+    kind: Kind,
+    shown: Sequence[str] | None = None,
+    *,
+    pairs: bool = False,
 ) -> PlaceStudy:
     """The study of recordings that lie loose.
 
@@ -53,6 +60,7 @@ def study_of_loose(
         cells: The same as cells.
         kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
         shown: Which measures, beside the one that decides; all of them if None.
+        pairs: Whether every two rewards are compared, and not each with the baseline alone.
 
     Raises:
         UsageError: A measure is not recorded.
@@ -60,14 +68,14 @@ def study_of_loose(
     if shown is not None:
         require_measures(shown, runs.measures)
         runs = runs.showing(shown)
-    (study,) = compare_all(folder, [runs], kind)
+    (study,) = compare_all(folder, [runs], kind, pairs=pairs)
     return PlaceStudy(runs.group, tuple(cells), study, "")
 
 
 def studies_of(results: Records, shown: Sequence[str] | None = None) -> tuple[PlaceStudy, ...]:
     """The studies of an experiment whose task is an environment. A group without a done cell is left out.
 
-    The claims of all studies are corrected together.
+    The questions of all studies are asked together.
 
     Raises:
         UsageError: A measure was chosen that no environment has.
@@ -79,7 +87,11 @@ def studies_of(results: Records, shown: Sequence[str] | None = None) -> tuple[Pl
     if compared and shown is not None:
         require_measures(shown, {name for runs in compared.values() for name in runs.measures})
         compared = {group: runs.showing(shown) for group, runs in compared.items()}
-    studies = dict(zip(compared, compare_all(results.folder, list(compared.values()), results.kind), strict=True))
+    looks_of = Seen.of(results.manifests, results.plan.terms.looks).look_of
+    found = compare_all(
+        results.folder, list(compared.values()), results.kind, results.plan.terms, looks_of, pairs=results.pairs
+    )
+    studies = dict(zip(compared, found, strict=True))
     return tuple(
         PlaceStudy(group, tuple(cells), studies[group], "")
         if group in studies

@@ -46,6 +46,7 @@ class RecordedResults(Results):
         metrics: Iterable[str] | None = None,
         is_temporary: bool = False,
         store: Store | None = None,
+        pairs: bool = False,
     ) -> None:
         """Read the plan and all manifests; see `Results`.
 
@@ -56,8 +57,9 @@ class RecordedResults(Results):
             metrics: Which measures of the environment, beside the one that decides; all of them if None.
             is_temporary: Whether the folder is soon gone.
             store: Reads the folder; by default as that of an experiment.
+            pairs: Whether every two rewards are compared, and not each with the baseline alone.
         """
-        super().__init__(folder, registry, kind, is_temporary=is_temporary, store=store)
+        super().__init__(folder, registry, kind, is_temporary=is_temporary, store=store, pairs=pairs)
         self._shown = None if metrics is None else tuple(split_list(metrics))
 
     @property
@@ -74,7 +76,8 @@ class RecordedResults(Results):
     def studies(self) -> tuple[PlaceStudy, ...]:
         """The recorded trainings of each algorithm in each environment."""
         if isinstance(self.store, LooseStore):
-            return (study_of_loose(self.folder, self.store.runs, self.plan.cells, self.kind, self._shown),)
+            runs, cells = self.store.runs, self.plan.cells
+            return (study_of_loose(self.folder, runs, cells, self.kind, self._shown, pairs=self.pairs),)
         return studies_of(self, self._shown)
 
     @cached_property

@@ -140,11 +140,11 @@ class Runs(NamedTuple):
         """Trainings with a reward, by seed."""
         return [self.members[key] for key in sorted(self.members) if key[0] == reward]
 
-    @property
-    def pairs(self) -> list[tuple[str, str]]:
-        """Each reward with every one before it, then the baseline with itself if it was trained again."""
-        control = [(self.trained[0], self.trained[0])] if self.control else []
-        return [*combinations(self.trained, 2), *control]
+    def compared(self, *, pairs: bool) -> list[tuple[str, str]]:
+        """Each reward with the baseline, or with every one before it; then the null control if there is one."""
+        baseline, *others = self.trained
+        control = [(baseline, baseline)] if self.control else []
+        return [*(combinations(self.trained, 2) if pairs else ((baseline, it) for it in others)), *control]
 
     def better(self, measure: str) -> str:
         """``higher`` or ``lower``."""

@@ -9,11 +9,14 @@ from typing import Any
 from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.eta.swaps import smallest_p, swaps_of
-from harness.results.comparison import Comparison, correct_all
+from harness.eta.swaps import swaps_of
+from harness.eta.verdict.deals import smallest_p
+from harness.record.terms import FIRST, Terms
+from harness.results.comparison import Comparison
 from harness.results.recordings.compare import compare_runs
 from harness.results.recordings.learning import learning_of
 from harness.results.recordings.runs import MANNERS, Runs
+from harness.results.verdicts import LookOf, with_verdicts
 
 Table = Mapping[tuple[str, str], SeedMean]
 """R_r(q) over all seeds, by (r, q): who pays, and whose trainings are paid."""
@@ -26,7 +29,7 @@ class Study:
     Attributes:
         folder: Where they lie.
         runs: The trainings.
-        comparisons: Every reward that taught a policy against every one before it.
+        comparisons: Every reward that taught a policy against the first one, or against every one before it.
         tables: By manner, the full table of mean returns.
         kind: Which curves I_N and I_P are read from.
     """
@@ -71,17 +74,31 @@ class Study:
         }
 
 
-def compare_all(folder: Path, groups: Sequence[Runs], kind: Kind) -> tuple[Study, ...]:
-    """A study of each group of trainings. All their claims are one family: its p-values hold for all of them together.
+def compare_all(
+    folder: Path,
+    groups: Sequence[Runs],
+    kind: Kind,
+    terms: Terms = FIRST,
+    look_of: LookOf | None = None,
+    *,
+    pairs: bool = False,
+) -> tuple[Study, ...]:
+    """A study of each group of trainings. Their questions are asked together, and all hints are one family.
 
     Args:
         folder: Where all of them lie.
         groups: Trainings that are compared within their group alone.
         kind: Which curves I_N and I_P are read from; see `harness.eta.curve.GroupCurve`.
+        terms: What was agreed on before the first training.
+        look_of: In an experiment with looks: tells them.
+        pairs: Whether every two rewards are compared, and not each with the baseline alone.
     """
     swaps = swaps_of(sorted({seed for runs in groups for _, seed in runs.members}))
-    found = [[compare_runs(runs, *pair, swaps, kind) for pair in runs.pairs] for runs in groups]
-    family = iter(correct_all([comparison for comparisons in found for comparison in comparisons]))
+    found = [
+        [compare_runs(runs, *pair, swaps, kind, terms.averaged) for pair in runs.compared(pairs=pairs)]
+        for runs in groups
+    ]
+    family = iter(with_verdicts([it for comparisons in found for it in comparisons], terms, look_of))
     return tuple(
         Study(folder, runs, tuple(islice(family, len(comparisons))), _tables(runs), kind)
         for runs, comparisons in zip(groups, found, strict=True)
@@ -120,7 +137,7 @@ def _pair_to_json(runs: Runs, comparison: Comparison) -> dict[str, Any]:
         "proposed": comparison.proposed,
         "seeds": list(comparison.seeds),
         "headline": headline,
-        "decided_in": comparison.manner,
+        "decided_in": comparison.answered_in,
         "deciding_measure": next(iter(comparison.deciding), None),
         "returns": {manner: split.to_json() for manner, split in comparison.returns.items()},
         "returns_missing": dict(comparison.missing),

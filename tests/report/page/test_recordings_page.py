@@ -34,7 +34,7 @@ def of_two(tmp_path_factory) -> tuple[str, str]:
 
 @pytest.fixture(scope="module")
 def of_four(tmp_path_factory) -> tuple[str, str]:
-    """Four: six comparisons."""
+    """Four: three comparisons."""
     return pages(tmp_path_factory.mktemp("four"), 4)
 
 
@@ -65,12 +65,10 @@ def test_every_measure_and_every_ruler_has_a_learning_curve(of_two):
         assert f"<h4>{name} while learning</h4>" in page
 
 
-def test_pairs_of_several_rewards_are_a_map(of_four):
-    """A row for each reward but the first, a column for each but the last, half of them filled."""
-    page, words = of_four
-    table = re.search(r'(?s)<table class="map">.*?</table>', page)[0]
-    assert (table.count("<tr>"), table.count("<a ")) == (1 + 3, 6)
-    assert "Success, proposed - baseline, in percentage points." in words
+def test_several_rewards_have_a_row_each(of_four):
+    """Each but the first, with which all are compared."""
+    page, _ = of_four
+    assert page.count("<tr data-answer=") == 3
 
 
 def test_every_training_paid_by_every_reward_is_open(of_four):

@@ -96,13 +96,13 @@ def test_no_finished_pair_has_no_behaviour(build):
     assert along_grid(combination).rows == []
 
 
-def test_every_evaluation_has_its_answer(build):
+def test_every_evaluation_has_its_hint(build):
     """The last one after the training; a lead that is gone by then does not count there."""
     combination = only(build(seeds=6, learned={10: 1, 20: 2}))
     rows = along_grid(combination).rows
     assert [row[0] for row in rows] == ["after 10 steps", "after 20 steps", "after 40 steps"]
     assert [row[1:3] for row in rows] == [("25.0%", "50.0%"), ("50.0%", "75.0%"), ("75.0%", "75.0%")]
-    assert [row[4] for row in rows] == ["helps", "helps", "cannot tell"]
+    assert [row[4] for row in rows] == ["better", "better", "cannot tell"]
 
 
 def test_all_of_the_budget_is_told_in_one_manner(build):

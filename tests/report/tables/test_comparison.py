@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from harness.report.rows.behaviour import along_grid, behaviour_grids
-from harness.report.rows.comparison import SPLIT, TESTS, index_grid, ratio_grid, split_grid, sum_grid
+from harness.report.rows.comparison import SPLIT, index_grid, ratio_grid, split_grid, sum_grid, what_decides
 from harness.report.rows.returns import EXPLANATION
 from harness.report.tables.comparison import comparison_table
 from tests.report.conftest import MIXTURE
@@ -138,7 +138,7 @@ def test_what_is_not_split_is_not_explained(build):
 def test_what_p_means_is_told_once(build):
     """However many combinations there are."""
     text = squeezed(printed(build(simulators=("mujoco", "pybullet"))))
-    assert text.count(TESTS) == 1
+    assert text.count(what_decides("robot")) == 1
 
 
 def test_command_for_more_seeds_stands_under_the_answer(build):
@@ -147,7 +147,11 @@ def test_command_for_more_seeds_stands_under_the_answer(build):
     (combination,) = results.combinations
     combination.__dict__["headline"] = replace(combination.headline, seeds_to_decide=(8, 20))
     text = printed(results, width=400)
-    assert text.index(combination.headline.robot) < text.index("More seeds: harness run ") < text.index("The number")
+    assert (
+        text.index(combination.headline.robot)
+        < text.index("For an answer with the fewest trainings: harness run ")
+        < text.index("The number")
+    )
 
 
 def test_no_finished_pair_is_said(build):

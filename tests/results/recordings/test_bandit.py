@@ -122,7 +122,7 @@ def test_the_index_of_the_summed_reward_is_split_by_the_same_ruler(study):
 
 def test_evaluations_decide_where_they_were_recorded(study):
     """`plain` and `scaled` end with actions above 1 in all seeds, `shifted` never: the final policies say so."""
-    scaled, shifted, _ = study.comparisons
+    scaled, shifted = study.comparisons
     assert {it.manner for it in study.comparisons} == {EVALUATION}
     assert (scaled.decisive.baseline, scaled.decisive.proposed) == (1.0, 1.0)
     assert shifted.headline.answer.value == "hurts"

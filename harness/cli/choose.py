@@ -1,0 +1,121 @@
+"""``harness choose``: the best of several rewards, with few trainings."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from harness.cli import run as flags
+from harness.cli.flags.shared import (
+    EvaluationEpisodes,
+    ExecutorName,
+    Jobs,
+    Measures,
+    PluginFiles,
+    RewardNames,
+    RobotName,
+    SimulatorNames,
+)
+from harness.cli.output import say, say_json
+from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from harness.experiment.plan import Experiment
+    from harness.registry.given import Given
+    from harness.registry.registry import Registry
+    from harness.results import Results
+
+
+def choose(
+    experiment: flags.ExperimentFile = None,
+    sim: SimulatorNames = None,
+    algo: flags.AlgorithmNames = None,
+    reward: RewardNames = None,
+    baseline: flags.Baseline = None,
+    task: flags.TaskNames = None,
+    robot: RobotName = None,
+    looks: flags.Looks = None,
+    steps: flags.Steps = None,
+    evaluation_episodes: EvaluationEpisodes = None,
+    evaluate_every: flags.EvaluateEvery = None,
+    out: flags.OutFolder = None,
+    jobs: Jobs = None,
+    executor: ExecutorName = "processes",
+    budget: flags.BudgetTime = None,
+    changed: flags.Changed = "refuse",
+    measure: Measures = None,
+    plugin: PluginFiles = None,
+    screen: flags.Screen = False,
+    quiet: flags.Quiet = False,
+    as_json: flags.AsJson = False,
+    dry_run: flags.DryRun = False,
+) -> int:
+    """Find the best of several rewards: train all of them, and drop those that are beaten.
+
+    The candidates are the rewards of the files, or those that are named; the baseline takes part too.
+    """
+    given: dict[str, Any] = locals()
+    from harness.experiment.run_options import RunOptions
+    from harness.registry.given import PluginFile, read_given, split_measures
+    from harness.registry.registry import load_registry
+
+    measures, files = split_measures(measure or ())
+    plugins = read_given(plugin, files)
+    given |= {"until": "best", "measure": measures or None, "seeds": None, "margin": None}
+    given |= {"deterministic": None, "evaluation_horizon": None}
+    given["looks"] = None if looks is None else flags.parse_looks(looks)
+    plugins = tuple(replace(it, optional=True) if isinstance(it, PluginFile) else it for it in plugins)
+    registry = load_registry(given=plugins)
+    if reward is None and experiment is None and sim:
+        given["reward"] = _candidates(registry, plugins)
+    asked = flags.read_asked(experiment, given)
+    options = RunOptions(out=out, jobs=jobs, executor=executor, budget=flags.parse_time(budget), changed=changed)
+    if screen:
+        _screen(asked, registry)
+    if dry_run:
+        return flags.foresee_run(asked, options, plugins, as_json)
+    results, status = flags.train(asked, options, plugins, quiet)
+    _show(results, registry.broken_files(), as_json)
+    return status
+
+
+def _candidates(registry: "Registry", plugins: "Sequence[Given]") -> list[str]:
+    """The rewards that the given files register.
+
+    Raises:
+        UsageError: There is none.
+    """
+    names = {it.name for it in plugins}
+    found = [spec.name for spec in registry.all_specs() if spec.kind == "rewards" and spec.plugin in names]
+    if not found:
+        raise UsageError(
+            "which rewards? Name them, --reward arp,dense,relative, or give files of rewards, --plugin 'rewards/*.py'"
+        )
+    return found
+
+
+def _screen(asked: "Experiment", registry: "Registry") -> None:
+    """Say which candidates pay for not finishing, before anything is trained."""
+    from harness.cli.audits import screened
+    from harness.experiment.plan import expand
+
+    say("Scripted movements, before anything is trained:", err=True)
+    for line in screened(expand(asked, registry).cells, registry):
+        say(f"  {line}", err=True)
+
+
+def _show(results: "Results", left_out: Sequence[str], as_json: bool) -> None:
+    """Who is best, and how every reward did."""
+    from harness.cli.table_and_page import make_table_and_page
+    from harness.cli.terminal import show
+    from harness.report.document import report_to_json
+    from harness.report.tables.race import race_table
+
+    if as_json:
+        say_json(report_to_json(results))
+    else:
+        table = race_table(results, left_out)
+        if table is None:
+            say("No look is complete yet: the same command goes on.")
+        else:
+            show(table)
+    make_table_and_page(results, as_json)

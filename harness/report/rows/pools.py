@@ -1,0 +1,57 @@
+"""The answers over all places, as the terminal, the page and the summary show them."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from harness.report.answers import badge_of, word_of
+from harness.results import Results
+from harness.results.comparison import Comparison
+from harness.results.standing import Standing, standing_of
+
+TITLE = "Over all places"
+EXPLANATION = (
+    "A place is a simulator, task and algorithm in which both rewards trained. The first answer is about the mean over "
+    "all of them; only where it stands are single places asked."
+)
+GROWN = (
+    "Seeds were added after {counts} seeds had been trained, and no plan foresaw that. Who looks at results and then "
+    "trains on gives luck more chances: a verdict is then false in 6 to 10 % of the cases, and not in 5 %. "
+    "harness run --until decided keeps to 5 %."
+)
+
+
+class PooledAnswer(NamedTuple):
+    """The answer about a reward over all places."""
+
+    proposed: str
+    answer: str
+    badge: str
+    told: str
+
+
+def pooled_answers(combinations: Sequence[Comparison]) -> list[PooledAnswer]:
+    """The answers over all places, each once."""
+    pools = {id(it.pool): it.pool for it in combinations if it.pool is not None}.values()
+    return [
+        PooledAnswer(it.names.proposed, word_of(it.headline.answer), badge_of(it.headline.answer), it.headline.robot)
+        for it in pools
+    ]
+
+
+def grown_text(results: Results) -> str:
+    """A warning where a folder has grown by looks that no plan foresaw; else empty."""
+    grown = results.plan.terms.grown
+    return GROWN.format(counts=" and ".join(map(str, grown))) if grown else ""
+
+
+def looks_text(results: Results) -> str:
+    """How an experiment with looks stands; empty for others."""
+    standing = standing_of(results)
+    return "" if standing is None else f"{told_looks(standing)}: {standing.text}."
+
+
+def told_looks(standing: Standing) -> str:
+    """When the experiment looks at its results."""
+    seeds = ", ".join(map(str, standing.terms.looks))
+    what = "a race for the best reward" if standing.terms.race else "trained until decided"
+    return f"Looks at {seeds} seeds ({what}; planned before the first training)"

@@ -1,0 +1,119 @@
+"""A race for the best reward, as the terminal and the page show it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from harness.eta.verdict.race import CLOSE, Race
+from harness.report.rows.comparison import Grid, format_number
+from harness.results import Results
+from harness.results.comparison import Comparison
+from harness.results.overview import NOTHING
+from harness.results.standing import Standing, standing_of, values_of
+
+TITLE = "The race for the best reward"
+EXPLANATION = (
+    "Rewards leave when another one that is still in the race is better, by a test that spends 5 % over all looks. "
+    "Who left is trained no further. The pay is each reward's own, beside the baseline's: it decides nothing."
+)
+HEADINGS = ("", "seeds", "{measure}", "its pay", "of it behaviour", "")
+
+
+class RaceTold(NamedTuple):
+    """A race in words."""
+
+    sentence: str
+    grid: Grid
+    points: dict[str, list[tuple[int, float]]]
+    """By reward, the mean of what decides at each look at which it was in the race: seeds and value."""
+    living: tuple[str, ...]
+    """Who can still be the best."""
+    measure: str
+    is_share: bool
+
+
+def race_told(results: Results) -> RaceTold | None:
+    """The race in an experiment's folder; None if there is none, or nothing to show yet."""
+    standing = standing_of(results)
+    race = None if standing is None else standing.race
+    if standing is None or race is None or not race.looks:
+        return None
+    first = next(iter(results.combinations))
+    measure = (first.deciding[0] if first.deciding else "behaviour").replace("_", " ")
+    change = first.decisive
+    is_share = change is not None and change.measure.episodes is not None
+    sign = -1.0 if change is not None and change.measure.better == "lower" else 1.0
+    points = {name: _points(results, standing, name, sign) for name in standing.rewards}
+    order = sorted(standing.rewards, key=lambda name: _rank(race, name, points[name], sign))
+    paid = {it.proposed: it for it in results.combinations}
+    rows = [_row(standing, name, points[name], is_share, paid.get(name)) for name in order]
+    headings = tuple(it.format(measure=measure) for it in HEADINGS)
+    return RaceTold(race_sentence(standing), Grid(headings, rows, []), points, race.living, measure, is_share)
+
+
+def race_sentence(standing: Standing) -> str:
+    """Who is the best, as far as it is known."""
+    race, looks = standing.race, standing.terms.looks
+    assert race is not None
+    if not race.living:
+        return "CANNOT TELL: no reward left a number in its trainings."
+    seeds = looks[race.looks - 1] if race.looks else 0
+    others = "All others are worse." if all(it.by for it in race.beaten.values()) else "All others are worse or failed."
+    others = others if race.beaten else ""
+    if race.best is not None:
+        return f"BEST: {race.best}. {others} The test errs in at most 5 % of such races."
+    if race.is_close:
+        return f"WITHIN {100 * CLOSE:g} POINTS OF THE BEST: {', '.join(race.living)}. {others}".rstrip()
+    if race.is_over:
+        return f"CANNOT TELL after {seeds} seeds which is best: {', '.join(race.living)}. {others}".rstrip()
+    return f"After {seeds} seeds, these can still be the best: {', '.join(race.living)}. {standing.text.capitalize()}."
+
+
+def _row(
+    standing: Standing, name: str, points: list[tuple[int, float]], is_share: bool, comparison: Comparison | None
+) -> tuple[str, ...]:
+    seeds, value = points[-1] if points else (0, None)
+    told = NOTHING if value is None else _value(value, is_share)
+    return (name, str(seeds), told, *_pay(comparison), _end(standing, name))
+
+
+def _points(results: Results, standing: Standing, name: str, sign: float) -> list[tuple[int, float]]:
+    """The mean at each look, up to the last one that is complete."""
+    values = sign * values_of(results, standing.seen, name)
+    ends = standing.terms.looks[: standing.seen.complete(name)]
+    return [
+        (end, float(np.nanmean(values[:, :end], axis=1).mean())) for end in ends if np.isfinite(values[:, :end]).any()
+    ]
+
+
+def _rank(race: Race, name: str, points: list[tuple[int, float]], sign: float) -> tuple[int, float]:
+    left = race.beaten[name].look if name in race.beaten else race.looks
+    return -left, -sign * (points[-1][1] if points else 0.0)
+
+
+def _value(value: float, is_share: bool) -> str:
+    return f"{value:.1%}" if is_share else format_number(value)
+
+
+def _pay(comparison: Comparison | None) -> tuple[str, str]:
+    """How many times the baseline's mean return a reward pays its own policies, and which part is behaviour."""
+    if comparison is None:
+        return "1", ""
+    split = next(iter(comparison.returns.values()), None)
+    if split is None or split.ratio.eta.value is None or split.ratio.eta.near_zero is not None:
+        return NOTHING, NOTHING
+    behaviour = split.ratio.behaviour.value
+    told = NOTHING if behaviour is None else f"x {format_number(behaviour)}"
+    return f"x {format_number(split.ratio.eta.value)}", told
+
+
+def _end(standing: Standing, name: str) -> str:
+    race = standing.race
+    assert race is not None
+    if name in race.beaten:
+        it = race.beaten[name]
+        why = f"beaten by {it.by}" if it.by else "too few of its trainings left a number"
+        return f"left after {standing.terms.looks[it.look]} seeds, {why}"
+    if race.best == name:
+        return "BEST"
+    return f"within {100 * CLOSE:g} points of the best" if race.is_close else "in the race"

@@ -1,0 +1,83 @@
+"""One answer about a reward over all places in which it trained."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from harness.eta.headline import Answer, Headline, Names, judge
+from harness.eta.verdict.ruling import Ruling
+from harness.eta.verdict.together import Together
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """A reward against the baseline over several places: simulators, drives, algorithms or tasks of one budget.
+
+    Attributes:
+        names: The two rewards.
+        steps: Environment steps of each training.
+        places: The places, in words.
+        ruling: What the test says of the mean over all of them.
+        measures: The measures that decide, means over places; empty where their units differ from place to place.
+        better_in: In how many places at least the robot does better, or worse, as the answer says.
+    """
+
+    names: Names
+    steps: int
+    places: tuple[str, ...]
+    ruling: Ruling
+    measures: Sequence[Together]
+    better_in: int = 0
+
+    @cached_property
+    def headline(self) -> Headline:
+        """The answer."""
+        if not self.measures:
+            return self._without_values()
+        found = judge(self.names, self.measures, "", self.ruling, where=self.where)
+        if not self.ruling.is_decided:
+            return found
+        told = f"{found.robot} {self._where_at_least()}"
+        return Headline(found.answer, told, "", found.decided_by)
+
+    @property
+    def where(self) -> str:
+        """Over how many places."""
+        return f"over {len(self.places)} places"
+
+    def _where_at_least(self) -> str:
+        verb = "better" if self.ruling.sign > 0 else "worse"
+        if not self.better_in:
+            return f"In which of the places it does {verb} is not decided."
+        return f"It does {verb} in at least {self.better_in} of the {len(self.places)} places."
+
+    def _without_values(self) -> Headline:
+        if not self.ruling.is_decided:
+            return Headline(Answer.CANNOT_TELL, f"Cannot tell {self.where}: their measures have different units.", "")
+        answer = Answer.HELPS if self.ruling.sign > 0 else Answer.HURTS
+        return Headline(answer, f"{self.names.proposed} {answer.value} {self.where}. {self._where_at_least()}", "")
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "baseline": self.names.baseline,
+            "proposed": self.names.proposed,
+            "steps": self.steps,
+            "places": list(self.places),
+            "answer": self.headline.answer.value,
+            "behaviour": self.headline.robot,
+            "decided_by": self.headline.decided_by,
+            "better_in": self.better_in,
+            "test": self.ruling.to_json(),
+            "measures": [
+                {
+                    "name": it.name,
+                    "baseline": it.baseline,
+                    "proposed": it.proposed,
+                    "low": it.low,
+                    "high": it.high,
+                }
+                for it in self.measures
+            ],
+        }

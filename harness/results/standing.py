@@ -1,0 +1,133 @@
+"""How an experiment with looks stands: which questions are over, and what is to be trained next."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.eta.verdict.looks import LookRuling
+from harness.eta.verdict.race import Race, race
+from harness.record.cell import Cell
+from harness.record.terms import Terms
+from harness.results.comparison import Comparison
+from harness.results.measured import LAST, last_values
+from harness.results.results import Results
+from harness.results.seen import Seen
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """How an experiment with looks stands.
+
+    Attributes:
+        terms: What was agreed on before the first training.
+        rewards: All rewards, the baseline first.
+        open: Those that are trained further; the baseline is among them as long as any other is.
+        seen: The trainings.
+        race: In a race for the best reward: how it stands.
+        unanswered: Rewards that used all looks, and have no answer.
+    """
+
+    terms: Terms
+    rewards: tuple[str, ...]
+    open: tuple[str, ...]
+    seen: Seen
+    race: Race | None = None
+    unanswered: tuple[str, ...] = ()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more is to be trained."""
+        return not self.open
+
+    @property
+    def look(self) -> int:
+        """The look that comes next, counted from 0."""
+        return min((self.seen.complete(reward) for reward in self.open), default=len(self.terms.looks))
+
+    @property
+    def next(self) -> list[Cell]:
+        """The cells of the next look, and of those before it, that an answer waits for."""
+        return [] if self.is_over else self.seen.cells_of(self.open, min(self.look, len(self.terms.looks) - 1))
+
+    @cached_property
+    def most_left(self) -> int:
+        """How many trainings there can be at most until everything is over."""
+        statuses = {cell: status for cells in self.seen.status.values() for cell, status in cells.items()}
+        cells = self.seen.cells_of(self.open, len(self.terms.looks) - 1) if self.open else []
+        return sum(statuses[cell] == "pending" for cell in cells)
+
+    @property
+    def text(self) -> str:
+        """How it stands, in a line."""
+        left = "" if self.is_over else f", at most {self.most_left} trainings left"
+        if self.race is not None:
+            return f"{len(self.race.living)} of {len(self.rewards)} rewards can still be the best{left}"
+        others = self.rewards[1:]
+        unanswered = f" ({len(self.unanswered)} without an answer: all looks are used)" if self.unanswered else ""
+        return f"{len(others) - len(self.open[1:])} of {len(others)} decided{unanswered}{left}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "looks": list(self.terms.looks),
+            "next_look": self.look + 1,
+            "open": list(self.open),
+            "most_trainings_left": self.most_left,
+            "race": self.race and self.race.to_json(),
+        }
+
+
+def standing_of(results: Results) -> Standing | None:
+    """How the experiment in a folder stands; None if it has no looks."""
+    terms = results.plan.terms
+    if not terms.looks:
+        return None
+    seen = Seen.of(results.manifests, terms.looks)
+    rewards = tuple(dict.fromkeys(reward for _, reward in seen.status))
+    rewards = tuple(sorted(rewards, key=lambda it: it != results.baseline))
+    if terms.race:
+        found = race_of(results, seen, rewards)
+        return Standing(terms, rewards, () if found.is_over else found.living, seen, found)
+    over = {it.proposed: ruling for it in results.combinations if (ruling := _ending(it)) is not None}
+    left = [reward for reward in rewards[1:] if reward not in over]
+    unanswered = tuple(name for name, it in over.items() if not it.is_decided and it.small is None)
+    return Standing(terms, rewards, (rewards[0], *left) if left else (), seen, unanswered=unanswered)
+
+
+def _ending(comparison: Comparison) -> LookRuling | None:
+    """What the test says of a reward that is trained no further; None if it is."""
+    ruling = comparison.ruling if comparison.pool is None else comparison.pool.ruling
+    return ruling if isinstance(ruling, LookRuling) and ruling.is_over else None
+
+
+def race_of(results: Results, seen: Seen, rewards: Sequence[str]) -> Race:
+    """How the race between all rewards stands, by the first of the measures that decide."""
+    complete = {reward: seen.complete(reward) for reward in rewards}
+    return race({reward: values_of(results, seen, reward) for reward in rewards}, seen.looks, complete)
+
+
+def values_of(results: Results, seen: Seen, reward: str) -> Float:
+    """What decides of one reward, higher is better, (places, seeds); NaN where a training left no value."""
+    of_place = {it.group: it for it in results.combinations}
+    values = np.full((len(seen.groups), seen.looks[-1]), np.nan)
+    for place, group in enumerate(seen.groups):
+        for at, (cell, status) in enumerate(seen.status.get((group, reward), {}).items()):
+            if status == "done" and group in of_place:
+                values[place, at] = _value(results, cell, of_place[group])
+    return values
+
+
+def _value(results: Results, cell: Cell, comparison: Comparison) -> float:
+    name = comparison.deciding[0] if comparison.deciding else ""
+    if comparison.answered_in == LAST:
+        value = last_values(results.moments(cell), cell.steps, results.plan.terms.averaged).get(name)
+    else:
+        value = results.measured(cell).manners.get(comparison.manner, {}).get(name)
+    if value is None:
+        return float("nan")
+    change = comparison.decisive
+    return -value if change is not None and change.measure.better == "lower" else value
