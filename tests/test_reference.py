@@ -46,6 +46,12 @@ def comparisons_of(record: dict[str, Any]) -> Iterator[tuple[dict[str, Any], dic
             yield place["study"], comparison
 
 
+def over_places(folder: Path) -> list[dict[str, Any]]:
+    """What a record says of each reward over all places; nothing where there is one place."""
+    found: list[dict[str, Any]] = json.loads((folder / "results.json").read_text()).get("over_places", [])
+    return found
+
+
 def combinations(folder: Path) -> list[dict[str, Any]]:
     """What a record says of each pair of rewards."""
     found: list[dict[str, Any]] = json.loads((folder / "results.json").read_text())["combinations"]
@@ -109,6 +115,7 @@ def corrected(folder: Path) -> set[float]:
     values = [it[name]["p_corrected"] for it in told for name in INDICES]
     values += [change["p_corrected"] for it in told for change in it["behaviour"]]
     values += [change["p_corrected"] for it in told for at in it["along_the_budget"] for change in at["behaviour"]]
+    values += [it["test"]["p_corrected"] for it in over_places(folder)]
     return {p for p in values if p is not None and p <= 0.05}
 
 

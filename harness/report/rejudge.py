@@ -1,6 +1,14 @@
-"""Committed records, judged by the rule of this version: their seeds' values are all that it needs."""
+"""Records that were written down earlier, judged by the rule of this version: their seeds' values are all it needs.
 
-from collections.abc import Mapping, Sequence
+``python -m harness.report.rejudge FOLDER ...`` rewrites the answers in ``results.json`` and ``summary.md`` of folders
+that ``harness report DIR --summary FOLDER`` wrote, where the trainings themselves are not at hand any more.
+"""
+
+import json
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,11 +16,25 @@ import numpy as np
 from harness.eta.behaviour_change import Change, Measure
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.interval import share_variance, variance_of
+from harness.files.whole_file import write_whole
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR
 from harness.record.terms import FIRST, Terms
 from harness.registry.choice import Choice
+from harness.report.answers import word_of
+from harness.report.rows.behaviour import behaviour_row
+from harness.report.rows.comparison import answer_text, rewards_text, what_decides
+from harness.report.summary.markdown import escape, pooled_part
 from harness.results.comparison import Comparison, Group
 from harness.results.verdicts import with_verdicts
+
+RECORD, PAGE = "results.json", "summary.md"
+NOTICE = (
+    "The answers on this page follow a rule that was chosen after these results had been seen. Nothing was trained "
+    "again, and what was measured is unchanged. The p-values of what does not decide are those of the first report."
+)
+EARLIER_TESTS = re.compile(r"p: how often chance alone .*$", re.MULTILINE)
+P, RESULT = -2, -1
+"""The last two columns of a table of behaviour."""
 
 
 def judged_anew(combinations: Sequence[Mapping[str, Any]], terms: Terms = FIRST) -> tuple[Comparison, ...]:
@@ -83,3 +105,123 @@ def _change(told: Mapping[str, Any], seeds: tuple[int, ...]) -> Change:
         told["high"], told["p"], told["p_corrected"], values, variance, reason=told.get("reason", ""),
         of_seeds=of_seeds,
     )  # fmt: skip
+
+
+def rejudge(folder: Path) -> None:
+    """Rewrite the answers of a record.
+
+    Args:
+        folder: What ``harness report DIR --summary FOLDER`` or ``harness rewards DIR --summary FOLDER`` wrote.
+
+    Raises:
+        OSError: There is no such record.
+        ValueError: Its page does not hold the answers of its file.
+    """
+    record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+    told = list(stored_comparisons(record))
+    judged = judged_anew(told)
+    page = (folder / PAGE).read_text(encoding="utf-8")
+    page = _page(page, told, judged)
+    for it, comparison in zip(told, judged, strict=True):
+        _rewrite(it, comparison)
+    if "combinations" in record:
+        pools = {id(it.pool): it.pool for it in judged if it.pool is not None}.values()
+        record["over_places"] = [pool.to_json() for pool in pools]
+    write_whole(folder / RECORD, json.dumps(record, indent=1, allow_nan=False) + "\n")
+    write_whole(folder / PAGE, page)
+
+
+def stored_comparisons(record: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The comparisons of ``results.json``, those in environments with what their study says of all of them."""
+    yield from record.get("combinations", ())
+    for place in record.get("studies", ()):
+        for told in place["study"]["comparisons"]:
+            told.setdefault("task", place["task"])
+            told.setdefault("algorithm", place["algorithm"])
+            told.setdefault("steps", place["study"]["steps"])
+            yield told
+
+
+def _rewrite(told: dict[str, Any], comparison: Comparison) -> None:
+    """The answer of one comparison, and the p-values that it rests on."""
+    answer = comparison.headline.to_json()
+    headline = told["headline"]
+    sentence = answer.pop("behaviour")
+    for key in ("robot", "agent", "behaviour"):
+        if key in headline:
+            headline[key] = sentence
+    headline |= {key: value for key, value in answer.items() if key in headline and key not in ("number", "robot")}
+    told["test"] = comparison.ruling.to_json()
+    deciding = {(it.name, it.measure.manner): it for it in comparison.decisive_changes}
+    for measure in told["behaviour"]:
+        change = deciding.get((measure["name"], measure["manner"]))
+        if change is not None:
+            measure |= {"p": change.p, "p_corrected": change.corrected, "result": change.direction}
+
+
+def _page(page: str, told: Sequence[Mapping[str, Any]], judged: Sequence[Comparison]) -> str:
+    """The page with the answers of the comparisons, in their order."""
+    begin, ends = 0, list[int]()
+    for it in told:
+        before = re.escape(escape(_sentence(it)))
+        found = re.compile(rf"\*\*The (robot|agent): [A-Z ]+\.\*\* {before}").search(page, begin)
+        if found is None:
+            raise ValueError(f"{PAGE} does not say: {_sentence(it)}")
+        begin = found.end()
+        ends.append(begin)
+    parts = [page[one:other] for one, other in zip([0, *ends], [*ends, len(page)], strict=True)]
+    for number, (it, comparison) in enumerate(zip(told, judged, strict=True)):
+        headline = comparison.headline
+        sentence = f"**The {comparison.group.subject}: {answer_text(headline)}.** {escape(headline.robot)}"
+        parts[number] = re.sub(
+            r"\*\*The (?:robot|agent): [A-Z ]+\.\*\* .*\Z", lambda _, told=sentence: told, parts[number]
+        )
+        parts[number + 1] = _with_p(parts[number + 1], comparison)
+        parts[0] = _in_overview(parts[0], number, it, comparison)
+    parts[0] = _at_head(EARLIER_TESTS.sub(what_decides(judged[0].group.subject), parts[0]), judged)
+    return parts[0] + "".join(EARLIER_TESTS.sub(what_decides(judged[0].group.subject), part) for part in parts[1:])
+
+
+def _sentence(told: Mapping[str, Any]) -> str:
+    headline = told["headline"]
+    sentence: str = headline.get("robot") or headline["agent"]
+    return sentence
+
+
+def _in_overview(page: str, number: int, told: Mapping[str, Any], comparison: Comparison) -> str:
+    """The page with the answer in the table of all combinations, where there is one."""
+    before = f"| {told['headline']['answer'].upper()} |"
+    rewards = escape(rewards_text(comparison))
+    row = re.compile(rf"^\| {number + 1} \|.*\| {re.escape(rewards)} {re.escape(before)}", re.MULTILINE)
+    after = f"| {word_of(comparison.headline.answer)} |"
+    return row.sub(lambda found: found.group().removesuffix(before) + after, page)
+
+
+def _with_p(page: str, comparison: Comparison) -> str:
+    """The page with the p-values of the measures that decide, in the first table of behaviour."""
+    for change in comparison.decisive_changes:
+        cells = [escape(text) for text in behaviour_row(change)]
+        row = re.compile(rf"^\| {re.escape(cells[0])} \|.*\|$", re.MULTILINE)
+        found = row.search(page, page.find("\nBehaviour "))
+        if found is not None:
+            kept = found.group().strip("| ").split(" | ")[: len(cells) + P]
+            line = f"| {' | '.join([*kept, *cells[P:]])} |"
+            page = page[: found.start()] + line + page[found.end() :]
+    return page
+
+
+def _at_head(page: str, judged: Sequence[Comparison]) -> str:
+    """The page with the notice behind its title, and the answers over all places before the first section."""
+    title, rest = page.split("\n", 1)
+    if NOTICE not in rest:
+        rest = f"\n{NOTICE}\n{rest}"
+    before, heading, behind = rest.partition("\n## 1. ")
+    pooled = pooled_part(judged)
+    if heading and pooled and pooled[0] not in before:
+        before = before + "\n" + "\n\n".join(pooled) + "\n"
+    return f"{title}\n{before}{heading}{behind}"
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:]:
+        rejudge(Path(name))

@@ -121,7 +121,8 @@ class Family:
     def _p(self, at: int, size: float) -> float:
         """The share of ways in which the statistic of a question is at least so large."""
         ordered = self._sorted[at]
-        return 1.0 - float(np.searchsorted(ordered, size - ROUNDING * ordered[-1])) / len(ordered)
+        smaller = int(np.searchsorted(ordered, size - ROUNDING * ordered[-1]))
+        return (len(ordered) - smaller) / len(ordered)
 
     def _corrected(self, rest: Sequence[int], p: float) -> float:
         """The chance that any of some questions has so small a p by itself."""
