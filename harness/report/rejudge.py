@@ -151,7 +151,7 @@ def _rewrite(told: dict[str, Any], comparison: Comparison) -> None:
         if key in headline:
             headline[key] = sentence
     headline |= {key: value for key, value in answer.items() if key in headline and key not in ("number", "robot")}
-    told["test"] = comparison.ruling.to_json()
+    told["test"] = comparison.ruling and comparison.ruling.to_json()
     deciding = {(it.name, it.measure.manner): it for it in comparison.decisive_changes}
     for measure in told["behaviour"]:
         change = deciding.get((measure["name"], measure["manner"]))
@@ -173,9 +173,8 @@ def _page(page: str, told: Sequence[Mapping[str, Any]], judged: Sequence[Compari
     for number, (it, comparison) in enumerate(zip(told, judged, strict=True)):
         headline = comparison.headline
         sentence = f"**The {comparison.group.subject}: {answer_text(headline)}.** {escape(headline.robot)}"
-        parts[number] = re.sub(
-            r"\*\*The (?:robot|agent): [A-Z ]+\.\*\* .*\Z", lambda _, told=sentence: told, parts[number]
-        )
+        earlier = parts[number].rindex("**The ")
+        parts[number] = parts[number][:earlier] + sentence
         parts[number + 1] = _with_p(parts[number + 1], comparison)
         parts[0] = _in_overview(parts[0], number, it, comparison)
     parts[0] = _at_head(EARLIER_TESTS.sub(what_decides(judged[0].group.subject), parts[0]), judged)
