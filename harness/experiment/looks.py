@@ -50,7 +50,7 @@ def terms_of(asked: Asked, tasks: Sequence[TaskPlan], algorithms: Sequence[Choic
         raise UsageError(f"until={asked.until}: there is no reward to compare with the baseline. Give --reward")
     places = sum(len(it.simulators) for it in tasks) * len(algorithms)
     is_race = asked.until == "best"
-    looks = tuple(asked.looks or (RACE if is_race else looks_for(places)))
+    looks = (RACE if is_race else looks_for(places)) if asked.looks is None else tuple(asked.looks)
     problem = check_looks(looks)
     if problem:
         raise UsageError(f"looks={','.join(map(str, looks))}: {problem}")

@@ -19,7 +19,7 @@ from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import EVALUATION_HORIZON, NO_ROBOT, NO_SIMULATOR, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
-from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC, TRAINING
+from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC, TRAINING, WHOLE
 from harness.results.mixture import Mixture
 from harness.results.pool import Pool
 
@@ -282,7 +282,8 @@ class Comparison:
     def speed(self) -> Change | None:
         """Success over the whole training, which says how fast the robot learns; None if it was not measured."""
         names = [SUCCESS, *self.deciding[:1]]
-        there = [it for it in self.changes_of(TRAINING) if it.name in names and it.measure.episodes is not None]
+        during = [*self.changes_of(TRAINING), *self.changes_of(WHOLE)]
+        there = [it for it in during if it.name in names and it.measure.episodes is not None]
         return next((it for it in there if it.seeds), None)
 
     def _is_ruled(self, change: Change) -> bool:

@@ -19,6 +19,8 @@ Asked = TypeVar("Asked")
 EVALUATION = "in evaluations"
 """The manner of the evaluations of recorded trainings."""
 DETERMINISTIC, STOCHASTIC, TRAINING, LEARNING = "deterministic", "stochastic", "while training", "while learning"
+WHOLE = "over the training"
+"""The manner of all episodes of a recorded training."""
 LAST = "in the last evaluations"
 """The manner of the mean over the last evaluations, see `last_values`."""
 LAST_PART = 0.75

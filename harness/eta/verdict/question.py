@@ -215,9 +215,14 @@ class Question:
 
 
 def _strata_of(known: Mask, looks: Ints) -> tuple[Strata, list[list[int]]]:
-    """The strata, and the seeds in each; those of later looks stand behind those of earlier ones."""
+    """The strata, and the seeds in each; those of later looks stand behind those of earlier ones.
+
+    A seed without a value is in none.
+    """
     found: dict[tuple[tuple[int, ...], ...], list[int]] = {}
     for seed, (there, at) in enumerate(zip(known, looks, strict=True)):
+        if not there.any():
+            continue
         seen = tuple(int(look) if any_known else -1 for look, any_known in zip(at, there.any(axis=1), strict=True))
         found.setdefault(((max(seen),), seen, tuple(map(int, there.ravel()))), []).append(seed)
     order = sorted(found)

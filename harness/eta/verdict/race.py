@@ -61,15 +61,16 @@ class Race:
         }
 
 
-def spent(seeds: int, most: int, candidates: int) -> float:
-    """The chance of a false claim that a pair may have spent after so many of at most so many seeds."""
-    return LEVEL / max(1, candidates - 1) * (seeds / most) ** 2
+def spent(seeds: int, most: int) -> float:
+    """The chance that the best may have left wrongly after so many of at most so many seeds."""
+    return LEVEL * (seeds / most) ** 2
 
 
 def race(values: Mapping[str, Float], looks: Sequence[int], complete: Mapping[str, int]) -> Race:
     """How a race stands.
 
-    A candidate leaves once a living one beats it by Welch's one-sided t test, at the part of the 5 % that a look adds.
+    A candidate leaves once a living one beats it by Welch's one-sided t test. A look adds a part of the 5 %, which is
+    shared by all living ones but one: so many could beat the best. Who leaves makes the share of the others larger.
 
     Args:
         values: What decides of each candidate, higher is better, (places, seeds), NaN where a seed left no value; the
@@ -82,24 +83,33 @@ def race(values: Mapping[str, Float], looks: Sequence[int], complete: Mapping[st
         if any(complete[name] <= look for name in living):
             break
         done = look + 1
-        before = spent(looks[look - 1], looks[-1], len(values)) if look else 0.0
-        level = spent(seeds, looks[-1], len(values)) - before
+        before = spent(looks[look - 1], looks[-1]) if look else 0.0
+        level = spent(seeds, looks[-1]) - before
         there = {name: values[name][:, :seeds] for name in living}
         without = [name for name in living if np.isfinite(there[name]).sum(axis=1).min() < 2]
         beaten |= {name: Beaten(look, "") for name in without}
-        living = [name for name in living if name not in without]
-        living.sort(key=lambda name: -_mean(there[name]))
-        for name in living[1:]:
-            by = next(
-                (it for it in living if it not in beaten and it != name and _beats(there[it], there[name], level)), ""
-            )
-            if by:
-                beaten[name] = Beaten(look, by)
-        living = [name for name in living if name not in beaten]
-        is_close = len(living) > 1 and all(_reach(there[living[0]], there[name], level) < CLOSE for name in living[1:])
+        living = sorted((name for name in living if name not in without), key=lambda name: -_mean(there[name]))
+        found = _beaten(there, living, level)
+        beaten |= {name: Beaten(look, by) for name, by in found.items()}
+        living = [name for name in living if name not in found]
+        share = level / max(1, len(living) - 1)
+        is_close = len(living) > 1 and all(_reach(there[living[0]], there[name], share) < CLOSE for name in living[1:])
         if len(living) < 2 or is_close:
             return Race(done, tuple(living), beaten, is_close, True)
     return Race(done, tuple(living), beaten, False, done == len(looks))
+
+
+def _beaten(there: Mapping[str, Float], living: Sequence[str], level: float) -> dict[str, str]:
+    """Who leaves at a look, and beaten by whom; the best mean comes first."""
+    found: dict[str, str] = {}
+    while len(left := [name for name in living if name not in found]) > 1:
+        share = level / (len(left) - 1)
+        by = {name: next((it for it in left if _beats(there[it], there[name], share)), "") for name in left[1:]}
+        leaving = {name: it for name, it in by.items() if it}
+        if not leaving:
+            break
+        found |= leaving
+    return found
 
 
 def _mean(values: Float) -> float:

@@ -13,14 +13,14 @@ from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.rescaling import Rescaling
 from harness.record.recording.facts import TrainingFacts
 from harness.results.comparison import Group
-from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, Moment
+from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, WHOLE, Moment
 from harness.results.recordings.alike import Likeness
 from harness.results.recordings.episodes import Episodes, Part
 from harness.results.recordings.recording_results import RecordingResults
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
-TRAINING, LAST = "over the training", "in its last fifth"
+TRAINING, LAST = WHOLE, "in its last fifth"
 """Where episodes are taken from."""
 MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, STOCHASTIC)), LAST, TRAINING)
 """What says most about the final policies comes first. Evaluations in the other manner say how their policies acted."""

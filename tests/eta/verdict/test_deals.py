@@ -1,0 +1,71 @@
+"""Labels dealt anew: all ways there are, or many drawn ones."""
+
+import math
+
+import numpy as np
+import pytest
+
+from harness.eta.verdict.deals import MOST_DEALS, count_deals, deals_of, smallest_p
+
+
+def test_all_ways_are_tried_where_there_are_few():
+    """Three trainings each: 6 choose 3, every one once."""
+    deals = deals_of(((0, 3),))
+    assert deals.shape == (20, 6)
+    assert len(np.unique(deals, axis=0)) == 20
+
+
+def test_the_first_way_is_as_they_were_trained():
+    """Baselines first, then the proposed reward's, in each stratum."""
+    assert deals_of(((0, 2), (1, 3)))[0].tolist() == [0, 0, 1, 1, 0, 0, 0, 1, 1, 1]
+
+
+@pytest.mark.parametrize("strata", [((0, 4),), ((0, 2), (1, 3)), ((0, 20),)])
+def test_a_stratum_keeps_its_labels(strata: tuple[tuple[int, int], ...]):
+    """As many of each reward as were trained in it."""
+    deals, begin = deals_of(strata), 0
+    for _, seeds in strata:
+        assert (deals[:, begin : begin + 2 * seeds].sum(axis=1) == seeds).all()
+        begin += 2 * seeds
+
+
+def test_many_ways_are_drawn():
+    """Of 10 seeds there are 184,756."""
+    assert count_deals(((0, 10),)) == math.comb(20, 10)
+    assert len(deals_of(((0, 10),))) == MOST_DEALS
+
+
+def test_drawn_ways_are_the_same_in_every_report():
+    """For equal strata, whatever else was asked before."""
+    first = deals_of(((7, 12),)).copy()
+    for name in range(20):
+        deals_of(((name, 11),))
+    assert (deals_of(((7, 12),)) == first).all()
+
+
+def test_drawn_ways_of_a_stratum_stay_when_others_come_behind_it():
+    """So that a deal keeps its labels from look to look."""
+    one, both = deals_of(((0, 6),), is_drawn=True), deals_of(((0, 6), (1000, 4)), is_drawn=True)
+    assert (both[:, :12] == one).all()
+
+
+def test_deals_cannot_be_written_to():
+    """They are shared."""
+    with pytest.raises(ValueError, match="read-only"):
+        deals_of(((0, 3),))[0, 0] = 1.0
+
+
+@pytest.mark.parametrize(("seeds", "p"), [(3, 0.1), (4, 2 / 70), (5, 2 / 252)])
+def test_the_smallest_p_is_that_of_the_two_most_extreme_ways(seeds: int, p: float):
+    """Four seeds are the fewest that can show anything at 0.05."""
+    assert smallest_p(seeds) == pytest.approx(p)
+
+
+def test_the_smallest_p_of_many_seeds_is_that_of_the_drawn_ways():
+    """One of 20,000."""
+    assert smallest_p(20) == 1 / MOST_DEALS
+
+
+def test_places_with_seeds_of_their_own_make_it_smaller():
+    """Two seeds in each of four places: every label there is dealt by itself."""
+    assert smallest_p(2, 4) == pytest.approx(2 / 6**4)

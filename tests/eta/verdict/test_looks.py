@@ -1,0 +1,140 @@
+"""A question that is asked several times, while seeds come in."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.arrays import Float
+from harness.eta.verdict.looks import (
+    MANY_PLACES,
+    ONE_PLACE,
+    SEVERAL_PLACES,
+    Looks,
+    check_looks,
+    is_small,
+    looks_for,
+    reach,
+    rule_in_looks,
+)
+from harness.eta.verdict.question import Question
+from harness.eta.verdict.ruling import rule
+
+LOOKS = Looks((4, 6, 8, 12))
+
+
+def question_of(effect: float = 0.0, spread: float = 1.0, seed: int = 0, looks: Looks = LOOKS) -> Question:
+    """Normal values of all seeds in one place."""
+    values: Float = spread * np.random.default_rng(seed).normal(size=(2, looks.most, 1, 1))
+    values[1] += effect
+    at = np.searchsorted(looks.seeds, np.arange(looks.most), side="right")[:, None]
+    return Question(values, at)
+
+
+def test_nothing_is_said_before_the_first_look():
+    """And nothing is over."""
+    found = rule_in_looks(question_of(9.0), LOOKS, 0)
+    assert (found.p, found.is_over) == (None, False)
+
+
+def test_a_large_effect_ends_at_an_early_look():
+    """Later seeds are not asked for."""
+    found = rule_in_looks(question_of(9.0), LOOKS, 4)
+    assert found.is_decided
+    assert found.look < 3
+    assert found.sign == 1
+
+
+def test_the_answer_of_a_look_stands_when_more_seeds_come():
+    """What was trained beside it changes nothing."""
+    question = question_of(3.0)
+    answers = [rule_in_looks(question, LOOKS, complete) for complete in range(1, 5)]
+    first = next(at for at, it in enumerate(answers) if it.is_decided)
+    assert all(it == answers[first] for it in answers[first:])
+
+
+def test_a_look_is_judged_by_what_was_there_then():
+    """The question with all seeds and the one with those of the look say the same."""
+    question = question_of(1.0)
+    assert rule_in_looks(question, LOOKS, 2) == rule_in_looks(question.until(1), LOOKS, 2)
+
+
+def test_the_last_look_ends_it():
+    """Whatever is found."""
+    found = rule_in_looks(question_of(0.0, seed=1), replace(LOOKS, margin=0.001), 4)
+    assert found.is_last
+    assert found.is_over
+    assert not found.is_decided
+
+
+def test_one_look_alone_is_the_test_of_all_seeds():
+    """There is nothing to spend before."""
+    looks = Looks((6,))
+    question = question_of(1.0, looks=looks)
+    (at_once,) = rule([replace(question, looks=np.zeros((6, 1), np.int64))])
+    found = rule_in_looks(question, looks, 1)
+    assert found.p == pytest.approx(at_once.p, abs=0.01)  # drawn ways beside all ways
+
+
+def test_a_look_spends_in_proportion_to_its_seeds():
+    """A third of the seeds, a third of 5 %."""
+    assert [LOOKS.spent(look) for look in range(4)] == pytest.approx([0.05 / 3, 0.025, 0.1 / 3, 0.05])
+
+
+def test_several_questions_share_the_level():
+    """Each has a smaller one, so its corrected p is larger."""
+    one, five = rule_in_looks(question_of(1.0), LOOKS, 1), rule_in_looks(question_of(1.0), replace(LOOKS, asked=5), 1)
+    assert five.corrected == pytest.approx(min(1.0, 5 * one.corrected))
+
+
+def test_a_small_difference_ends_it():
+    """Where it is certainly below the margin; that is no decision."""
+    found = rule_in_looks(question_of(0.0, spread=0.01), replace(LOOKS, margin=0.1), 4)
+    assert found.small == 0.1
+    assert found.is_over
+    assert not found.is_decided
+
+
+@pytest.mark.parametrize(
+    ("seeds", "futile"),
+    [((2, 3, 4, 6), [False, False, True, True]), (ONE_PLACE, [False, True, True, True, True, True])],
+)
+def test_small_differences_end_it_at_the_last_five_looks_from_four_seeds(seeds: tuple[int, ...], futile: list[bool]):
+    """Before that a few seeds are alike by luck."""
+    looks = Looks(seeds)
+    assert [looks.is_futile_at(look) for look in range(len(seeds))] == futile
+
+
+def test_reach_is_the_difference_and_what_luck_may_add():
+    """One-sided at its confidence."""
+    question = question_of(0.5).until(0)
+    estimate = question.estimate()
+    assert reach(question, 0, 0.99) > abs(estimate.difference)
+    assert reach(question, 0, 0.99) > reach(question, 0, 0.9)
+    assert is_small(question, reach(question, 0, 0.99) + 1e-9)
+
+
+@pytest.mark.parametrize("places", range(1, 10))
+def test_usual_looks_depend_on_the_places(places: int):
+    """Two seeds in each of four places are as many as eight in one."""
+    assert looks_for(places) == (SEVERAL_PLACES if places >= MANY_PLACES else ONE_PLACE)
+
+
+@pytest.mark.parametrize(
+    ("seeds", "told"),
+    [
+        ((), "have to increase"),
+        ((6, 6), "have to increase"),
+        ((8, 6), "have to increase"),
+        ((1, 4), "at least 2 seeds"),
+    ],
+)
+def test_looks_that_cannot_be_used_say_why(seeds: tuple[int, ...], told: str):
+    """What is allowed, with an example."""
+    assert told in check_looks(seeds)
+
+
+@pytest.mark.parametrize("seeds", [ONE_PLACE, SEVERAL_PLACES, (2,), (3, 7)])
+def test_looks_that_increase_are_fine(seeds: tuple[int, ...]):
+    """Those of the harness among them."""
+    assert check_looks(seeds) == ""

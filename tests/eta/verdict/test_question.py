@@ -1,0 +1,115 @@
+"""The statistic of a question, in every way to deal the labels."""
+
+import itertools
+
+import numpy as np
+import pytest
+import scipy.stats
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.arrays import Float
+from harness.eta.verdict.question import LEAST_SPREAD, Question
+
+
+def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
+    """Normal values, (2, seeds, places, measures)."""
+    values = np.random.default_rng(seed).normal(size=(2, seeds, places, measures))
+    values[1] += effect
+    return values
+
+
+@given(st.integers(3, 12), st.integers(0, 1000))
+def test_the_statistic_of_one_place_is_welchs_t(seeds: int, seed: int):
+    """As scipy computes it."""
+    values = values_of(seeds, effect=0.5, seed=seed)
+    theirs = scipy.stats.ttest_ind(values[1, :, 0, 0], values[0, :, 0, 0], equal_var=False)
+    question = Question.of(values)
+    assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
+    assert question.estimate().freedom == pytest.approx(theirs.df)
+
+
+@given(st.integers(3, 8), st.integers(2, 4), st.integers(0, 1000))
+def test_the_statistic_of_several_places_is_that_of_the_mean_over_them(seeds: int, places: int, seed: int):
+    """Seeds that were trained in all places are the unit."""
+    values = values_of(seeds, places, effect=0.5, seed=seed)
+    means = values[..., 0].mean(axis=2)
+    theirs = scipy.stats.ttest_ind(means[1], means[0], equal_var=False)
+    assert Question.of(values).statistics()[0, 0] == pytest.approx(theirs.statistic)
+
+
+def test_every_way_to_deal_is_the_statistic_of_the_dealt_values():
+    """Not only the first."""
+    values = values_of(4, places=2)
+    question = Question.of(values)
+    pooled = np.concatenate([values[0], values[1]])[..., 0].mean(axis=1)
+    for deal, found in zip(question.deals, question.statistics()[:, 0], strict=True):
+        theirs = scipy.stats.ttest_ind(pooled[deal == 1.0], pooled[deal == 0.0], equal_var=False)
+        assert found == pytest.approx(theirs.statistic)
+
+
+def test_seeds_of_single_places_are_no_seeds_of_the_others():
+    """Each place then has labels and a variance of its own, and the variances add."""
+    seeds, values = 4, np.full((2, 8, 2, 1), np.nan)
+    drawn = values_of(seeds, 2)
+    values[:, :4, 0], values[:, 4:, 1] = drawn[:, :, 0], drawn[:, :, 1]
+    question = Question.of(values)
+    sides = drawn[..., 0]
+    difference = (sides[1] - sides[0]).mean()
+    error = np.sqrt(sides.var(axis=1, ddof=1).sum() / seeds) / 2
+    assert question.statistics()[0, 0] == pytest.approx(difference / error)
+    assert question.layout.strata == ((0, 4), (1, 4))
+
+
+def test_a_shift_changes_nothing():
+    """Statistics are about differences."""
+    values = values_of(5, 2, 2)
+    assert Question.of(values + 7.0).statistics() == pytest.approx(Question.of(values).statistics())
+
+
+def test_a_place_without_spread_has_an_error_all_the_same():
+    """A thousandth of the pooled standard deviation: no statistic is infinite."""
+    values = np.zeros((2, 5, 1, 1))
+    values[1] = 1.0
+    found = Question.of(values).statistics()
+    pooled = np.sqrt(10 * 0.25 / 9)
+    assert np.isfinite(found).all()
+    assert found[0, 0] == pytest.approx(1.0 / (LEAST_SPREAD * pooled))
+
+
+def test_where_nothing_varies_the_statistic_is_zero():
+    """Two rewards that succeed always."""
+    assert (Question.of(np.ones((2, 5, 1, 1))).statistics() == 0.0).all()
+
+
+def test_a_value_that_is_missing_under_one_reward_is_left_out_under_both():
+    """So labels are dealt among as many of each."""
+    values = values_of(5)
+    values[1, 2] = np.nan
+    kept = np.delete(values, 2, axis=1)
+    assert Question.of(values).statistics() == pytest.approx(Question.of(kept).statistics())
+
+
+@pytest.mark.parametrize(("seeds", "is_testable"), [(1, False), (2, True)])
+def test_one_seed_has_no_spread(seeds: int, is_testable: bool):
+    """And so no test."""
+    assert Question.of(values_of(seeds)).is_testable == is_testable
+
+
+def test_subsets_of_places_have_the_statistic_of_their_mean():
+    """Every subset, in every way, is the question about these places alone."""
+    values = values_of(4, places=3)
+    question = Question.of(values)
+    subsets = np.array([it for it in itertools.product((0.0, 1.0), repeat=3) if any(it)])
+    found = np.concatenate(list(question.subset_statistics(subsets)))
+    for at, subset in enumerate(subsets):
+        alone = Question.of(values[:, :, subset == 1.0]).statistics()
+        assert found[:, at] == pytest.approx(alone)
+
+
+def test_until_a_look_later_seeds_are_unknown():
+    """And the places that they were trained in."""
+    values, looks = values_of(6), np.array([[0], [0], [0], [1], [1], [2]])
+    question = Question(values, looks)
+    assert question.until(1).values.shape[1] == 5
+    assert question.until(0).statistics() == pytest.approx(Question.of(values[:, :3]).statistics())

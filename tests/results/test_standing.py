@@ -1,0 +1,160 @@
+"""How an experiment with looks stands, from folders made by hand."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.store import Store
+from harness.record.terms import Terms
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+from harness.results import Results
+from harness.results.seen import Seen
+from harness.results.standing import Standing, standing_of
+from tests.results.folders import BASELINE_RUNS, fail, finish
+
+TERMS = Terms((2, 4, 6), asked=2, margin=0.1)
+RACE = Terms((2, 4), asked=3, margin=0.1, race=True)
+REWARDS = ("baseline", "dense", "arp")
+EPISODES = 10
+
+
+class Folder:
+    """An experiment with looks, of which some cells are done."""
+
+    def __init__(self, store: Store, cells: Mapping[str, Sequence[Cell]], registry: Registry) -> None:
+        """Begin with nothing done."""
+        self.store, self.cells, self.registry = store, cells, registry
+
+    def train(self, reward: str, successes: Sequence[float]) -> None:
+        """Do the next cells of a reward, with these shares of successes."""
+        done = [cell for cell in self.cells[reward] if self.store.cell_folder(cell).exists()]
+        for cell, share in zip(self.cells[reward][len(done) :], successes, strict=False):
+            reached = round(share * EPISODES)
+            finish(self.store, cell, BASELINE_RUNS[0], [True] * reached + [False] * (EPISODES - reached))
+
+    @property
+    def results(self) -> Results:
+        """What it says now."""
+        return Results(self.store.folder, self.registry)
+
+    @property
+    def standing(self) -> Standing:
+        """How it stands now."""
+        found = standing_of(self.results)
+        assert found is not None
+        return found
+
+
+@pytest.fixture
+def folder_of(
+    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], registry: Registry, tmp_path: Path
+) -> Callable[[Terms], Folder]:
+    """An experiment that trains in looks, nothing done yet."""
+
+    def make(terms: Terms) -> Folder:
+        choices = {name: Choice(name, (), name) for name in REWARDS}
+        cells = {
+            name: [make_cell(seed=100 + seed, reward=it) for seed in range(terms.looks[-1])]
+            for name, it in choices.items()
+        }
+        in_order = [cells[name][seed] for seed in range(terms.looks[-1]) for name in REWARDS]
+        store = Store.create(tmp_path, replace(make_plan(*in_order), terms=terms))
+        return Folder(store, cells, registry)
+
+    return make
+
+
+def test_at_first_all_rewards_wait_for_the_first_look(folder_of: Callable[[Terms], Folder]):
+    """Two seeds of each."""
+    standing = folder_of(TERMS).standing
+    assert standing.open == REWARDS
+    assert (standing.look, len(standing.next)) == (0, 6)
+    assert standing.most_left == 18
+    assert standing.text == "0 of 2 decided, at most 18 trainings left"
+
+
+def test_a_look_is_over_when_all_of_its_cells_have_ended(folder_of: Callable[[Terms], Folder]):
+    """Then the next one comes."""
+    folder = folder_of(TERMS)
+    for reward in REWARDS:
+        folder.train(reward, [0.5, 0.7])
+    standing = folder.standing
+    assert standing.look == 1
+    assert {cell.seed for cell in standing.next} == {100, 101, 102, 103}
+
+
+def test_a_look_that_is_not_complete_waits(folder_of: Callable[[Terms], Folder]):
+    """For the cells that are missing."""
+    folder = folder_of(TERMS)
+    folder.train("baseline", [0.5, 0.7])
+    folder.train("dense", [0.5])
+    assert folder.standing.look == 0
+
+
+def test_a_failed_cell_has_ended(folder_of: Callable[[Terms], Folder]):
+    """Nothing waits for it for ever."""
+    folder = folder_of(TERMS)
+    folder.train("baseline", [0.5, 0.7])
+    folder.train("dense", [0.5, 0.7])
+    for cell in folder.cells["arp"][:2]:
+        fail(folder.store, cell, "it broke")
+    assert folder.standing.look == 1
+
+
+def test_who_is_decided_is_trained_no_further(folder_of: Callable[[Terms], Folder]):
+    """The baseline goes on with the others."""
+    folder = folder_of(TERMS)
+    folder.train("baseline", [0.4, 0.5, 0.4, 0.5, 0.4, 0.5])
+    folder.train("arp", [0.3, 0.7, 0.3, 0.7, 0.1, 0.9])
+    folder.train("dense", [0.1, 1.0, 0.0, 0.9])
+    standing = folder.standing
+    assert "arp" not in standing.open  # all of its looks are used
+    assert standing.open == ("baseline", "dense")
+    assert standing.unanswered == ("arp",)
+    assert standing.text == "1 of 2 decided (1 without an answer: all looks are used), at most 2 trainings left"
+
+
+def test_when_all_is_answered_nothing_is_left(folder_of: Callable[[Terms], Folder]):
+    """The baseline alone is not trained on."""
+    folder = folder_of(TERMS)
+    for reward in REWARDS:
+        folder.train(reward, [0.4, 0.4, 0.4, 0.4])  # alike: small from four seeds on
+    standing = folder.standing
+    assert standing.is_over
+    assert (standing.next, standing.most_left) == ([], 0)
+    assert standing.text == "2 of 2 decided"
+
+
+def test_an_experiment_that_trains_all_at_once_has_no_standing(experiment: Store, registry: Registry):
+    """It has no looks."""
+    assert standing_of(Results(experiment.folder, registry)) is None
+
+
+def test_in_a_race_the_baseline_takes_part(folder_of: Callable[[Terms], Folder]):
+    """It can be the best, and it can leave."""
+    folder = folder_of(RACE)
+    folder.train("baseline", [0.0, 0.0])
+    folder.train("dense", [0.9, 0.9])
+    folder.train("arp", [0.9, 0.9])
+    standing = folder.standing
+    assert standing.race.beaten.keys() == {"baseline"}
+    assert standing.text == "2 of 3 rewards can still be the best"
+    assert standing.is_over  # both succeed as often
+    assert standing.to_json()["race"]["is_close"]
+
+
+def test_seeds_of_later_looks_are_told_by_the_order_of_the_plan(folder_of: Callable[[Terms], Folder]):
+    """Their numbers say nothing."""
+    folder = folder_of(TERMS)
+    for reward in REWARDS:
+        folder.train(reward, [0.5, 0.7, 0.5, 0.7])
+    results = folder.results
+    seen = Seen.of(results.manifests, TERMS.looks)
+    of_seed, complete = seen.look_of(results.combinations[0])
+    assert of_seed == {100: 0, 101: 0, 102: 1, 103: 1, 104: 2, 105: 2}
+    assert complete == 2

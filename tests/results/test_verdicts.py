@@ -1,0 +1,161 @@
+"""The questions of an experiment, and their answers beside each comparison."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.record.terms import FIRST, NEW, Terms
+from harness.results.comparison import Comparison
+from harness.results.verdicts import SPEED_LEVEL, with_verdicts
+from tests.results.told import comparison, rates
+
+PLACES = ("mujoco", "pybullet", "drake", "physx")
+
+
+def of_success(proposed: str, mean: float, place: str = "mujoco", seed: int = 0, seeds: int = 6) -> Comparison:
+    """A comparison with a baseline that succeeds in half of the episodes."""
+    return comparison(proposed, {"success_rate": rates(0.5, mean, seeds, seed=seed)}, place)
+
+
+def test_one_comparison_is_one_question():
+    """Its p is its own."""
+    (found,) = with_verdicts([of_success("dense", 0.9)])
+    assert found.ruling.asked == 1
+    assert found.ruling.corrected == found.ruling.p
+    assert found.headline.answer == "helps"
+    assert found.pool is None
+
+
+def test_the_order_of_the_comparisons_stays():
+    """Whatever is asked together."""
+    asked = [of_success(name, 0.5, place) for name in ("dense", "arp") for place in PLACES[:2]]
+    assert [it.place_key for it in with_verdicts(asked)] == [it.place_key for it in asked]
+
+
+def test_rewards_in_one_place_are_asked_together():
+    """Each has a larger p than alone."""
+    both = with_verdicts([of_success("dense", 0.6), of_success("arp", 0.6, seed=1)])
+    (alone,) = with_verdicts([of_success("dense", 0.6)])
+    assert [it.ruling.asked for it in both] == [2, 2]
+    assert both[0].ruling.corrected >= alone.ruling.corrected
+
+
+def test_several_places_get_one_answer():
+    """The same in each comparison; four small differences add up."""
+    found = with_verdicts([of_success("dense", 0.58, place, seed) for seed, place in enumerate(PLACES)])
+    assert len({id(it.pool) for it in found}) == 1
+    pool = found[0].pool
+    assert pool.headline.answer == "helps"
+    assert pool.places == tuple(it.group.title for it in found)
+
+
+def test_places_of_other_budgets_are_other_questions():
+    """What holds after 1,000 steps may not hold after 2,000."""
+    short, long = of_success("dense", 0.9), of_success("dense", 0.9, seed=1)
+    long = replace(long, group=long.group._replace(steps=2000))
+    found = with_verdicts([short, long])
+    assert [it.pool for it in found] == [None, None]
+    assert [it.ruling.asked for it in found] == [2, 2]
+
+
+def test_a_null_control_is_no_question():
+    """It takes nothing from the rewards, and is ruled by itself."""
+    control = comparison("baseline", {"success_rate": rates(0.5, 0.5)})
+    alone, beside = with_verdicts([of_success("dense", 0.9)])[0], with_verdicts([of_success("dense", 0.9), control])[0]
+    assert alone.ruling == beside.ruling
+
+
+def test_a_comparison_without_values_is_no_question():
+    """It has no ruling that decides, and takes nothing from the others."""
+    empty = comparison("arp", {"time_to_target": rates(0.5, 0.5)})
+    empty = replace(empty, changes=())
+    found = with_verdicts([of_success("dense", 0.9), empty])
+    assert found[0].ruling.asked == 1
+    assert not found[1].ruling.is_decided
+
+
+def test_two_measures_are_one_question():
+    """The larger statistic decides; one that does not pass says nothing."""
+    values = {"success_rate": rates(0.9, 0.9), "time_to_target": 3.0 + rates(0.9, 0.1, seed=1)}
+    (found,) = with_verdicts([comparison("dense", values)])
+    assert found.headline.answer == "helps"
+    assert found.headline.decided_by == "time_to_target"
+
+
+def test_places_with_other_units_get_an_answer_without_values():
+    """Relative to their size they can be put together, as numbers they cannot."""
+    times = {"time_to_target": 1.0 + rates(0.9, 0.1)}
+    one = comparison("dense", times, "mujoco")
+    other = comparison("dense", {"time_to_target": 1000.0 * times["time_to_target"]}, "pybullet")
+    change = other.changes[0]
+    other = replace(other, changes=(replace(change, measure=change.measure._replace(unit="ms")),))
+    found = with_verdicts([one, other])
+    assert found[0].pool.measures == ()
+    assert found[0].pool.headline.answer == "helps"
+
+
+def test_what_does_not_decide_is_a_hint():
+    """It has a p of a family of its own, and decides nothing."""
+    (found,) = with_verdicts(
+        [comparison("dense", {"success_rate": rates(0.5, 0.5), "time_to_target": rates(0.5, 0.5)})]
+    )
+    assert found.claims == 0
+    with_hint = replace(found, deciding=("success_rate",))
+    (found,) = with_verdicts([with_hint])
+    assert found.claims == 1
+
+
+def speeds(mean: float) -> Mapping[str, object]:
+    """A comparison whose final policies are alike, and one learned sooner."""
+    return {"values": {"success_rate": rates(0.5, 0.5)}, "speed": rates(0.3, mean, seed=5)}
+
+
+def test_new_experiments_ask_a_second_question():
+    """At 0.01; the verdict then has 0.04."""
+    (found,) = with_verdicts([comparison("dense", **speeds(0.8))], NEW)
+    assert found.ruling.level == pytest.approx(0.04)
+    assert found.speed_ruling.level == SPEED_LEVEL
+    assert "dense learns faster" in found.speed_text
+
+
+def test_experiments_of_version_0_1_do_not():
+    """Their verdict has all of the 5 %."""
+    (found,) = with_verdicts([comparison("dense", **speeds(0.8))], FIRST)
+    assert (found.ruling.level, found.speed_ruling, found.speed_text) == (0.05, None, "")
+
+
+def test_where_no_speed_was_measured_the_verdict_has_it_all():
+    """There is nothing to ask."""
+    (found,) = with_verdicts([of_success("dense", 0.9)], NEW)
+    assert found.ruling.level == 0.05
+
+
+def test_who_learns_slower_is_told_so():
+    """As carefully as who learns faster."""
+    (found,) = with_verdicts([comparison("dense", **speeds(0.0))], NEW)
+    assert "dense learns slower" in found.speed_text
+
+
+def test_in_a_race_no_comparison_is_a_test():
+    """The race decides who leaves."""
+    (found,) = with_verdicts([of_success("dense", 0.9)], Terms((6,), race=True))
+    assert not found.ruling.is_decided
+    assert "The race decides" in found.headline.robot
+
+
+def test_looks_tell_which_seeds_count():
+    """Seeds of a look that is not complete change nothing."""
+    asked = of_success("dense", 0.5, seeds=8)
+    terms = Terms((4, 8), margin=0.001)
+
+    def look_of(it: Comparison, complete: int) -> tuple[Mapping[int, int], int]:
+        return {seed: int(seed >= 4) for seed in it.seeds}, complete
+
+    (first,) = with_verdicts([asked], terms, lambda it: look_of(it, 1))
+    (second,) = with_verdicts([asked], terms, lambda it: look_of(it, 2))
+    few = np.array([it[:4] for it in np.transpose(asked.changes[0].values)])
+    (alone,) = with_verdicts([comparison("dense", {"success_rate": few})], terms, lambda it: look_of(it, 1))
+    assert first.ruling == alone.ruling
+    assert first.ruling != second.ruling

@@ -1,0 +1,64 @@
+"""Comparisons with the values of seeds, made by hand."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.eta.behaviour_change import Change, Measure, change_of
+from harness.eta.swaps import swaps_of
+from harness.registry.choice import Choice
+from harness.results.comparison import Comparison, Group
+from harness.results.measured import TRAINING
+
+SUCCESS = Measure("success_rate", "", "higher", "deterministic", 100)
+TIME = Measure("time_to_target", "s", "lower", "deterministic")
+SPEED = Measure("success_rate", "", "higher", TRAINING, 100)
+
+
+def comparison(
+    proposed: str,
+    values: Mapping[str, Float],
+    place: str = "mujoco",
+    baseline: str = "baseline",
+    speed: Float | None = None,
+    first_seed: int = 0,
+    steps: int = 1000,
+    **fields: object,
+) -> Comparison:
+    """A comparison in one place.
+
+    Args:
+        proposed: The reward.
+        values: By measure, (2, seeds): under the baseline and under the proposed reward.
+        place: The simulator.
+        baseline: The other reward.
+        speed: Success over the training, (2, seeds).
+        first_seed: Seeds count from here.
+        steps: Of each training.
+        fields: Others of the comparison.
+    """
+    seeds = tuple(range(first_seed, first_seed + next(iter(values.values())).shape[1]))
+    changes = [
+        _change({"success_rate": SUCCESS, "time_to_target": TIME}[name], it, seeds) for name, it in values.items()
+    ]
+    if speed is not None:
+        changes.append(_change(SPEED, speed, seeds))
+    group = Group(
+        "fd100", Choice("reach", (), "reach"), Choice("sac", (), "sac"), steps, 100,
+        simulator=Choice(place, (), place),
+    )  # fmt: skip
+    return Comparison(
+        group, baseline, proposed, seeds, None, tuple(changes), {}, episodes={"deterministic": 100}, **fields
+    )
+
+
+def rates(mean: float, other: float, seeds: int = 6, spread: float = 0.05, seed: int = 0) -> Float:
+    """Success under the baseline and under the proposed reward, (2, seeds)."""
+    values: Float = np.random.default_rng(seed).normal(size=(2, seeds)) * spread + np.array([[mean], [other]])
+    return np.clip(values, 0.0, 1.0)
+
+
+def _change(measure: Measure, values: Float, seeds: Sequence[int]) -> Change:
+    one, other = (dict(zip(seeds, side.tolist(), strict=True)) for side in values)
+    return change_of(measure, one, other, swaps_of(seeds))
