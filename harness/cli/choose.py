@@ -15,7 +15,7 @@ from harness.cli.flags.shared import (
     RobotName,
     SimulatorNames,
 )
-from harness.cli.output import say, say_json
+from harness.cli.output import say
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
@@ -74,7 +74,9 @@ def choose(
     if dry_run:
         return flags.foresee_run(asked, options, plugins, as_json)
     results, status = flags.train(asked, options, plugins, quiet)
-    _show(results, registry.broken_files(), as_json)
+    flags.show_run(results, as_json)
+    if not as_json:
+        _add(results, registry.broken_files())
     return status
 
 
@@ -103,19 +105,12 @@ def _screen(asked: "Experiment", registry: "Registry") -> None:
         say(f"  {line}", err=True)
 
 
-def _show(results: "Results", left_out: Sequence[str], as_json: bool) -> None:
-    """Who is best, and how every reward did."""
-    from harness.cli.table_and_page import make_table_and_page
-    from harness.cli.terminal import show
-    from harness.report.document import report_to_json
-    from harness.report.tables.race import race_table
+def _add(results: "Results", left_out: Sequence[str]) -> None:
+    """Why candidates are missing, and whether there is a race to tell of yet."""
+    from harness.results.standing import standing_of
 
-    if as_json:
-        say_json(report_to_json(results))
-    else:
-        table = race_table(results, left_out)
-        if table is None:
-            say("No look is complete yet: the same command goes on.")
-        else:
-            show(table)
-    make_table_and_page(results, as_json)
+    for line in left_out:
+        say(line)
+    standing = standing_of(results)
+    if standing is None or standing.race is None or not standing.race.looks:
+        say("No look is complete yet: the same command goes on.")

@@ -245,7 +245,7 @@ def run(
     if dry_run:
         return foresee_run(asked, options, plugins, as_json)
     results, status = train(asked, options, plugins, quiet)
-    _show(results, as_json)
+    show_run(results, as_json)
     return status
 
 
@@ -372,7 +372,7 @@ def parse_time(text: str | None) -> float:
     return seconds
 
 
-def _show(results: "Results", as_json: bool) -> None:
+def show_run(results: "Results", as_json: bool) -> None:
     """The comparison on standard output; what was written too, unless JSON is to stand there alone."""
     from harness.cli.results_shown import show_results
     from harness.cli.table_and_page import make_table_and_page

@@ -8,8 +8,10 @@ import pytest
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
 from harness.record.store import Store
+from harness.record.terms import Terms
 from harness.registry.registry import Registry, load_registry
 from tests.results.folders import ARP, ARP_RUNS, BASELINE_RUNS, finish
+from tests.results.in_looks import Folder, folder_in_looks
 
 
 @pytest.fixture(scope="module")
@@ -26,3 +28,11 @@ def experiment(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], t
     for cell in cells:
         finish(store, cell, (ARP_RUNS if cell.reward == ARP else BASELINE_RUNS)[cell.seed])
     return store
+
+
+@pytest.fixture
+def folder_of(
+    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], registry: Registry, tmp_path: Path
+) -> Callable[[Terms], Folder]:
+    """An experiment that trains in looks, nothing done yet."""
+    return lambda terms: folder_in_looks(terms, make_cell, make_plan, registry, tmp_path)

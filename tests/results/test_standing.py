@@ -1,72 +1,17 @@
 """How an experiment with looks stands, from folders made by hand."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Callable
 
-import pytest
-
-from harness.experiment.plan import Plan
-from harness.record.cell import Cell
 from harness.record.store import Store
 from harness.record.terms import Terms
-from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.seen import Seen
-from harness.results.standing import Standing, standing_of
-from tests.results.folders import BASELINE_RUNS, fail, finish
+from harness.results.standing import standing_of
+from tests.results.folders import fail
+from tests.results.in_looks import RACE, REWARDS, Folder
 
 TERMS = Terms((2, 4, 6), asked=2, margin=0.1)
-RACE = Terms((2, 4), asked=3, margin=0.1, race=True)
-REWARDS = ("baseline", "dense", "arp")
-EPISODES = 10
-
-
-class Folder:
-    """An experiment with looks, of which some cells are done."""
-
-    def __init__(self, store: Store, cells: Mapping[str, Sequence[Cell]], registry: Registry) -> None:
-        """Begin with nothing done."""
-        self.store, self.cells, self.registry = store, cells, registry
-
-    def train(self, reward: str, successes: Sequence[float]) -> None:
-        """Do the next cells of a reward, with these shares of successes."""
-        done = [cell for cell in self.cells[reward] if self.store.cell_folder(cell).exists()]
-        for cell, share in zip(self.cells[reward][len(done) :], successes, strict=False):
-            reached = round(share * EPISODES)
-            finish(self.store, cell, BASELINE_RUNS[0], [True] * reached + [False] * (EPISODES - reached))
-
-    @property
-    def results(self) -> Results:
-        """What it says now."""
-        return Results(self.store.folder, self.registry)
-
-    @property
-    def standing(self) -> Standing:
-        """How it stands now."""
-        found = standing_of(self.results)
-        assert found is not None
-        return found
-
-
-@pytest.fixture
-def folder_of(
-    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], registry: Registry, tmp_path: Path
-) -> Callable[[Terms], Folder]:
-    """An experiment that trains in looks, nothing done yet."""
-
-    def make(terms: Terms) -> Folder:
-        choices = {name: Choice(name, (), name) for name in REWARDS}
-        cells = {
-            name: [make_cell(seed=100 + seed, reward=it) for seed in range(terms.looks[-1])]
-            for name, it in choices.items()
-        }
-        in_order = [cells[name][seed] for seed in range(terms.looks[-1]) for name in REWARDS]
-        store = Store.create(tmp_path, replace(make_plan(*in_order), terms=terms))
-        return Folder(store, cells, registry)
-
-    return make
 
 
 def test_at_first_all_rewards_wait_for_the_first_look(folder_of: Callable[[Terms], Folder]):

@@ -333,6 +333,9 @@ def question(results: Results) -> str:
     """What the report answers."""
     labels = dict.fromkeys(combination.proposed for combination in results.combinations)
     proposed = [label for label in labels if label != results.baseline]  # that would be A/A
+    if results.plan.terms.race:
+        names = [results.baseline, *proposed]
+        return f"Which reward makes the {results.subject} behave best: {', '.join(names[:-1])} or {names[-1]}?"
     verb, subject = ("Does", "a reward") if not proposed else ("Does", f"the reward {proposed[0]}")
     if len(proposed) > 1:
         verb, subject = "Do", f"the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"

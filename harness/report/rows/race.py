@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from harness.eta.splits import Split
 from harness.eta.verdict.race import CLOSE, Race
 from harness.report.rows.comparison import Grid, format_number
 from harness.results import Results
@@ -13,10 +14,12 @@ from harness.results.standing import Standing, standing_of, values_of
 
 TITLE = "The race for the best reward"
 EXPLANATION = (
-    "Rewards leave when another one that is still in the race is better, by a test that spends 5 % over all looks. "
-    "Who left is trained no further. The pay is each reward's own, beside the baseline's: it decides nothing."
+    "A reward leaves when another one that is still in the race is better, by a test that spends 5 % over all looks. "
+    "It is then trained no further. The number is what a reward says of its own trainings, divided by what the "
+    "baseline says of its own: a mean return, or what was earned (I_P), or what was lost (I_N). Of that, the ruler "
+    "comes from counting the same runs differently. The number decides nothing."
 )
-HEADINGS = ("", "seeds", "{measure}", "its pay", "of it behaviour", "")
+HEADINGS = ("", "seeds", "{measure}", "number", "of it ruler", "in the race")
 
 
 class RaceTold(NamedTuple):
@@ -74,13 +77,16 @@ def _row(
 ) -> tuple[str, ...]:
     seeds, value = points[-1] if points else (0, None)
     told = NOTHING if value is None else _value(value, is_share)
-    return (name, str(seeds), told, *_pay(comparison), _end(standing, name))
+    return (name, str(seeds), told, *_number(comparison), _end(standing, name))
 
 
 def _points(results: Results, standing: Standing, name: str, sign: float) -> list[tuple[int, float]]:
-    """The mean at each look, up to the last one that is complete."""
+    """The mean at each look, up to the one at which it left, or the last one that is complete."""
+    race = standing.race
+    assert race is not None
     values = sign * values_of(results, standing.seen, name)
-    ends = standing.terms.looks[: standing.seen.complete(name)]
+    last = race.beaten[name].look + 1 if name in race.beaten else race.looks
+    ends = standing.terms.looks[:last]
     return [
         (end, float(np.nanmean(values[:, :end], axis=1).mean())) for end in ends if np.isfinite(values[:, :end]).any()
     ]
@@ -95,16 +101,26 @@ def _value(value: float, is_share: bool) -> str:
     return f"{value:.1%}" if is_share else format_number(value)
 
 
-def _pay(comparison: Comparison | None) -> tuple[str, str]:
-    """How many times the baseline's mean return a reward pays its own policies, and which part is behaviour."""
+def _number(comparison: Comparison | None) -> tuple[str, str]:
+    """How much larger a reward's number is than the baseline's, and which part is ruler."""
     if comparison is None:
-        return "1", ""
-    split = next(iter(comparison.returns.values()), None)
-    if split is None or split.ratio.eta.value is None or split.ratio.eta.near_zero is not None:
+        return "1", "1"
+    known = [(name, split) for name, split in _splits(comparison) if _is_told(split)]
+    if not known:
         return NOTHING, NOTHING
-    behaviour = split.ratio.behaviour.value
-    told = NOTHING if behaviour is None else f"x {format_number(behaviour)}"
-    return f"x {format_number(split.ratio.eta.value)}", told
+    name, split = known[0]
+    ruler = NOTHING if split.ruler.value is None else f"x {format_number(split.ruler.value)}"
+    return f"{name}x {format_number(split.eta.value or 0.0)}", ruler
+
+
+def _splits(comparison: Comparison) -> list[tuple[str, Split]]:
+    """The ratios of mean returns, and of an arm those of its indices: that of what it earned before the other."""
+    returns = [("", split.ratio) for split in comparison.returns.values()]
+    return [*returns, ("I_P ", comparison.splits["eta_P"]), ("I_N ", comparison.splits["eta_N"])]
+
+
+def _is_told(split: Split) -> bool:
+    return split.eta.value is not None and split.eta.near_zero is None
 
 
 def _end(standing: Standing, name: str) -> str:
@@ -112,8 +128,7 @@ def _end(standing: Standing, name: str) -> str:
     assert race is not None
     if name in race.beaten:
         it = race.beaten[name]
-        why = f"beaten by {it.by}" if it.by else "too few of its trainings left a number"
-        return f"left after {standing.terms.looks[it.look]} seeds, {why}"
+        return f"beaten by {it.by}" if it.by else "too few numbers"
     if race.best == name:
         return "BEST"
-    return f"within {100 * CLOSE:g} points of the best" if race.is_close else "in the race"
+    return f"within {100 * CLOSE:g} points of the best" if race.is_close else "can be the best"

@@ -11,6 +11,7 @@ from harness.report.rows.comparison import Grid, advice, basis_text, count_cells
 from harness.report.rows.pools import TITLE, pooled_answers
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.tables.grid import divide_columns, show_grid
+from harness.report.tables.race import race_lines
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.overview import (
@@ -28,24 +29,31 @@ from harness.results.return_matrix import ReturnMatrix
 def overview_table(results: Results, details: str) -> RenderableType:
     """What is the same in all comparisons, then a line for each. A single comparison is told in sentences.
 
+    Of a race for the best reward there is a line for each reward instead.
+
     Args:
         results: The experiment.
         details: The command that shows everything behind the overview.
     """
     combinations = results.combinations
-    parts: list[RenderableType] = [comparison_lines(combinations)] if combinations else []
-    pooled = pooled_lines(combinations)
-    parts += [Text(), *pooled] if pooled else []
+    parts = race_lines(results) or _comparisons(results)
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.mixtures))
-    if len(combinations) == 1:
-        parts += _sentences(results, combinations[0])
-    else:
-        parts += [part for line in _bases(combinations) for part in (Text(), Text(line))]
     parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
     for matrix in _with_others(results):
         parts += [Text(), Text(matrix_title(matrix), style="bold"), *show_grid(return_grid(matrix))]
     parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, remarks_on_cells(results))]
     return Together(*parts, *([Text(f"All numbers behind this: {details}")] if combinations else []))
+
+
+def _comparisons(results: Results) -> list[RenderableType]:
+    combinations = results.combinations
+    if not combinations:
+        return []
+    pooled = pooled_lines(combinations)
+    parts = [comparison_lines(combinations), *([Text(), *pooled] if pooled else [])]
+    if len(combinations) == 1:
+        return [*parts, *_sentences(results, combinations[0])]
+    return [*parts, *(part for line in _bases(combinations) for part in (Text(), Text(line)))]
 
 
 def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:

@@ -1,0 +1,128 @@
+"""A race for the best reward, as the terminal and the page show it."""
+
+from collections.abc import Callable
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from rich.console import Console, Group
+
+from harness.experiment.plan import Plan
+from harness.record.cell import Cell
+from harness.record.terms import Terms
+from harness.registry.registry import load_registry
+from harness.report.figures.race import draw_race
+from harness.report.rows.comparison import question
+from harness.report.rows.race import RaceTold, race_told
+from harness.report.tables.race import race_lines
+from tests.results.in_looks import RACE, Folder, folder_in_looks
+
+
+@pytest.fixture
+def folder(make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], tmp_path: Path) -> Folder:
+    """Three rewards, nothing done yet."""
+    return folder_in_looks(RACE, make_cell, make_plan, load_registry(), tmp_path)
+
+
+@pytest.fixture
+def over(folder: Folder) -> Folder:
+    """`dense` has beaten both others."""
+    folder.train("baseline", [0.0, 0.0])
+    folder.train("dense", [0.9, 0.9])
+    folder.train("arp", [0.1, 0.1])
+    return folder
+
+
+def told_of(folder: Folder) -> RaceTold:
+    """The race in words."""
+    told = race_told(folder.results)
+    assert told is not None
+    return told
+
+
+def test_before_the_first_look_there_is_nothing_to_tell(folder: Folder):
+    """Nor to print."""
+    assert race_told(folder.results) is None
+    assert race_lines(folder.results) == []
+
+
+def test_the_best_is_named_with_what_the_test_promises(over: Folder):
+    """In one line."""
+    sentence = "BEST: dense. All others are worse. The test errs in at most 5 % of such races."
+    assert told_of(over).sentence == sentence
+
+
+def test_the_best_comes_first_and_the_others_say_who_beat_them(over: Folder):
+    """A row for each reward, the baseline too."""
+    rows = {row[0]: row[1:] for row in told_of(over).grid.rows}
+    assert list(rows) == ["dense", "arp", "baseline"]
+    assert (rows["dense"][:2], rows["dense"][-1]) == (("2", "90.0%"), "BEST")
+    assert rows["baseline"][-1] == "beaten by dense"
+
+
+def test_the_number_stands_beside_its_ruler(over: Folder):
+    """What a reward says of its own trainings decides nothing."""
+    rows = {row[0]: row for row in told_of(over).grid.rows}
+    assert rows["baseline"][3:5] == ("1", "1")
+    assert rows["arp"][3].startswith("I_P x ")
+
+
+def test_rewards_that_are_as_good_are_named_together(folder: Folder):
+    """Within five points of the best."""
+    folder.train("baseline", [0.0, 0.0])
+    folder.train("dense", [0.9, 0.9])
+    folder.train("arp", [0.9, 0.9])
+    told = told_of(folder)
+    assert told.sentence.startswith("WITHIN 5 POINTS OF THE BEST: ")
+    assert told.sentence.endswith("All others are worse.")
+
+
+def test_a_race_that_goes_on_says_how_it_stands(folder: Folder):
+    """And how many trainings may be left."""
+    for reward in ("baseline", "dense", "arp"):
+        folder.train(reward, [0.2, 0.8])
+    assert "After 2 seeds, these can still be the best" in told_of(folder).sentence
+    assert "at most 6 trainings left" in told_of(folder).sentence
+
+
+def test_looks_that_ran_out_leave_the_question_open(folder: Folder):
+    """No word of better or worse."""
+    for reward in ("baseline", "dense", "arp"):
+        folder.train(reward, [0.2, 0.8, 0.5, 0.4])
+    assert told_of(folder).sentence.startswith("CANNOT TELL after 4 seeds which is best")
+
+
+def test_where_no_training_left_a_number_nothing_is_best(folder: Folder):
+    """All of them left."""
+    for cells in folder.cells.values():
+        for cell in cells:
+            folder.store.cell_folder(cell).mkdir(exist_ok=True)
+            folder.store.record(cell, "failed", "it broke")
+    assert told_of(folder).sentence == "CANNOT TELL: no reward left a number in its trainings."
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_the_table_fits(over: Folder, width: int):
+    """Into a terminal of this width."""
+    output = StringIO()
+    Console(file=output, width=width).print(Group(*race_lines(over.results)))
+    assert max(map(len, output.getvalue().splitlines())) <= width
+    assert "BEST: dense" in output.getvalue()
+
+
+def test_the_figure_has_a_line_for_each_that_ends_where_it_left(over: Folder):
+    """With its name beside the end."""
+    chart = draw_race(told_of(over))
+    assert {mark.text for mark in chart.marks if type(mark).__name__ == "Note"} == {"dense", "arp", "baseline"}
+
+
+def test_the_question_is_which_is_best(over: Folder):
+    """And not whether each is better than the baseline."""
+    assert question(over.results) == "Which reward makes the robot behave best: baseline, dense or arp?"
+
+
+def test_without_a_race_the_question_is_about_each(make_cell, make_plan, tmp_path: Path):
+    """As ever."""
+    folder = folder_in_looks(Terms((2, 4)), make_cell, make_plan, load_registry(), tmp_path)
+    assert race_told(folder.results) is None
+    assert question(folder.results).startswith("Do the rewards dense and arp make")
