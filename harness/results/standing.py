@@ -66,9 +66,10 @@ class Standing:
         left = "" if self.is_over else f", at most {self.most_left} trainings left"
         if self.race is not None:
             return f"{len(self.race.living)} of {len(self.rewards)} rewards can still be the best{left}"
-        others = self.rewards[1:]
-        unanswered = f" ({len(self.unanswered)} without an answer: all looks are used)" if self.unanswered else ""
-        return f"{len(others) - len(self.open[1:])} of {len(others)} decided{unanswered}{left}"
+        others = len(self.rewards) - 1
+        decided = others - len(self.open[1:]) - len(self.unanswered)
+        unanswered = f", {len(self.unanswered)} without an answer (all looks are used)" if self.unanswered else ""
+        return f"{decided} of {others} decided{unanswered}{left}"
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""

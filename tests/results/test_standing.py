@@ -61,7 +61,7 @@ def test_who_is_decided_is_trained_no_further(folder_of: Callable[[Terms], Folde
     assert "arp" not in standing.open  # all of its looks are used
     assert standing.open == ("baseline", "dense")
     assert standing.unanswered == ("arp",)
-    assert standing.text == "1 of 2 decided (1 without an answer: all looks are used), at most 2 trainings left"
+    assert standing.text == "0 of 2 decided, 1 without an answer (all looks are used), at most 2 trainings left"
 
 
 def test_when_all_is_answered_nothing_is_left(folder_of: Callable[[Terms], Folder]):

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from harness.eta.return_split import ReturnSplit
 from harness.eta.splits import Split
 from harness.eta.verdict.race import CLOSE, Race
 from harness.report.rows.comparison import Grid, format_number
@@ -15,9 +16,10 @@ from harness.results.standing import Standing, standing_of, values_of
 TITLE = "The race for the best reward"
 EXPLANATION = (
     "A reward leaves when another one that is still in the race is better, by a test that spends 5 % over all looks. "
-    "It is then trained no further. The number is what a reward says of its own trainings, divided by what the "
-    "baseline says of its own: a mean return, or what was earned (I_P), or what was lost (I_N). Of that, the ruler "
-    "comes from counting the same runs differently. The number decides nothing."
+    "It is then trained no further. The number is what a reward says of its own trainings, compared with what the "
+    "baseline says of its own: a mean return, or what was earned (I_P), or what was lost (I_N). It is a ratio, or a "
+    "difference where there is none. Of that, the ruler comes from counting the same runs differently. The number "
+    "decides nothing."
 )
 HEADINGS = ("", "seeds", "{measure}", "number", "of it ruler", "in the race")
 
@@ -102,25 +104,31 @@ def _value(value: float, is_share: bool) -> str:
 
 
 def _number(comparison: Comparison | None) -> tuple[str, str]:
-    """How much larger a reward's number is than the baseline's, and which part is ruler."""
+    """How much a reward's number differs from the baseline's, and which part of that is ruler.
+
+    The number is the mean return of an environment. Of an arm it is an index: of what was earned, or of what was lost.
+    """
     if comparison is None:
-        return "1", "1"
-    known = [(name, split) for name, split in _splits(comparison) if _is_told(split)]
-    if not known:
-        return NOTHING, NOTHING
-    name, split = known[0]
+        return "", ""
+    if comparison.main is not None:
+        return _ratio("", comparison.main.ratio) or _difference(comparison.main)
+    of_index = (_ratio(f"I_{name} ", comparison.splits[f"eta_{name}"]) for name in ("P", "N"))
+    return next(filter(None, of_index), (NOTHING, NOTHING))
+
+
+def _ratio(name: str, split: Split) -> tuple[str, str] | None:
+    """A ratio and its ruler; None where it has none, or none that says much."""
+    if split.eta.value is None or split.eta.near_zero is not None:
+        return None
     ruler = NOTHING if split.ruler.value is None else f"x {format_number(split.ruler.value)}"
-    return f"{name}x {format_number(split.eta.value or 0.0)}", ruler
+    return f"{name}x {format_number(split.eta.value)}", ruler
 
 
-def _splits(comparison: Comparison) -> list[tuple[str, Split]]:
-    """The ratios of mean returns, and of an arm those of its indices: that of what it earned before the other."""
-    returns = [("", split.ratio) for split in comparison.returns.values()]
-    return [*returns, ("I_P ", comparison.splits["eta_P"]), ("I_N ", comparison.splits["eta_N"])]
-
-
-def _is_told(split: Split) -> bool:
-    return split.eta.value is not None and split.eta.near_zero is None
+def _difference(split: ReturnSplit) -> tuple[str, str]:
+    """The same where returns have no ratio: how much more it is."""
+    told = (split.total.change.mean, split.total.ruler.mean)
+    change, ruler = (NOTHING if it is None else f"{'+' if it > 0.0 else ''}{format_number(it)}" for it in told)
+    return change, ruler
 
 
 def _end(standing: Standing, name: str) -> str:
