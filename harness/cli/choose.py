@@ -2,16 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from harness.cli import run as flags
 from harness.cli.flags.shared import (
+    REWARDS,
     EvaluationEpisodes,
     ExecutorName,
     Jobs,
     Measures,
+    Names,
     PluginFiles,
-    RewardNames,
     RobotName,
     SimulatorNames,
 )
@@ -24,16 +27,34 @@ if TYPE_CHECKING:
     from harness.registry.registry import Registry
     from harness.results import Results
 
+Candidates = Annotated[
+    Names,
+    typer.Option(
+        help="The candidates, such as arp,dense,relative.",
+        show_default="the rewards of the files",
+        metavar="NAME,...",
+        autocompletion=REWARDS,
+    ),
+]
+Looks = Annotated[
+    str | None,
+    typer.Option(
+        help="The seeds of each reward in each place at each look.",
+        show_default="4,6,8,12,16,24,32",
+        metavar="N,...",
+    ),
+]
+
 
 def choose(
     experiment: flags.ExperimentFile = None,
     sim: SimulatorNames = None,
     algo: flags.AlgorithmNames = None,
-    reward: RewardNames = None,
+    reward: Candidates = None,
     baseline: flags.Baseline = None,
     task: flags.TaskNames = None,
     robot: RobotName = None,
-    looks: flags.Looks = None,
+    looks: Looks = None,
     steps: flags.Steps = None,
     evaluation_episodes: EvaluationEpisodes = None,
     evaluate_every: flags.EvaluateEvery = None,
