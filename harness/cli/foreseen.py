@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from harness.text import LONGEST_MESSAGE
@@ -20,11 +21,15 @@ def foreseen_lines(found: "Foreseen") -> Iterator[str]:
     total = len(found.done) + len(found.to_do) + found.left + len(found.skipped)
     of_run = {"done": len(found.done), "to do": len(found.to_do)}
     counts = {**of_run, "not in this run": found.left, "skipped": len(found.skipped)}
-    yield f"{total} cells: " + ", ".join(f"{count} {noun}" for noun, count in counts.items() if count)
+    yield f"{'At most ' if found.looks else ''}{total} cells: " + ", ".join(
+        f"{count} {noun}" for noun, count in counts.items() if count
+    )
     for reason, count in Counter(reason for _, reason in found.skipped).items():
         yield f"skipped: {count}: {reason}"
-    yield from (f"done: {line}" for line in _by_combination(found.done))
-    yield from (f"to do: {line}" for line in _by_combination(found.to_do))
+    if found.looks:
+        yield _looks(found)
+    yield from (f"done: {line}" for line in _by_combination(found.done, lists_seeds=not found.looks))
+    yield from (f"to do: {line}" for line in _by_combination(found.to_do, lists_seeds=not found.looks))
     if found.to_do:
         yield from _evaluations(found.to_do[0])
         yield f"Time: {_time(found)}"
@@ -32,13 +37,23 @@ def foreseen_lines(found: "Foreseen") -> Iterator[str]:
     yield "Nothing is written."
 
 
-def _by_combination(cells: Sequence["Cell"]) -> Iterator[str]:
-    """A line for each simulator, algorithm and reward, with its seeds."""
+def _looks(found: "Foreseen") -> str:
+    """When a run with looks asks for the answer. Of its cells, those at the end are the most that there can be."""
+    first = found.looks[0] * len({replace(it, seed=0) for it in (*found.done, *found.to_do)})
+    seeds = ", ".join(map(str, found.looks))
+    return f"Looks: at {seeds} seeds of each. The first takes {first} cells. The run ends with the answer"
+
+
+def _by_combination(cells: Sequence["Cell"], *, lists_seeds: bool) -> Iterator[str]:
+    """A line for each simulator, algorithm and reward, with its seeds: which, or how many."""
     seeds: dict[str, list[int]] = {}
     for cell in cells:
         title = " · ".join((cell.place.label, cell.algorithm.label, cell.reward.label))
         seeds.setdefault(title, []).append(cell.seed)
     for title, these in seeds.items():
+        if not lists_seeds:
+            yield f"{title}: {len(these)} {'seed' if len(these) == 1 else 'seeds'}"
+            continue
         shown = ", ".join(map(str, these[:SHOWN_SEEDS])) + (" ..." if len(these) > SHOWN_SEEDS else "")
         yield f"{title}: {'seed' if len(these) == 1 else f'{len(these)} seeds:'} {shown}"
 
@@ -53,7 +68,10 @@ def _evaluations(cell: "Cell") -> Iterator[str]:
 def _time(found: "Foreseen") -> str:
     if found.seconds is None:
         return f"not known: {found.unknown}"
-    return f"{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, estimated from the done cells"
+    most = "at most " if found.looks else ""
+    return (
+        f"{most}{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, estimated from the done cells"
+    )
 
 
 def about(seconds: float) -> str:

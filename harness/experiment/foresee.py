@@ -47,6 +47,8 @@ class Foreseen:
         cost: Of all that is to do: of one cell after the other, by the done cells of the same simulator and algorithm
             in the folder; None where there is none.
         unknown: Why there is no cost; empty where there is one.
+        looks: Of an experiment with looks, the seeds at each of them: it ends where the answer stands, so that `to_do`
+            is the most that there can be. Empty for others.
     """
 
     folder: Path
@@ -58,6 +60,7 @@ class Foreseen:
     at_once: int = 1
     cost: Cost | None = None
     unknown: str = ""
+    looks: tuple[int, ...] = ()
 
     @property
     def seconds(self) -> float | None:
@@ -77,6 +80,7 @@ class Foreseen:
             "seconds": self.seconds,
             "bytes": self.cost and self.cost.bytes,
             "unknown": self.unknown,
+            "looks": list(self.looks),
         }
 
 
@@ -104,6 +108,7 @@ def foresee(ready: ExperimentRun) -> Foreseen:
         ready.options.at_once,
         cost if missing is None else None,
         _why_unknown(missing) if missing else "",
+        ready.plan.terms.looks,
     )
 
 

@@ -82,10 +82,12 @@ def test_a_budget_ends_a_run_between_cells(harness, quick, tmp_path):
 
 
 def test_dry_run_says_how_many_trainings_it_may_take(harness, quick, tmp_path):
-    """All looks."""
+    """At the first look, and in all of them; no list of seeds that may never be trained."""
     answer = harness("run", *quick, *ASKED, "--out", "here", "--dry-run")
     assert answer.status == 0
-    assert "12" in answer.out
+    assert "At most 12 cells: 12 to do\n" in answer.out
+    assert "Looks: at 2, 4, 6 seeds of each. The first takes 4 cells. The run ends with the answer\n" in answer.out
+    assert "dense: 6 seeds\n" in answer.out
     assert not (tmp_path / "here").exists()
 
 
