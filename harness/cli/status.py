@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
     from harness.results.standing import Standing
 
-KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending")
+KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending", "not needed")
 NUMBERS_AFTER = 2.0
 """Seconds: a cell tells its numbers once a second, so that younger ones may not have told any."""
 SHOWN = ("running", "interrupted", "failed", "damaged")
@@ -25,15 +25,15 @@ def status(
     """Say how many cells are done, what is running, and how long the rest will take. Changes nothing."""
     from harness.record.status import read_status
 
-    found = read_status(folder)
+    found, standing = read_status(folder), _standing(folder)
+    if standing is not None:
+        found = found.without(standing.not_needed)
     if as_json:
-        standing = _standing(folder)
         say_json({**found.to_json(), "looks": standing and standing.to_json()})
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))
     say(f"{len(found.cells)} cells: {counts}{_time_left(found.seconds_left)}")
-    standing = _standing(folder)
     if standing is not None:
         say(f"{standing.text[:1].upper()}{standing.text[1:]}")
     for one in found.cells:

@@ -30,7 +30,7 @@ FilePath = Annotated[str, StringConstraints(max_length=1_000, pattern=r"^[^/\\]+
 Count = Annotated[int, Field(gt=0, lt=2**53)]
 Whole = Annotated[int, Field(ge=0, lt=2**63)]
 Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Status = Literal["done", "failed", "skipped", "pending", "damaged"]
+Status = Literal["done", "failed", "skipped", "pending", "damaged", "not needed"]
 
 EXACT = ConfigDict(strict=True, extra="forbid")
 OPEN = ConfigDict(strict=True, extra="allow")

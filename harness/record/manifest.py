@@ -30,7 +30,8 @@ class Ending:
     """How the work for one folder ended.
 
     Attributes:
-        status: ``done``, ``failed``, ``skipped``, ``pending`` or ``damaged``; the last two are never written.
+        status: ``done``, ``failed``, ``skipped``, ``pending``, ``damaged`` or, where the answer stands without it,
+            ``not needed``; the last three are never written.
         reason: Why it is not done; empty if it is.
         started: UTC, ISO 8601.
         seconds: Wall time of all of it, [s].

@@ -1,10 +1,10 @@
 """How far an experiment has come, as another process sees it: ``harness status``."""
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from harness.errors import NewerFormat, SchemaError
 from harness.record.cell import Cell
@@ -20,7 +20,7 @@ class Progress:
     Attributes:
         cell: Which.
         status: ``done``, ``failed``, ``skipped``, ``damaged``, ``running``, ``interrupted`` (a run was killed while it
-            did it) or ``pending``.
+            did it), ``pending`` or, of an experiment that ends with its answer, ``not needed``.
         reason: Why it is not done, of one that failed, was skipped or is damaged.
         running: How far it is, of one that is running, or was when its run was killed.
         seconds: What it took, of one that is done.
@@ -48,6 +48,11 @@ class FolderStatus:
     is_in_use: bool
     cells: Sequence[Progress]
     now: float
+
+    def without(self, spared: Container[Cell]) -> Self:
+        """The same, where some pending cells are not needed any more."""
+        cells = [replace(one, status="not needed") if one.cell in spared else one for one in self.cells]
+        return replace(self, cells=cells)
 
     def count(self, status: str) -> int:
         """Cells of this status."""

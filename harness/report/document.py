@@ -5,7 +5,7 @@ from typing import Any
 
 from harness.results import Results
 from harness.results.ranking import ranking_of
-from harness.results.standing import standing_of
+from harness.results.standing import standing_of, told_manifests
 from harness.transfer.matrix import load_transfers
 
 
@@ -22,6 +22,8 @@ def report_to_json(results: Results) -> dict[str, Any]:
     data["evaluation_returns"] = [matrix.to_json() for matrix in results.returns]
     data["ranking"] = ranking_of(results).to_json()
     data["notes"] = list(results.notes)
+    for told, manifest in zip(data["cells"], told_manifests(results), strict=True):
+        told |= {"status": manifest.status, "reason": manifest.reason}
     standing = standing_of(results)
     data["looks"] = standing and standing.to_json()
     transfers = load_transfers(results)

@@ -1,7 +1,7 @@
 """How an experiment with looks stands: which questions are over, and what is to be trained next."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +11,7 @@ from harness.arrays import Float
 from harness.eta.verdict.looks import LookRuling
 from harness.eta.verdict.race import Race, race
 from harness.record.cell import Cell
+from harness.record.manifest import Manifest
 from harness.record.terms import Terms
 from harness.results.comparison import Comparison
 from harness.results.measured import LAST, last_values
@@ -60,6 +61,13 @@ class Standing:
         cells = self.seen.cells_of(self.open, len(self.terms.looks) - 1) if self.open else []
         return sum(statuses[cell] == "pending" for cell in cells)
 
+    @cached_property
+    def not_needed(self) -> frozenset[Cell]:
+        """The pending cells that no answer waits for."""
+        needed = set(self.seen.cells_of(self.open, len(self.terms.looks) - 1))
+        pending = (cell for cells in self.seen.status.values() for cell, status in cells.items() if status == "pending")
+        return frozenset(cell for cell in pending if cell not in needed)
+
     @property
     def text(self) -> str:
         """How it stands, in a line."""
@@ -97,6 +105,18 @@ def standing_of(results: Results) -> Standing | None:
     left = [reward for reward in rewards[1:] if reward not in over]
     unanswered = tuple(name for name, it in over.items() if not it.is_decided and it.small is None)
     return Standing(terms, rewards, (rewards[0], *left) if left else (), seen, unanswered=unanswered)
+
+
+def told_manifests(results: Results) -> list[Manifest]:
+    """How each cell ended, in the order of the plan. Pending ones that no answer waits for are *not needed*."""
+    standing = standing_of(results)
+    if standing is None:
+        return results.manifests
+    spared = standing.not_needed
+    return [
+        replace(it, status="not needed", reason="the answer stands without it") if it.cell in spared else it
+        for it in results.manifests
+    ]
 
 
 def _ending(comparison: Comparison) -> LookRuling | None:

@@ -36,13 +36,17 @@ def test_the_report_tells_of_the_looks(harness, folder: Path):
     assert "Looks at 2, 4, 6 seeds (trained until decided" in " ".join(harness("report", folder).out.split())
     told = json.loads(harness("report", folder, "--json").out)
     assert told["looks"]["open"] == []
+    assert [it["status"] for it in told["cells"]].count("not needed") == 4
     assert told["terms"]["looks"] == [2, 4, 6]
-    assert "Looks at 2, 4, 6 seeds" in (folder / "report.html").read_text()
+    page = (folder / "report.html").read_text()
+    assert "Looks at 2, 4, 6 seeds" in page
+    assert "12 cells: 8 done, 4 not needed" in page
 
 
 def test_status_tells_how_it_stands(harness, folder: Path):
     """In words and as JSON."""
-    assert "1 of 1 decided" in harness("status", folder).out
+    told = harness("status", folder).out
+    assert "12 cells: 8 done, 4 not needed\n1 of 1 decided\n" in told
     assert json.loads(harness("status", folder, "--json").out)["looks"]["most_trainings_left"] == 0
 
 

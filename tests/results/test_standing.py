@@ -7,7 +7,7 @@ from harness.record.terms import Terms
 from harness.registry.registry import Registry
 from harness.results import Results
 from harness.results.seen import Seen
-from harness.results.standing import standing_of
+from harness.results.standing import standing_of, told_manifests
 from tests.results.folders import fail
 from tests.results.in_looks import RACE, REWARDS, Folder
 
@@ -73,6 +73,24 @@ def test_when_all_is_answered_nothing_is_left(folder_of: Callable[[Terms], Folde
     assert standing.is_over
     assert (standing.next, standing.most_left) == ([], 0)
     assert standing.text == "2 of 2 decided"
+
+
+def test_pending_cells_that_no_answer_waits_for_are_not_needed(folder_of: Callable[[Terms], Folder]):
+    """While one reward has no answer, those of the others; the baseline's are waited for."""
+    folder = folder_of(TERMS)
+    folder.train("baseline", [0.4, 0.4, 0.4, 0.4])
+    folder.train("dense", [0.4, 0.4, 0.4, 0.4])  # alike: over
+    folder.train("arp", [0.1, 1.0, 0.0, 0.9])
+    assert folder.standing.open == ("baseline", "arp")
+    assert {cell.reward.label for cell in folder.standing.not_needed} == {"dense"}
+    told = {(it.cell.reward.label, it.status) for it in told_manifests(folder.results) if it.status != "done"}
+    assert told == {("baseline", "pending"), ("arp", "pending"), ("dense", "not needed")}
+
+
+def test_an_experiment_that_trains_all_at_once_needs_every_cell(experiment: Store, registry: Registry):
+    """Its manifests are told as they are."""
+    results = Results(experiment.folder, registry)
+    assert told_manifests(results) == results.manifests
 
 
 def test_an_experiment_that_trains_all_at_once_has_no_standing(experiment: Store, registry: Registry):

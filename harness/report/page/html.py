@@ -49,6 +49,7 @@ from harness.results.comparison import Comparison
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
 from harness.results.return_matrix import ReturnMatrix
+from harness.results.standing import told_manifests
 from harness.transfer.matrix import Transfers, load_transfers
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
@@ -130,7 +131,7 @@ def _render(results: Results, audits: Audits) -> str:
         returns=_returns(results.returns, is_open),
         replay=replay_of(shows),
         transfer=_transfer(load_transfers(results)),
-        manifests=results.manifests,
+        manifests=told_manifests(results),
         **repeat_of(results),
         downloads=_downloads(results),
     )

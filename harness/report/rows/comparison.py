@@ -21,6 +21,7 @@ from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC
 from harness.results.overview import NEAR_ZERO, NOTHING
+from harness.results.standing import told_manifests
 
 SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the {subject} behaves."
 SPLIT = (
@@ -212,10 +213,10 @@ def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") 
 
 def count_cells(results: Results) -> str:
     """How many cells there are, or recordings, and how many ended in which way."""
-    counts = Counter(manifest.status for manifest in results.manifests)
+    counts = Counter(manifest.status for manifest in told_manifests(results))
     noun = "cell" if results.is_experiment else "recorded training"
     noun += "s" * (counts.total() != 1)
-    order: tuple[Status, ...] = ("done", "failed", "damaged", "skipped", "pending")
+    order: tuple[Status, ...] = ("done", "failed", "damaged", "skipped", "pending", "not needed")
     ended = [f"{counts[status]} {status}" for status in order if counts[status]]
     return f"{counts.total()} {noun}: {', '.join(ended)}" if ended else "No cells"
 
@@ -228,7 +229,7 @@ def remarks_on_cells(results: Results) -> list[str]:
     lines = [results.plan.note] if results.plan.note else []
     for manifest in (*results.failed, *results.damaged):
         lines.append(f"{manifest.status}: {manifest.cell.title}: {manifest.reason}")
-    waiting = [manifest for manifest in results.manifests if manifest.status in ("skipped", "pending")]
+    waiting = [it for it in told_manifests(results) if it.status in ("skipped", "pending", "not needed")]
     counts = Counter((manifest.status, manifest.reason) for manifest in waiting)
     lines += [f"{count} {status}: {reason}" for (status, reason), count in counts.items()]
     for group, equal in results.equal.items():

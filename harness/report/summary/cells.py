@@ -9,6 +9,7 @@ import numpy as np
 from harness.eta.curve import curve_of
 from harness.record.manifest import Manifest
 from harness.results import Results
+from harness.results.standing import told_manifests
 from harness.results.table import RANDOM
 from harness.text import visible
 
@@ -28,7 +29,7 @@ def write_cells(results: Results) -> str:
     Raises:
         SchemaError: A trace is damaged or written by a newer version.
     """
-    rows = [_row(results, manifest) for manifest in results.manifests]
+    rows = [_row(results, manifest) for manifest in told_manifests(results)]
     measured = dict.fromkeys([*results.metrics, *(name for row in rows for name in row if name not in KNOWN)])
     text = StringIO()
     writer = csv.DictWriter(text, [*_describe_names(), *OWN, *measured, NOT_MEASURED], lineterminator="\n")

@@ -5,8 +5,9 @@ from collections import Counter
 from harness.record.file_forms import Status
 from harness.results import Results
 from harness.results.comparison import Comparison, Group
+from harness.results.standing import told_manifests
 
-STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending", "damaged")
+STATUSES: tuple[Status, ...] = ("failed", "skipped", "pending", "not needed", "damaged")
 
 
 def missing_text(results: Results, combination: Comparison) -> str:
@@ -14,7 +15,7 @@ def missing_text(results: Results, combination: Comparison) -> str:
     rewards = {combination.baseline, combination.proposed}
     statuses = Counter(
         manifest.status
-        for manifest in results.manifests
+        for manifest in told_manifests(results)
         if manifest.cell.reward.label in rewards
         and Group.of(manifest.cell) == combination.group
         and (combination.is_control or not results.is_control(manifest.cell))
