@@ -41,6 +41,8 @@ class Answer(StrEnum):
     NO_DIFFERENCE = "no difference"
     NEITHER_LEARNS = "neither learns"
     CANNOT_TELL = "cannot tell"
+    RACED = "the race decides"
+    """In a race for the best of several rewards no comparison with the baseline is a test."""
 
 
 class Names(NamedTuple):
@@ -147,7 +149,7 @@ def judge(
         return Headline(Answer.CANNOT_TELL, unmeasured, number)
     if ruling.instead:
         values = "; ".join(_values(names, change) for change in deciding)
-        return Headline(Answer.CANNOT_TELL, f"{ruling.instead} {names.proposed}: {values}.", number)
+        return Headline(Answer.RACED, f"{ruling.instead} {names.proposed}: {values}.", number)
     if ruling.is_decided:
         answer = Answer.HELPS if ruling.sign > 0 else Answer.HURTS
         told = _decided(names, deciding, ruling, where)

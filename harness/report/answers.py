@@ -20,11 +20,12 @@ LOOKS = {
     Answer.NO_DIFFERENCE: Look("="),
     Answer.NEITHER_LEARNS: Look("0"),
     Answer.CANNOT_TELL: Look("?"),
+    Answer.RACED: Look(">"),
 }
 STYLES = {answer.value.upper(): look.style for answer, look in LOOKS.items() if look.style}
 """Styles by word. The words say everything without a colour too."""
-LEGEND = ", ".join(f"{look.symbol} {answer.value}" for answer, look in LOOKS.items())
-"""What the symbols mean."""
+LEGEND = ", ".join(f"{look.symbol} {answer.value}" for answer, look in LOOKS.items() if answer is not Answer.RACED)
+"""What the symbols mean, but that of a race, in which all are the same."""
 
 
 def word_of(answer: Answer) -> str:

@@ -1,6 +1,6 @@
 """What the pages show can be typed: each command, each TOML file, each piece of Python.
 
-Commands are executed where that takes a moment, in a folder with a finished experiment; `harness run` with `--dry-run`.
+Commands are executed where that takes a moment, in a folder with a finished experiment; those that train, with `--dry-run`.
 The others are parsed, which finds a flag that is gone. `ways.py` says which these are, and why.
 """
 
@@ -33,10 +33,14 @@ PATTERNS = [it for it in COMMANDS if it.is_pattern]
 TYPED = [it for it in COMMANDS if not it.is_pattern]
 TOML = [block for block in BLOCKS if block.language == "toml"]
 PYTHON = [block for block in BLOCKS if block.language == "python"]
-FOLDERS = re.compile(r"(?:DIR|before|after|one|two|all|my-results|my-first|first|results/[\w/-]+)")
+FOLDERS = re.compile(r"(?:DIR|before|after|one|two|all|my-results|my-first|first|race|results/[\w/-]+)")
 """What the pages call the folder of an experiment."""
+DRY = ("run", "choose")
+"""Commands that train; they are called with `--dry-run`."""
 STARTS = re.compile(r"harness\.run\(|\.learn\(")
 """Python that trains."""
+MEASURES = ("height", "success")
+"""First functions of files that measure behaviour; the files of rewards have the names of theirs."""
 KEYS = {field.name for field in fields(Experiment)}
 """Of an experiment file."""
 SHORTER = (("steps=5_000", "steps=64"), ("steps=500", "steps=64"), ("20_000", "64"))
@@ -83,10 +87,12 @@ def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     (tmp_path / "my_reward.py").write_text(own.text, encoding="utf-8")
     (metric,) = (it for it in BLOCKS if it.page == "docs/how-to/own-metric.md" and it.language == "python")
     (tmp_path / "my_metric.py").write_text(metric.text, encoding="utf-8")
-    (tmp_path / "rewards").mkdir()
-    for block in (it for it in BLOCKS if it.page == "docs/how-to/reward-files.md" and it.language == "python"):
-        name = "behaviour" if "lower_is_better" in block.text else re.findall(r"def (\w+)", block.text)[0]
-        (tmp_path / "rewards" / f"{name}.py").write_text(block.text, encoding="utf-8")
+    for page, of_page in (("reward-files", "rewards"), ("language-model-rewards", "candidates")):
+        (tmp_path / of_page).mkdir()
+        for block in (it for it in BLOCKS if it.page == f"docs/how-to/{page}.md" and it.language == "python"):
+            first = re.findall(r"def (\w+)", block.text)[0]
+            name = "behaviour" if first in MEASURES else first
+            (tmp_path / of_page / f"{name}.py").write_text(block.text, encoding="utf-8")
     (tmp_path / "my_package").mkdir()
     shutil.copy(ROOT / "examples/reward-plugin/cautious_reward/reward.py", tmp_path / "my_package" / "cautious.py")
     monkeypatch.chdir(tmp_path)
@@ -114,12 +120,12 @@ def test_command_is_executed(command: Command, folder: Path, recorded: Results, 
     words = [*command.words]
     for number, word in enumerate(words[1:], 1):
         is_made = words[number - 1] in {"--out", "--summary", "--into", "--html", "--plot"}
-        if FOLDERS.fullmatch(word) and not is_made and not (folder / word).exists() and words[0] != "run":
+        if FOLDERS.fullmatch(word) and not is_made and not (folder / word).exists() and words[0] not in DRY:
             shutil.copytree(recorded.folder, folder / word)
     if "base/" in command.text:
         _record_csv_files(recorded.folder)
     with pytest.raises(SystemExit) as stopped:
-        main([*words, *["--dry-run"] * (words[0] == "run" and "--dry-run" not in words)])
+        main([*words, *["--dry-run"] * (words[0] in DRY and "--dry-run" not in words)])
     out, err = capsys.readouterr()
     if stopped.value.code and "pip install" in err:
         pytest.skip(err.strip())

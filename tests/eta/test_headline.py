@@ -129,7 +129,7 @@ def test_another_test_that_decides_is_named():
     """In a race a comparison by itself is no test, whatever its p."""
     ruling = Ruling(0.001, 0.001, of_measures=(0.001,), signs=(1,), instead="The race decides.")
     found = judge(NAMES, [change(about(0.5), about(0.9))], "number", ruling)
-    assert found.answer == Answer.CANNOT_TELL
+    assert found.answer == Answer.RACED
     assert found.robot.startswith("The race decides. mine: success rate 90.0% with mine")
 
 

@@ -71,7 +71,8 @@ def race_sentence(standing: Standing) -> str:
         return f"WITHIN {100 * CLOSE:g} POINTS OF THE BEST: {', '.join(race.living)}. {others}".rstrip()
     if race.is_over:
         return f"CANNOT TELL after {seeds} seeds which is best: {', '.join(race.living)}. {others}".rstrip()
-    return f"After {seeds} seeds, these can still be the best: {', '.join(race.living)}. {standing.text.capitalize()}."
+    living = ", ".join(race.living)
+    return f"After {seeds} seeds, these can still be the best: {living}. At most {standing.most_left} trainings are left."
 
 
 def _row(
