@@ -1,6 +1,6 @@
 """What the pages show can be typed: each command, each TOML file, each piece of Python.
 
-Commands are executed where that takes a moment, in a folder with a finished experiment; those that train, with `--dry-run`.
+Commands are executed where that takes a moment, in a folder with a finished experiment; what trains, with `--dry-run`.
 The others are parsed, which finds a flag that is gone. `ways.py` says which these are, and why.
 """
 

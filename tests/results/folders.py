@@ -78,7 +78,7 @@ def finish(
     for steps, reached in learned.items():
         (folder / EVALUATIONS).mkdir(exist_ok=True)
         _write_evaluation(folder / EVALUATIONS / f"{steps}.parquet", reached)
-    Manifest(cell, status="done", started=f"2026-01-01T00:00:0{cell.seed}+00:00", seconds=1.5).write(folder)
+    Manifest(cell, status="done", started=f"2026-01-01T00:00:{cell.seed % 60:02}+00:00", seconds=1.5).write(folder)
 
 
 def only(results: Results) -> Any:

@@ -1,6 +1,6 @@
 """The figure of a race: what decides over the seeds, a line for each reward that ends where it left."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Note, linear_axis, share_axis
 from harness.report.rows.race import RaceTold
@@ -20,7 +20,7 @@ def draw_race(told: RaceTold) -> Chart:
         colour = "proposed" if name in told.living else "baseline"
         lines.append(Line(seeds, means, colour, name, width=WIDE if name in told.living else NARROW))
         dots.append(Dots(seeds[-1:], means[-1:], colour, (f"{name} after {seeds[-1]:.0f} seeds",), size=4))
-    ends = {name: points[-1][1] for name, points in told.points.items() if points}
+    ends = {_told(name, points[-1][0], told.living): points[-1][1] for name, points in told.points.items() if points}
     values = [value for points in told.points.values() for _, value in points]
     most = max((seeds for points in told.points.values() for seeds, _ in points), default=1)
     air = 0.04 * (max(values) - min(values)) or 0.5
@@ -28,6 +28,11 @@ def draw_race(told: RaceTold) -> Chart:
         share_axis(told.measure) if told.is_share else linear_axis(min(values) - air, max(values) + air, told.measure)
     )
     return Chart(linear_axis(0.0, float(most), "seeds of each reward", 5), axis, (*lines, *dots, *_names(ends, axis)))
+
+
+def _told(name: str, seeds: int, living: Collection[str]) -> str:
+    """A name, with the seeds after which it left: that tells its line from the others."""
+    return name if name in living else f"{name}, left at {seeds}"
 
 
 def _names(ends: Mapping[str, float], axis: Axis) -> list[Note]:

@@ -72,7 +72,9 @@ def race_sentence(standing: Standing) -> str:
     if race.is_over:
         return f"CANNOT TELL after {seeds} seeds which is best: {', '.join(race.living)}. {others}".rstrip()
     living = ", ".join(race.living)
-    return f"After {seeds} seeds, these can still be the best: {living}. At most {standing.most_left} trainings are left."
+    return (
+        f"After {seeds} seeds, these can still be the best: {living}. At most {standing.most_left} trainings are left."
+    )
 
 
 def _row(

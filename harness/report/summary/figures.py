@@ -1,4 +1,4 @@
-"""The page's figures of a combination as files: accumulated reward, ruler x behaviour, learning.
+"""The page's figures as files: accumulated reward, ruler x behaviour and learning of a combination; the race.
 
 Each is an SVG file with all that tells what it shows. `missing` tells of cells that are not done.
 """
@@ -6,11 +6,14 @@ Each is an SVG file with all that tells what it shows. `missing` tells of cells 
 from harness.report.figures.accumulated import draw_panels
 from harness.report.figures.learning import describe_learning, draw_learning, learning_heading, learning_names
 from harness.report.figures.points import FEWEST, POINTS
+from harness.report.figures.race import draw_race
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
 from harness.report.rows.behaviour import text_of
 from harness.report.rows.comparison import format_number, rewards_text, seeds_text
 from harness.report.rows.numbers import splits_of
+from harness.report.rows.race import TITLE as RACE_TITLE
+from harness.report.rows.race import RaceTold
 from harness.report.rows.returns import MEAN
 from harness.report.summary.svg import INTERVALS, TitledChart, draw_svg
 from harness.results.comparison import Comparison
@@ -54,6 +57,11 @@ def split_file(combination: Comparison, missing: str = "") -> bytes | None:
         return None
     told = [describe_split(name, split) for name, split in splits.items()]
     return _file("Ruler x behaviour", combination, missing, panels, [*told, INTERVALS])
+
+
+def race_file(told: RaceTold) -> bytes:
+    """The figure of a race: what decides over the seeds, a line for each reward."""
+    return draw_svg(RACE_TITLE, [RACE_TITLE, told.sentence], [TitledChart("", draw_race(told))])
 
 
 def learning_file(combination: Comparison, learning: Learning, missing: str = "") -> bytes | None:

@@ -15,9 +15,10 @@ from pathlib import Path
 from harness.errors import UsageError
 from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.report.document import report_text
+from harness.report.rows.race import race_told
 from harness.report.summary.cells import write_cells
 from harness.report.summary.curves import CURVES, write_curves
-from harness.report.summary.figures import learning_file, runs_file, split_file
+from harness.report.summary.figures import learning_file, race_file, runs_file, split_file
 from harness.report.summary.files import put_files
 from harness.report.summary.markdown import Pictures, write_markdown
 from harness.report.summary.missing import missing_text
@@ -27,6 +28,7 @@ from harness.results import Results
 
 RECORD, CELLS, SUMMARY = "results.json", "cells.csv", "summary.md"
 FIGURES = "figures"
+RACE = f"{FIGURES}/race.svg"
 
 
 def write_summary(results: Results, folder: Path) -> None:
@@ -43,14 +45,23 @@ def write_summary(results: Results, folder: Path) -> None:
     if not results.is_experiment:
         raise UsageError("--summary does not go with a folder of recorded trainings: leave it out")
     figures, overview, pictures = _draw(results)
+    race = race_told(results)
+    if race is not None:
+        figures[RACE] = race_file(race)
     files = {
-        EXPERIMENT: results.experiment_text.encode(),
+        EXPERIMENT: _portable(results).encode(),
         RECORD: (report_text(results) + "\n").encode(),
         CELLS: write_cells(results).encode(),
         CURVES: write_curves(results.combinations),
-        SUMMARY: write_markdown(results, overview, pictures).encode(),
+        SUMMARY: write_markdown(results, overview, pictures, RACE if race else "").encode(),
     }
     put_files(folder, {**files, **figures}, FIGURES)
+
+
+def _portable(results: Results) -> str:
+    """The experiment's file. Files of plugins that lie below the current folder are named from there."""
+    text, here = results.experiment_text, f"{Path.cwd().as_posix()}/"
+    return text.replace(f'path = "{here}', 'path = "')
 
 
 def _draw(results: Results) -> tuple[dict[str, bytes], str, list[Pictures]]:

@@ -14,6 +14,7 @@ from harness.registry.registry import load_registry
 from harness.report.figures.race import draw_race
 from harness.report.rows.comparison import question
 from harness.report.rows.race import RaceTold, race_told
+from harness.report.summary.summary import write_summary
 from harness.report.tables.race import race_lines
 from tests.results.in_looks import RACE, Folder, folder_in_looks
 
@@ -111,9 +112,22 @@ def test_the_table_fits(over: Folder, width: int):
 
 
 def test_the_figure_has_a_line_for_each_that_ends_where_it_left(over: Folder):
-    """With its name beside the end."""
+    """With its name, and after how many seeds that was."""
     chart = draw_race(told_of(over))
-    assert {mark.text for mark in chart.marks if type(mark).__name__ == "Note"} == {"dense", "arp", "baseline"}
+    assert {mark.text for mark in chart.marks if type(mark).__name__ == "Note"} == {
+        "dense",
+        "arp, left at 2",
+        "baseline, left at 2",
+    }
+
+
+def test_a_summary_tells_of_the_race(over: Folder, tmp_path: Path):
+    """With its table and its figure."""
+    write_summary(over.results, tmp_path / "told")
+    page = (tmp_path / "told" / "summary.md").read_text()
+    assert "## The race for the best reward\n\n**BEST: dense" in page
+    assert "| dense | 2 |" in page
+    assert "left at 2" in (tmp_path / "told" / "figures" / "race.svg").read_text()
 
 
 def test_the_question_is_which_is_best(over: Folder):

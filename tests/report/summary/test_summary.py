@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import tomllib
 
 import pytest
 
@@ -41,6 +42,18 @@ def test_experiment_is_the_folder_s(build, tmp_path):
     results = build()
     write_summary(results, tmp_path / "mine")
     assert (tmp_path / "mine" / "experiment.toml").read_bytes() == (results.folder / "experiment.toml").read_bytes()
+
+
+def test_plugin_files_are_named_from_where_it_is_written(build, tmp_path, monkeypatch):
+    """Those that lie below: whoever gets the summary has other folders above."""
+    results = build()
+    text = '[[plugins]]\npath = "{}/mine/reward.py"\n\n[[plugins]]\npath = "/elsewhere/reward.py"\n'
+    monkeypatch.setattr(type(results), "experiment_text", text.format(tmp_path.as_posix()))
+    monkeypatch.chdir(tmp_path)
+    write_summary(results, tmp_path / "told")
+    assert tomllib.loads((tmp_path / "told" / "experiment.toml").read_text()) == {
+        "plugins": [{"path": "mine/reward.py"}, {"path": "/elsewhere/reward.py"}]
+    }
 
 
 def test_results_are_what_json_prints(build, tmp_path):
