@@ -252,7 +252,7 @@ def _cannot_tell(names: Names, deciding: Sequence[Compared], number: str, ruling
         f"Cannot tell from {count_seeds(seeds)}{where and ' '}{where} whether {names.proposed} helps or hurts: "
         f"{'; '.join(_values(names, change) for change in deciding)}."
     )
-    if seeds < fewest:
+    if seeds < fewest and not ruling.has_plan:
         told = f"{told} Fewer than {fewest} seeds cannot show anything here."
     at_most = "; ".join(text for change in deciding if (text := _at_most(change)))
     lines = [told, f"The difference is at most {at_most} (90%)." if at_most else "", _yet(deciding, ruling)]

@@ -17,6 +17,7 @@ from harness.eta.power import seeds_to_tell
 from harness.eta.scored_sums import BB, BK, KB, KK
 from harness.eta.splits import Decomposition
 from harness.eta.swaps import swaps_of
+from harness.eta.verdict.looks import LookRuling
 from harness.eta.verdict.ruling import Ruling
 from tests.eta.headlines import headline_of, ruling_of
 
@@ -123,6 +124,15 @@ def test_a_difference_too_small_to_go_on_for_ends_the_training():
     found = judge(NAMES, [change(about(0.6), about(0.61))], "number", ruling)
     assert found.answer == Answer.NO_DIFFERENCE
     assert found.robot.startswith("mine differs by less than 10 points: success rate 61.0% with mine")
+
+
+def test_in_looks_few_seeds_are_no_warning():
+    """The plan says when to ask again; where places have seeds of their own, two of each can decide."""
+    few = [change([0.5, 0.6], [0.6, 0.7])]
+    ruling = Ruling(0.5, 0.5, of_measures=(0.5,), signs=(1,))
+    planned = LookRuling(0.5, 0.5, of_measures=(0.5,), signs=(1,))
+    assert "Fewer than 4 seeds cannot show anything here" in judge(NAMES, few, "", ruling).robot
+    assert "Fewer than" not in judge(NAMES, few, "", planned).robot
 
 
 def test_another_test_that_decides_is_named():

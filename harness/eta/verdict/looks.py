@@ -70,6 +70,11 @@ class LookRuling(Ruling):
     is_last: bool = False
 
     @property
+    def has_plan(self) -> bool:
+        """See `Ruling.has_plan`."""
+        return True
+
+    @property
     def is_over(self) -> bool:
         """Whether nothing more is to be trained for this question."""
         return self.is_decided or self.small is not None or self.is_last

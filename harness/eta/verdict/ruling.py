@@ -46,6 +46,11 @@ class Ruling:
     instead: str = ""
 
     @property
+    def has_plan(self) -> bool:
+        """Whether a plan says when to ask again, so that nobody has to be told how many seeds are too few."""
+        return False
+
+    @property
     def is_decided(self) -> bool:
         """Whether the trainings differ by more than chance."""
         return self.corrected is not None and self.corrected <= self.level and self.sign != 0
