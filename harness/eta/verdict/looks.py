@@ -66,13 +66,9 @@ class LookRuling(Ruling):
         is_last: Whether no look is left.
     """
 
+    has_plan: bool = True
     look: int = 0
     is_last: bool = False
-
-    @property
-    def has_plan(self) -> bool:
-        """See `Ruling.has_plan`."""
-        return True
 
     @property
     def is_over(self) -> bool:

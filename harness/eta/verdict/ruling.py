@@ -34,6 +34,7 @@ class Ruling:
         small: The margin that the difference is smaller than, where a plan of several looks ended the training for
             that; None where it did not.
         instead: Where another test decides, which: a sentence; else empty.
+        has_plan: Whether a plan of looks says when to ask again. Then nobody has to be told how many seeds are too few.
     """
 
     p: float | None = None
@@ -44,11 +45,7 @@ class Ruling:
     asked: int = 1
     small: float | None = None
     instead: str = ""
-
-    @property
-    def has_plan(self) -> bool:
-        """Whether a plan says when to ask again, so that nobody has to be told how many seeds are too few."""
-        return False
+    has_plan: bool = False
 
     @property
     def is_decided(self) -> bool:
@@ -188,6 +185,7 @@ def rule_places(question: Question, whole: Ruling) -> list[Ruling]:
             corrected=through(it.corrected),
             of_measures=tuple(map(through, it.of_measures)),
             asked=whole.asked * question.places,
+            has_plan=whole.has_plan,
         )
         for it in found
     ]

@@ -21,7 +21,7 @@ EXPLANATION = (
     "difference where there is none. Of that, the ruler comes from counting the same runs differently. The number "
     "decides nothing."
 )
-HEADINGS = ("", "seeds", "{measure}", "number", "of it ruler", "in the race")
+HEADINGS = ("", "in the race", "{measure}", "seeds", "number", "of it ruler")
 
 
 class RaceTold(NamedTuple):
@@ -82,7 +82,7 @@ def _row(
 ) -> tuple[str, ...]:
     seeds, value = points[-1] if points else (0, None)
     told = NOTHING if value is None else _value(value, is_share)
-    return (name, str(seeds), told, *_number(comparison), _end(standing, name))
+    return (name, _end(standing, name), told, str(seeds), *_number(comparison))
 
 
 def _points(results: Results, standing: Standing, name: str, sign: float) -> list[tuple[int, float]]:

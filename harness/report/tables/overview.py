@@ -49,8 +49,7 @@ def _comparisons(results: Results) -> list[RenderableType]:
     combinations = results.combinations
     if not combinations:
         return []
-    pooled = pooled_lines(combinations)
-    parts = [comparison_lines(combinations), *([Text(), *pooled] if pooled else [])]
+    parts = [comparison_lines(combinations)]
     if len(combinations) == 1:
         return [*parts, *_sentences(results, combinations[0])]
     return [*parts, *(part for line in _bases(combinations) for part in (Text(), Text(line)))]
@@ -58,15 +57,21 @@ def _comparisons(results: Results) -> list[RenderableType]:
 
 def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
     """The answers over all places, where there are several."""
-    lines = [Text(f"{it.answer}: {it.told}") for it in pooled_answers(combinations)]
+    lines = [
+        Text.assemble((it.answer, STYLES.get(it.answer, "bold")), f": {it.told}") for it in pooled_answers(combinations)
+    ]
     return [Text(TITLE, style="bold"), *lines] if lines else []
 
 
 def comparison_lines(combinations: Sequence[Comparison]) -> RenderableType:
-    """A line for each of at least one comparison, below what is the same in all, and how to read them."""
+    """What is the same in all of at least one comparison, the answers over all places, a line for each, how to read them."""
     shared = Text(shared_text(combinations), style="bold")
     grids = (overview_grids(combinations, with_intervals=wanted) for wanted in (True, False))
-    return Together(shared, WideOrNarrow(*grids), Text(), Text(overview_of(combinations).reading, style="dim"))
+    pooled = pooled_lines(combinations)
+    answers = [Text(), *pooled] if pooled else []
+    return Together(
+        shared, *answers, WideOrNarrow(*grids), Text(), Text(overview_of(combinations).reading, style="dim")
+    )
 
 
 class WideOrNarrow:

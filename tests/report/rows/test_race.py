@@ -57,15 +57,15 @@ def test_the_best_comes_first_and_the_others_say_who_beat_them(over: Folder):
     """A row for each reward, the baseline too."""
     rows = {row[0]: row[1:] for row in told_of(over).grid.rows}
     assert list(rows) == ["dense", "arp", "baseline"]
-    assert (rows["dense"][:2], rows["dense"][-1]) == (("2", "90.0%"), "BEST")
-    assert rows["baseline"][-1] == "beaten by dense"
+    assert rows["dense"][:3] == ("BEST", "90.0%", "2")
+    assert rows["baseline"][0] == "beaten by dense"
 
 
 def test_the_number_stands_beside_its_ruler(over: Folder):
     """What a reward says of its own trainings decides nothing."""
     rows = {row[0]: row for row in told_of(over).grid.rows}
-    assert rows["baseline"][3:5] == ("", "")
-    assert rows["arp"][3].startswith("I_P x ")
+    assert rows["baseline"][4:] == ("", "")
+    assert rows["arp"][4].startswith("I_P x ")
 
 
 def test_rewards_that_are_as_good_are_named_together(folder: Folder):
@@ -126,7 +126,7 @@ def test_a_summary_tells_of_the_race(over: Folder, tmp_path: Path):
     write_summary(over.results, tmp_path / "told")
     page = (tmp_path / "told" / "summary.md").read_text()
     assert "## The race for the best reward\n\n**BEST: dense" in page
-    assert "| dense | 2 |" in page
+    assert "| dense | BEST | 90.0% | 2 |" in page
     assert "left at 2" in (tmp_path / "told" / "figures" / "race.svg").read_text()
 
 
