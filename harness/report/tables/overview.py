@@ -64,14 +64,13 @@ def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
 
 
 def comparison_lines(combinations: Sequence[Comparison]) -> RenderableType:
-    """What is the same in all of at least one comparison, the answers over all places, a line for each, how to read them."""
+    """What is the same in all comparisons, the answers over all places, a line for each, and how to read them."""
     shared = Text(shared_text(combinations), style="bold")
     grids = (overview_grids(combinations, with_intervals=wanted) for wanted in (True, False))
     pooled = pooled_lines(combinations)
     answers = [Text(), *pooled] if pooled else []
-    return Together(
-        shared, *answers, WideOrNarrow(*grids), Text(), Text(overview_of(combinations).reading, style="dim")
-    )
+    reading = Text(overview_of(combinations).reading, style="dim")
+    return Together(shared, *answers, WideOrNarrow(*grids), Text(), reading)
 
 
 class WideOrNarrow:
