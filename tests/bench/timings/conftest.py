@@ -4,6 +4,7 @@ Under ``-m bench`` (make bench) the bounds hold. Elsewhere each timing runs once
 so that one that no longer works is seen at once.
 """
 
+import resource
 import statistics
 import time
 from collections.abc import Callable, Sequence
@@ -38,14 +39,25 @@ def seconds() -> Callable[[Callable[[], object]], float]:
     return measure
 
 
+def cpu_seconds(function: Callable[[], object]) -> float:
+    """How long one call had a core, here and in the processes that it started and that have ended, [s]."""
+    start = _cpu_time()
+    function()
+    return _cpu_time() - start
+
+
+def _cpu_time() -> float:
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(it.ru_utime + it.ru_stime for it in used)
+
+
 @pytest.fixture
-def require_speed(
-    request: pytest.FixtureRequest, is_timed: bool, seconds: Callable[[Callable[[], object]], float]
-) -> Callable[..., None]:
+def require_speed(request: pytest.FixtureRequest, is_timed: bool) -> Callable[..., None]:
     """Hold `candidate` to at least so many times the speed of `reference`; both do the same work.
 
-    They take turns, so that a slow moment of the machine meets both; what counts is the median of the turns' ratios.
-    It and both median times are printed, and stand in the benchmark's extra info.
+    Times are CPU times: what else the machine does hardly changes them. Both take turns, so that a slow moment meets
+    both; what counts is the median of the turns' ratios. It and both median times are printed, and stand in the
+    benchmark's extra info.
     """
 
     def require(
@@ -55,11 +67,14 @@ def require_speed(
             reference()
             candidate()
             return
-        benchmark, before = request.getfixturevalue("benchmark"), []
+        benchmark, before, after = request.getfixturevalue("benchmark"), list[float](), list[float]()
         benchmark.pedantic(
-            candidate, setup=lambda: before.append(seconds(reference)), rounds=rounds, warmup_rounds=1
-        )  # fmt: skip
-        pairs = list(zip(before[1:], benchmark.stats.stats.data, strict=True))  # the first was the warm-up's
+            lambda: after.append(cpu_seconds(candidate)),
+            setup=lambda: before.append(cpu_seconds(reference)),
+            rounds=rounds,
+            warmup_rounds=1,
+        )
+        pairs = list(zip(before[1:], after[1:], strict=True))  # the first were the warm-up's
         ratio = statistics.median(first / second for first, second in pairs)
         medians = [statistics.median(column) for column in zip(*pairs, strict=True)]
         benchmark.extra_info.update(ratio=ratio, at_least=at_least, reference_s=medians[0], candidate_s=medians[1])

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,16 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.bench.timings.processes import measure
+
 ROWS, RUNS = 55_000, 10
 HEADER = (
     "t,beginDistance,prevBest,distance,delta_distance,reward,target x,target y,target z,endEff x ,endEff y ,endEff z \n"
 )
-MEASURE = """
-import json, resource, subprocess, sys
-done = subprocess.run(sys.argv[1:], capture_output=True, text=True)
-peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-print(json.dumps({"status": done.returncode, "out": done.stdout, "err": done.stderr, "peak": peak}))
-"""
 READ = """
 import sys
 from pyarrow import csv
@@ -30,25 +25,17 @@ for path in sys.argv[1:]:
 """
 
 
-def measure(*command: object) -> tuple[str, float]:
-    """What a command prints and its peak memory, [MB], which is that of no other process."""
-    call = [sys.executable, "-c", MEASURE, *map(str, command)]
-    answer = json.loads(subprocess.run(call, check=True, capture_output=True, text=True).stdout)
-    assert answer["status"] == 0, answer["err"]
-    return answer["out"], answer["peak"] / 1024
-
-
 def measure_eta(baseline: Path, proposed: Path) -> tuple[dict[str, Any], float]:
     """What `harness eta --json` answers, and its peak memory, [MB]."""
     command = shutil.which("harness", path=str(Path(sys.executable).parent))
     assert command is not None
-    out, megabytes = measure(command, "eta", "--baseline", baseline, "--proposed", proposed, "--json")
-    return json.loads(out), megabytes
+    taken = measure(command, "eta", "--baseline", baseline, "--proposed", proposed, "--json")
+    return json.loads(taken.out), taken.megabytes
 
 
 def measure_reading(paths: list[Path]) -> float:
     """Peak memory of a program that reads the files block by block and forgets them, [MB]."""
-    return measure(sys.executable, "-c", READ, *paths)[1]
+    return measure(sys.executable, "-c", READ, *paths).megabytes
 
 
 def write_run(path: Path, seed: int, k2: float, rows: int = ROWS) -> None:

@@ -1,17 +1,15 @@
 """Reports of many cells: what they take, of copies of a few trainings."""
 
 import json
-import resource
-import subprocess
 import sys
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import pytest
 
 from harness.experiment.experiment import run
 from harness.record.folder import DERIVED
 from harness.registry.registry import load_registry
+from tests.bench.timings.processes import Taken, measure
 from tests.copied_cells import copy_experiment, keep_as_a_run_does, many_rewards
 
 CPU_SECONDS, MEGABYTES = 12.0, 1_000.0
@@ -19,22 +17,9 @@ CPU_SECONDS, MEGABYTES = 12.0, 1_000.0
 FOLDERS = {"one combination": (["arp"], 500), "fifty": (many_rewards(49), 20)}
 
 
-class Taken(NamedTuple):
-    """What a report took, and what it said."""
-
-    seconds: float
-    megabytes: float
-    said: dict[str, Any]
-
-
 def report(folder: Path) -> Taken:
     """In a process of its own."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [sys.executable, "-c", "from harness.cli.app import main; main()", "report", str(folder), "--json"]
-    said = subprocess.run(command, check=True, capture_output=True).stdout
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Taken(seconds, after.ru_maxrss / 1024, json.loads(said))
+    return measure(sys.executable, "-c", "from harness.cli.app import main; main()", "report", folder, "--json")
 
 
 def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int, executor: str) -> Path:
@@ -53,8 +38,7 @@ def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int, executor
 def test_copies_are_compared(tmp_path: Path):
     """Every reward with the baseline over all seeds, split by what the other would have paid."""
     folder = copies(tmp_path, 300, many_rewards(2), 6, "here")
-    taken = report(folder)
-    for combination in taken.said["combinations"]:
+    for combination in json.loads(report(folder).out)["combinations"]:
         assert combination["seeds"] == list(range(6))
         assert combination["eta_P"]["paths"]
     assert len(list((folder / DERIVED).iterdir())) == 18
@@ -66,6 +50,6 @@ def test_copies_are_compared(tmp_path: Path):
 def test_report_of_a_thousand_cells(tmp_path: Path, name: str):
     """So many CPU seconds and so much memory, however the cells are put together."""
     taken = report(copies(tmp_path, 55_000, *FOLDERS[name], "processes"))
-    assert len(taken.said["cells"]) == 1_000
-    assert taken.seconds < CPU_SECONDS, f"{taken.seconds:.1f} s"
+    assert len(json.loads(taken.out)["cells"]) == 1_000
+    assert taken.cpu_seconds < CPU_SECONDS, f"{taken.cpu_seconds:.1f} s"
     assert taken.megabytes < MEGABYTES, f"{taken.megabytes:.0f} MB"
