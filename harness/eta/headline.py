@@ -107,6 +107,7 @@ class Headline:
         decided_by: The measure that decided; None if no measure did.
         seeds_to_decide: How many seeds would tell the difference that was seen, as a range; None where the robot's
             answer needs no more, or no number can be told.
+        lead: The first sentence of `robot`, for a place with little room; empty where there is no more to it.
     """
 
     answer: Answer
@@ -114,6 +115,7 @@ class Headline:
     number: str
     decided_by: str | None = None
     seeds_to_decide: Range | None = None
+    lead: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -248,7 +250,7 @@ def _unseen(change: Compared) -> str:
 
 def _cannot_tell(names: Names, deciding: Sequence[Compared], number: str, ruling: Ruling, where: str) -> Headline:
     seeds, fewest = deciding[0].seeds, fewest_seeds(ruling.level / (ruling.asked if where else 1))
-    told = (
+    lead = told = (
         f"Cannot tell from {count_seeds(seeds)}{where and ' '}{where} whether {names.proposed} helps or hurts: "
         f"{'; '.join(_values(names, change) for change in deciding)}."
     )
@@ -263,7 +265,7 @@ def _cannot_tell(names: Names, deciding: Sequence[Compared], number: str, ruling
         margins = " or of ".join(map(_margin_text, deciding))
         lines.append(f"{small[0]} to {small[1]} seeds would tell one of {margins}.")
     robot = " ".join(line for line in lines if line)
-    return Headline(Answer.CANNOT_TELL, robot, number, seeds_to_decide=seen or small)
+    return Headline(Answer.CANNOT_TELL, robot, number, seeds_to_decide=seen or small, lead=lead)
 
 
 def _at_most(change: Compared) -> str:

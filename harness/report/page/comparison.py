@@ -85,6 +85,7 @@ def comparison_section(
         "badge": badge_of(headline.answer),
         "symbol": symbol_of(headline.answer),
         "robot": f"{headline.robot} {basis_text(combination)}".strip(),
+        "lead": headline.lead or headline.robot,
         "number": headline.number,
         "speed": combination.speed_text,
         "returns": returned._replace(title="") if returned.rows or returned.notes else None,
