@@ -13,7 +13,9 @@ from tests.installed.conftest import Answer, Environment
 
 pytestmark = pytest.mark.slow
 
-RUN = ("--steps", "300", "--evaluation-episodes", "2", "--seeds", "2", "--jobs", "2")
+SHORT = ("--steps", "300", "--evaluation-episodes", "2", "--jobs", "2")
+RUN = (*SHORT, "--seeds", "2")
+LOOKS = ("--sim", "kinematic", "--algo", "ik", "--looks", "2,4", *SHORT)
 REWARD = "def slow(observation, action, next_observation, info):\n    return -abs(float(next_observation[1]))\n"
 COMMANDS: dict[str, tuple[str, ...]] = {
     "demo": ("demo", "--out", "demo"),
@@ -23,6 +25,8 @@ COMMANDS: dict[str, tuple[str, ...]] = {
         *("run", "--task", "gymnasium:id=CartPole-v1", "--algo", "random", "--plugin", "rewards/*.py", *RUN),
         *("--out", "carts"),
     ),
+    "run, until decided": ("run", "--reward", "dense", "--until", "decided", *LOOKS, "--out", "decided"),
+    "choose": ("choose", "--reward", "dense,arp", "--screen", *LOOKS, "--out", "race"),
     "report": ("report", "first", "--html", "page.html"),
     "report, a text": ("report", "first", "--details"),
     "report, records": ("report", "first", "--summary", "records"),
@@ -70,6 +74,8 @@ PAGES = {
     "learned/report.html": "dense",
     "merged/report.html": "dense",
     "carts/report.html": "slow",
+    "decided/report.html": "trained until decided",
+    "race/report.html": "The race for the best reward",
     "page.html": "dense",
     "carts.html": "slow",
     "eta.html": "eta",
