@@ -267,7 +267,7 @@ class Comparison:
         )
         return replace(self, changes=changes, speed_ruling=ruling)
 
-    @property
+    @cached_property
     def decisive_changes(self) -> tuple[Change, ...]:
         """The measures that decide, in the manner that decides, as far as they are known."""
         there = self.changes_of(self.answered_in)
@@ -278,7 +278,7 @@ class Comparison:
         """The manner of the measures that decide: the last evaluations where there are several, else `manner`."""
         return LAST if any(change.measure.manner == LAST for change in self.changes) else self.manner
 
-    @property
+    @cached_property
     def speed(self) -> Change | None:
         """Success over the whole training, which says how fast the robot learns; None if it was not measured."""
         names = [SUCCESS, *self.deciding[:1]]

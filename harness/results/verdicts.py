@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change
@@ -77,8 +78,9 @@ def with_verdicts(
         look_of: In an experiment with looks: tells them.
     """
     of_rewards = [it for it in found if not it.is_control]
-    ruled = iter(_ruled(of_rewards, terms, look_of))
-    return tuple(_ruled([it], terms, None)[0] if it.is_control else next(ruled) for it in found)
+    with threadpool_limits(1):  # the matrices are small: a second thread mostly waits, at the cost of a core
+        ruled = iter(_ruled(of_rewards, terms, look_of))
+        return tuple(_ruled([it], terms, None)[0] if it.is_control else next(ruled) for it in found)
 
 
 def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None) -> list[Comparison]:

@@ -172,11 +172,11 @@ class Question:
         shares = weighted.sum(axis=1) / places
         sums = (factors * shares)[:, None] * np.column_stack([shares, weights])
         both = _twice(weights * factors[:, None], weights) / places**2
-        variance = np.zeros(len(deals))
-        for means, dealt in zip(_of_both(deals, weighted), _of_both(deals, sums), strict=True):
+        variance, sides = np.zeros(len(deals)), _of_both(deals, weighted)
+        for means, dealt in zip(sides, _of_both(deals, sums), strict=True):
             variance = variance + dealt[:, 0] - 2.0 * (means * dealt[:, 1:]).sum(axis=1) / places
             variance = variance + np.einsum("wp,pq,wq->w", means, both, means, optimize=True)
-        ours, theirs = _of_both(deals, weighted)
+        ours, theirs = sides
         least = float(np.sqrt((layout.least[:, measure] ** 2).sum())) / places
         return (theirs - ours).mean(axis=1), _error(variance, least)
 
@@ -196,9 +196,9 @@ class Question:
         weights, factors = layout.weights[:, :, measure], layout.factors[:, measure, None]
         weighted = weights * layout.values[:, :, measure]
         both = _twice(weights * factors, weights)
-        covariance = np.zeros((len(deals), places, places))
+        covariance, sides = np.zeros((len(deals), places, places)), _of_both(deals, weighted)
         for means, squares, mixed in zip(
-            _of_both(deals, weighted),
+            sides,
             _of_both(deals, _products(weighted * factors, weighted)),
             _of_both(deals, _products(weighted * factors, weights)),
             strict=True,
@@ -206,7 +206,7 @@ class Question:
             crossed = mixed.reshape(-1, places, places) * means[:, None, :]
             covariance += squares.reshape(-1, places, places) - crossed - crossed.transpose(0, 2, 1)
             covariance += both * means[:, :, None] * means[:, None, :]
-        ours, theirs = _of_both(deals, weighted)
+        ours, theirs = sides
         sizes = subsets.sum(axis=1)
         pairs = _products(subsets, subsets)
         variance = covariance.reshape(len(deals), -1) @ pairs.T / sizes**2
