@@ -50,7 +50,8 @@ def smallest_p(seeds: int, places: int = 1) -> float:
 
 @lru_cache(maxsize=8)
 def _deals(strata: Strata, is_drawn: bool) -> Float:
-    dealt = np.concatenate(_drawn(strata), axis=1) if is_drawn else _all(strata)
+    drawn = _drawn(strata) if is_drawn else [_all(strata)]
+    dealt = drawn[0] if len(drawn) == 1 else np.concatenate(drawn, axis=1)  # of many seeds a copy is large
     dealt.setflags(write=False)
     return dealt
 
@@ -61,7 +62,7 @@ def _drawn(strata: Strata) -> Sequence[Float]:
 
 def _drawn_in(name: int, seeds: int) -> Float:
     dealt: Float = np.tile(np.repeat([0.0, 1.0], seeds), (MOST_DEALS, 1))
-    dealt[1:] = np.random.default_rng([SEED, name, seeds]).permuted(dealt[1:], axis=1)
+    np.random.default_rng([SEED, name, seeds]).permuted(dealt[1:], axis=1, out=dealt[1:])
     return dealt
 
 
