@@ -47,7 +47,8 @@ class Ppo:
     update never moves it far from the policy that drew the actions. A rollout is what is recorded between two updates.
     If a training ends within a rollout, it does not learn from that rollout.
 
-    The defaults learn the FD100 task in 15,000 steps. With gamma 0.95 and widely spread actions (log_std 0), under the
+    The defaults learn the FD100 task in 15,000 steps. Eight envs side by side take half of the time of one: most of it
+    goes to calls, and a call acts for all of them. With gamma 0.95 and widely spread actions (log_std 0), under the
     reward `dense`, the policy learns to dive into the ground instead, because that ends the price of the distance.
     """
 
@@ -80,7 +81,7 @@ class Ppo:
     ] = -0.5
     max_gradient: Annotated[Positive, Field(description="norm at which gradients are clipped")] = 0.5
     activation: Activation = "tanh"
-    num_envs: NumEnvs = 1
+    num_envs: NumEnvs = 8
 
     sources: ClassVar[tuple[str, ...]] = SOURCES
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous", "discrete"})

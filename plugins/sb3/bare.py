@@ -1,9 +1,11 @@
 """A training by stable-baselines3 alone. `harness bench` compares the speed of the harness with it."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import torch
+from stable_baselines3.common.vec_env import DummyVecEnv
 
 
 def bare_training(library: Any, env: Any, steps: int, seed: int, **settings: Any) -> Callable[[], None]:
@@ -11,14 +13,19 @@ def bare_training(library: Any, env: Any, steps: int, seed: int, **settings: Any
 
     Args:
         library: The class, such as `stable_baselines3.SAC`.
-        env: A `gymnasium.Env`.
-        steps: How many of its steps a training takes.
+        env: A `gymnasium.Env`, or a list of them, which the library steps one after another.
+        steps: How many of their steps a training takes, over all envs.
         seed: The seed of the model.
         settings: Further keyword arguments of the class.
     """
     torch.set_num_threads(1)
+    envs = DummyVecEnv([partial(_same, one) for one in env]) if isinstance(env, list) else env
 
     def run() -> None:
-        library("MlpPolicy", env, seed=seed, device="cpu", **settings).learn(steps)
+        library("MlpPolicy", envs, seed=seed, device="cpu", **settings).learn(steps)
 
     return run
+
+
+def _same(env: Any) -> Any:
+    return env

@@ -144,17 +144,18 @@ def _algorithm(algorithm: Any, entry: Entry, setting: Setting, registry: Registr
         goal,
         choose(registry, "rewards", "baseline").build(registry, "rewards"),
     )
-    single = stack.enter_context(closing(ReachEnv(CHEAP, task, robot=setting.robot)))
+    singles = [
+        stack.enter_context(closing(ReachEnv(CHEAP, task, robot=setting.robot))) for _ in range(algorithm.num_envs)
+    ]
+    alone = singles[0] if algorithm.num_envs == 1 else singles
     env = stack.enter_context(closing(world.open(algorithm.num_envs)))
     own = Contender(lambda: _train(algorithm, env, steps), steps, prepare=lambda: env.reset(seed=0))
     if entry.peer:
-        bare = algorithm.peer_trainings()[entry.peer](single, steps, 0)
+        bare = algorithm.peer_trainings()[entry.peer](alone, steps, 0)
         return Contest({entry.peer: Contender(bare, steps), entry.name: own}, entry.peer)
     if not hasattr(algorithm, "bare_training"):
         return Contest({entry.name: own}, "")
-    if algorithm.num_envs > 1:
-        raise UsageError(f"it trains on {algorithm.num_envs} envs at once, and the bare library is timed on one")
-    bare = algorithm.bare_training(single, steps, 0)
+    bare = algorithm.bare_training(alone, steps, 0)
     return Contest({LIBRARY: Contender(bare, steps), entry.name: own}, LIBRARY)
 
 

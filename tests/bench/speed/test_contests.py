@@ -2,6 +2,7 @@
 
 from contextlib import ExitStack
 from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 import psutil
@@ -17,6 +18,7 @@ from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.testing import IdealSimulator
 from harness.testing.opened import closed_motion
+from harness_plugins.algorithms.ppo import Ppo
 
 SIMULATORS = ("kinematic", "mujoco", "dm_control", "pybullet")
 ROBOT = harness.load_robot("fd100")
@@ -185,10 +187,12 @@ def test_a_training_stands_beside_one_by_the_bare_library(name: str):
             contender.run()
 
 
-def test_a_training_on_several_envs_is_left_out():
-    """The bare library is timed on one: it would be another work."""
-    with ExitStack() as stack, pytest.raises(UsageError, match="trains on 4 envs at once"):
-        open_contest(Entry("algorithms", "algorithms", "sac:num_envs=4"), Setting(steps=8), load_registry(), stack)
+def test_the_bare_library_trains_on_as_many_envs():
+    """Anything else would be another work."""
+    made = []
+    with ExitStack() as stack, mock.patch.object(Ppo, "bare_training", lambda self, env, steps, seed: made.append(env)):
+        open_contest(Entry("algorithms", "algorithms", "ppo:num_envs=4"), Setting(steps=8), load_registry(), stack)
+    assert [len(envs) for envs in made] == [4]
 
 
 def test_a_peer_steps_as_its_authors_ship_it(monkeypatch):

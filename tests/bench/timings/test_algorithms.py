@@ -35,10 +35,11 @@ def test_algorithm_has_ninety_five_hundredths_of_the_bare_one(
     """Through the harness, trace on, it does at least 0.95 of the steps of bare stable-baselines3 on the same env."""
     settings, task, full = CASES[name]
     steps = amount(full, ENOUGH)
-    bare = settings.bare_training(ReachEnv(task=task), steps, 0)
+    envs = [ReachEnv(task=task) for _ in range(settings.num_envs)]
+    bare = settings.bare_training(envs if len(envs) > 1 else envs[0], steps, 0)
 
     def through_the_harness() -> None:
-        env = harness.make_env(task=task)
+        env = harness.make_env(task=task, num_envs=settings.num_envs)
         with TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.episodes.action.shape[1]) as recorder:
             env.recorder = recorder
             env.reset(seed=0)

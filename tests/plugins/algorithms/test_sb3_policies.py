@@ -18,7 +18,7 @@ from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.td3 import Td3
 
 STEPS = 160
-QUICK_PPO = {"rollout": 32, "batch_size": 16}
+QUICK_PPO = {"rollout": 32, "batch_size": 16, "num_envs": 1}
 CONTINUOUS = [Sac(), Td3(), Td3(activation="tanh", net_arch=(8, 16)), Ppo(**QUICK_PPO), Ppo(activation="relu")]
 DISCRETE = [Dqn(), Ddqn(), Dqn(activation="tanh", net_arch=(16,)), Ppo(**QUICK_PPO), Ppo(net_arch=(8, 16, 24))]
 EVERY: list[tuple[Algorithm, ActionSpace]] = [
@@ -89,7 +89,7 @@ def test_policies_draw_with_the_noise_of_the_training():
     "algorithm",
     [
         Td3(num_envs=4), Td3(num_envs=4, train_freq=3), Dqn(num_envs=4), Ddqn(train_freq=7),
-        Ppo(num_envs=4), Ppo(rollout=60, batch_size=20, num_envs=3), Ppo(rollout=500, batch_size=50),
+        Ppo(num_envs=4), Ppo(rollout=60, batch_size=20, num_envs=3), Ppo(rollout=500, batch_size=50, num_envs=1),
     ],
     ids=repr,
 )  # fmt: skip
@@ -98,7 +98,7 @@ def test_budget_is_spent_exactly(algorithm: Algorithm):
     the_budget_is_spent_exactly(algorithm)
 
 
-@pytest.mark.parametrize("algorithm", [Td3(), Ppo(), Dqn(), Ddqn()], ids=repr)
+@pytest.mark.parametrize("algorithm", [Td3(), Ppo(num_envs=1), Dqn(), Ddqn()], ids=repr)
 def test_large_seed_is_taken(algorithm: Algorithm):
     """A seed of 64 bits is no error."""
     assert train_anew(algorithm, 4, seed=2**63).env.steps == 4

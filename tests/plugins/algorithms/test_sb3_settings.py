@@ -71,7 +71,7 @@ def test_settings_of_ppo(models: list[Any]):
 
 def test_linear_schedule_ends_at_zero(models: list[Any]):
     """Learning rate and clip_range at half of the training are half of what they were."""
-    model = model_of(models, Ppo(rollout=20, batch_size=10, schedule="linear", learning_rate=0.002, clip_range=0.2))
+    model = model_of(models, Ppo(rollout=40, batch_size=10, schedule="linear", learning_rate=0.002, clip_range=0.2))
     assert model.lr_schedule(0.5) == pytest.approx(0.001)
     assert model.clip_range(0.5) == pytest.approx(0.1)
 

@@ -20,7 +20,8 @@ CONTINUOUS, DISCRETE = "fd100-reach", "fd100-reach:action=discrete"
 CASES = {
     "sac": (Sac(**SMALL), stable_baselines3.SAC, CONTINUOUS),
     "td3": (Td3(**SMALL), stable_baselines3.TD3, CONTINUOUS),
-    "ppo": (Ppo(rollout=8, batch_size=8, net_arch=(8,)), stable_baselines3.PPO, CONTINUOUS),
+    "ppo": (Ppo(rollout=8, batch_size=8, net_arch=(8,), num_envs=1), stable_baselines3.PPO, CONTINUOUS),
+    "ppo, 4 envs": (Ppo(rollout=8, batch_size=8, net_arch=(8,), num_envs=4), stable_baselines3.PPO, CONTINUOUS),
     "dqn": (Dqn(**SMALL), stable_baselines3.DQN, DISCRETE),
     "ddqn": (Ddqn(**SMALL), stable_baselines3.DQN, DISCRETE),
 }
@@ -32,12 +33,13 @@ def test_the_bare_training_updates_as_often_as_ours(name: str):
     """Of as many steps; each call trains a new model."""
     algorithm, library, task = CASES[name]
     with mock.patch.object(library, "train", autospec=True, side_effect=library.train) as update:
-        env = harness.make_env("kinematic", task)
+        env = harness.make_env("kinematic", task, num_envs=algorithm.num_envs)
         env.reset(seed=0)
         algorithm.train(env, STEPS, 0, Progress())
         ours = [call.args[1:] + tuple(call.kwargs.items()) for call in update.mock_calls]
         update.reset_mock()
-        bare = algorithm.bare_training(ReachEnv("kinematic", task), STEPS, 0)
+        envs = [ReachEnv("kinematic", task) for _ in range(algorithm.num_envs)]
+        bare = algorithm.bare_training(envs if len(envs) > 1 else envs[0], STEPS, 0)
         assert not update.called
         bare()
         first, models = len(update.mock_calls), {id(call.args[0]) for call in update.mock_calls}
