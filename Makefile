@@ -16,7 +16,7 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 RUN_EXTRAS := mujoco sb3 report
 DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev docs
 
-.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench check docs links wheel \
+.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench bench-record quick-bench check docs links wheel \
 	format clean
 
 install: $(VENV)/.installed
@@ -76,8 +76,18 @@ engines: build/experiments/engines/installed
 	$(ENGINES) -m harness check drake && $(ENGINES) -m harness check physx
 	OMP_NUM_THREADS=1 $(ENGINES) -m pytest tests/plugins/simulators -k "drake or physx or test_mjx" -n 2 --benchmark-disable
 
+# Every bound of speed. make bench-record keeps the ratios, and draws those of all releases: one for each release.
 bench: dev
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s
+	mkdir -p build
+	BENCH_RECORD=build/bench.json OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/bench -m bench -s
+
+bench-record: bench
+	$(BIN)/python -m tests.bench.records build/bench.json results/reference/bench
+
+# What takes seconds, so that a loss of speed is seen when it happens.
+quick-bench: FILES = $(addprefix tests/bench/timings/test_,$(addsuffix .py,mujoco kinematic sac_fast policy score startup))
+quick-bench: dev
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(FILES) -m bench -s
 
 check: dev
 	$(BIN)/ruff check .

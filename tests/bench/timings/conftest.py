@@ -1,17 +1,34 @@
 """Timings side by side: what is compared takes turns in one run, and every bound is a ratio.
 
 Under ``-m bench`` (make bench) the bounds hold. Elsewhere each timing runs once, on little work and without its bound,
-so that one that no longer works is seen at once.
+so that one that no longer works is seen at once. The ratios of a run are written to the file that the environment
+variable ``BENCH_RECORD`` names, if it names one.
 """
 
+import json
+import os
 import resource
 import statistics
-import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import pytest
 
 from harness.env.vector_env import ReachVectorEnv
+
+RATIOS = pytest.StashKey[dict[str, dict[str, float]]]()
+"""What a run measured: by the name of a timing its ratio and its bound."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Begin with nothing."""
+    config.stash[RATIOS] = {}
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write down what was measured."""
+    if path := os.environ.get("BENCH_RECORD"):
+        Path(path).write_text(json.dumps(session.config.stash[RATIOS], indent=1) + "\n")
 
 
 @pytest.fixture(scope="session")
@@ -27,18 +44,6 @@ def amount(is_timed: bool) -> Callable[[int, int], int]:
     return lambda full, little: full if is_timed else little
 
 
-@pytest.fixture(scope="session")
-def seconds() -> Callable[[Callable[[], object]], float]:
-    """How long one call takes, [s]."""
-
-    def measure(function: Callable[[], object]) -> float:
-        start = time.perf_counter()
-        function()
-        return time.perf_counter() - start
-
-    return measure
-
-
 def cpu_seconds(function: Callable[[], object]) -> float:
     """How long one call had a core, here and in the processes that it started and that have ended, [s]."""
     start = _cpu_time()
@@ -52,7 +57,24 @@ def _cpu_time() -> float:
 
 
 @pytest.fixture
-def require_speed(request: pytest.FixtureRequest, is_timed: bool) -> Callable[..., None]:
+def require_ratio(request: pytest.FixtureRequest, is_timed: bool) -> Callable[..., None]:
+    """Hold a ratio to its bound where bounds hold. It is printed, with `told` behind it, and written down."""
+
+    def require(ratio: float, at_least: float, told: str = "", what: str = "") -> None:
+        test = f"{request.path.stem}: {request.node.name}" + (f", {what}" if what else "")
+        name = test.replace("test_", "").replace("_", " ").replace("[", ", ").replace("]", "")
+        print(f"\n  ratio {ratio:.3f}, at least {at_least:.3f} {told}")  # noqa: T201
+        if is_timed:
+            request.config.stash[RATIOS][name] = {"ratio": ratio, "at_least": at_least}
+            assert ratio >= at_least
+
+    return require
+
+
+@pytest.fixture
+def require_speed(
+    request: pytest.FixtureRequest, is_timed: bool, require_ratio: Callable[..., None]
+) -> Callable[..., None]:
     """Hold `candidate` to at least so many times the speed of `reference`; both do the same work.
 
     Times are CPU times: what else the machine does hardly changes them. Both take turns, so that a slow moment meets
@@ -78,9 +100,7 @@ def require_speed(request: pytest.FixtureRequest, is_timed: bool) -> Callable[..
         ratio = statistics.median(first / second for first, second in pairs)
         medians = [statistics.median(column) for column in zip(*pairs, strict=True)]
         benchmark.extra_info.update(ratio=ratio, at_least=at_least, reference_s=medians[0], candidate_s=medians[1])
-        times = "reference {:.4g} s, candidate {:.4g} s".format(*medians)
-        print(f"\n  speed ratio {ratio:.3f}, at least {at_least:.3f} ({times})")  # noqa: T201
-        assert ratio >= at_least
+        require_ratio(ratio, at_least, "(reference {:.4g} s, candidate {:.4g} s)".format(*medians))
 
     return require
 

@@ -62,7 +62,7 @@ def write_run(path: Path, seed: int, k2: float, rows: int = ROWS) -> None:
 
 
 @pytest.mark.bench
-def test_twenty_files_take_three_times_as_long_as_reading_them(tmp_path: Path, require_speed, amount):
+def test_twenty_files_beside_reading_them(tmp_path: Path, require_speed, amount):
     """Ten base-line files and ten K2 files of the published size, rewards found out and both etas split.
 
     0.54 of the speed of reading was measured, and 1.9 times the memory; a third, and 3 times, are held.

@@ -54,7 +54,7 @@ def _our_actions(env, steps):
         pytest.param(fetch_reach, "mujoco:substeps=20", 1, 3.0, id="FetchReach, one env"),
     ],
 )
-def test_many_times_as_fast_as_a_peer(make_peer, simulator, num_envs, times, require_speed, step_through, amount):
+def test_our_steps_beside_those_of_a_peer(make_peer, simulator, num_envs, times, require_speed, step_through, amount):
     """At least `times` the env steps per second of the peer."""
     steps = amount(640, BATCH)
     with warnings.catch_warnings():

@@ -87,9 +87,7 @@ def require_paid(paid: Float, rows: Rows) -> None:
     assert (paid[~rows.start] != 0.0).mean() > 0.9
 
 
-def test_pieces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(
-    require_speed, score_bare, rows, pieces, reward
-):
+def test_pieces_beside_the_formula(require_speed, score_bare, rows, pieces, reward):
     """One core, pieces of 65,536 rows, as files are read."""
 
     def score() -> list[Float]:
@@ -100,15 +98,13 @@ def test_pieces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(
     require_paid(np.concatenate(score()), rows)
 
 
-def test_whole_runs_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(
-    require_speed, score_bare, rows, reward
-):
+def test_whole_runs_beside_the_formula(require_speed, score_bare, rows, reward):
     """One core, all rows at once."""
     require_speed(score_bare, lambda: Scorer(reward).score(rows), AT_LEAST)
     require_paid(Scorer(reward).score(rows), rows)
 
 
-def test_traces_are_scored_at_fifteen_hundredths_of_the_speed_of_the_formula(require_speed, score_bare, rows, reward):
+def test_traces_beside_the_formula(require_speed, score_bare, rows, reward):
     """One core, a trace in memory, recorded in one env."""
     step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows) // EPISODE)
     flags = dict.fromkeys(("reached", "terminated", "truncated"), rows.touched)
