@@ -24,4 +24,4 @@ def test_a_timed_cell_beside_an_untimed_one(tmp_path, require_speed, amount, mak
     def run(watch: Watch) -> None:
         assert run_cell(cell, tmp_path / "cell", lambda steps: None, watch=watch).reason == ""
 
-    require_speed(lambda: run(UNWATCHED), lambda: run(Stopwatch(CLOCK())), at_least=0.9)
+    require_speed(lambda: run(UNWATCHED), lambda: run(Stopwatch(CLOCK())), at_least=0.85)

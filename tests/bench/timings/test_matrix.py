@@ -17,8 +17,8 @@ from tests.bench.timings.conftest import cpu_seconds
 
 pytestmark = pytest.mark.bench
 
-CELLS, STEPS = 4, 3000
-AT_ONCE, KEPT, TRAINING = 1.6, 0.8, 0.7
+CELLS, STEPS = 4, 2000
+AT_ONCE, KEPT, TRAINING = 1.5, 0.8, 0.6
 """Cells that two jobs do at once; CPU time of one job against two; the share of a cell that is its training."""
 
 
