@@ -13,7 +13,7 @@ from harness.cli.audit import audit
 from harness.cli.bench import bench
 from harness.cli.check import check
 from harness.cli.choose import choose
-from harness.cli.commands import add_plugin_commands, names_of
+from harness.cli.commands import add_plugin_commands
 from harness.cli.compare import compare
 from harness.cli.demo import demo
 from harness.cli.describe import describe
@@ -83,12 +83,18 @@ def _root(
     """Tells whether a reward function makes a robot behave better, or only makes the numbers bigger."""
 
 
-def build_app() -> typer.Typer:
-    """The command line without what plugins bring."""
+def build_app(only: str | None = None) -> typer.Typer:
+    """The command line without what plugins bring.
+
+    Args:
+        only: The command that is called: the options of the others are not put together. None: all commands.
+    """
     app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
     app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"))(_root)
     for panel, commands in PANELS.items():
         for name, command in commands.items():
+            if only not in {None, name}:
+                continue
             # eta takes more arguments, to say what a pattern without quotes becomes
             settings = {"allow_extra_args": name == "eta"}
             examples = epilog_of(EXAMPLES[name])
@@ -137,9 +143,11 @@ def _with_help(error: TyperException) -> str:
 
 
 def _run(args: list[str]) -> int:
-    app = build_app()
-    own = names_of(app)
-    if not args or args[0] not in own:  # ours wait for no plugin
+    own = [name for commands in PANELS.values() for name in commands]
+    if args and args[0] in own:  # it waits for no plugin
+        app = build_app(args[0])
+    else:
+        app = build_app()
         add_plugin_commands(app, load_registry())
     command = typer.main.get_command(app)
     return command.main(args, prog_name="harness", standalone_mode=False, obj=own) or 0  # 130 when interrupted

@@ -1,7 +1,7 @@
 """What a `manifest.json` says: what was done in its folder, how it ended, on what machine, with which versions."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, ClassVar, Self, TypeVar
@@ -50,8 +50,8 @@ class Ending:
     FORMAT: ClassVar[int]
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data, the format left out."""
-        return asdict(self)
+        """Plain data, the format left out; mappings are those of the record, not copies."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     def write(self, folder: Path) -> Self:
         """Write ``manifest.json`` into `folder`, which is not complete yet, with the digest of every file there.

@@ -35,6 +35,7 @@ def test_high_end_is_enough(difference: float, claims: int):
     assert found(difference, told[1], claims) > POWER - 3.0 * 0.028
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pilot", [3, 10])
 def test_experiments_of_the_high_end_mostly_have_the_power(pilot: int):
     """The spread of a few seeds is known roughly: nine of ten pilots ask for enough."""

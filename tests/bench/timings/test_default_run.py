@@ -26,8 +26,9 @@ for seed in seeds:
 def test_the_default_run_beside_its_bare_trainings(tmp_path: Path, amount, require_ratio: Callable[..., None]):
     """Of fewer steps, and so with a larger share of evaluations and starts; both rewards, two processes each."""
     seeds, steps = amount(SEEDS, 1), amount(STEPS, 2)
-    bare = sum(measure(sys.executable, "-c", BARE, steps, *range(seeds)).cpu_seconds for _ in range(2))
+    programs = amount(2, 1)
+    bare = sum(measure(sys.executable, "-c", BARE, steps, *range(seeds)).cpu_seconds for _ in range(programs))
     took = cpu_seconds(
-        lambda: harness.run(sim="mujoco", algo="sac", seeds=seeds, steps=steps, jobs=2, out=tmp_path / "run")
+        lambda: harness.run(sim="mujoco", algo="sac", seeds=seeds, steps=steps, jobs=programs, out=tmp_path / "run")
     )
     require_ratio(bare / took, 0.6, f"(bare {bare:.0f} s, run {took:.0f} s of CPU time)")

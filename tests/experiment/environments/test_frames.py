@@ -1,6 +1,7 @@
 """Pictures of an evaluation episode, for the page."""
 
 import io
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from harness.experiment.experiment import run
 from harness.files.keyed_file import write_keyed
 from harness.record.verify import verify
 from harness.report.page.frames import frames_of
+from harness.results import load_results
 from harness.results.frames import MOST_BYTES, frames_file, made_of, read_frames
 from harness.results.recordings.results import RecordedResults
 
@@ -18,14 +20,22 @@ pytest.importorskip("PIL")
 TOY = Path(__file__).parent / "toy.py"
 
 
-@pytest.fixture
-def results(tmp_path: Path) -> RecordedResults:
-    """Two rewards, drawn."""
-    found = run(
-        task="toy", algo="random", steps=16, seeds=2, evaluation_episodes=2, jobs=1, plugins=[TOY], out=tmp_path
-    )
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two rewards, trained and drawn."""
+    folder = tmp_path_factory.mktemp("drawn")
+    found = run(task="toy", algo="random", steps=16, seeds=2, evaluation_episodes=2, jobs=1, plugins=[TOY], out=folder)
     assert isinstance(found, RecordedResults)
     draw_frames(found, 1)
+    return folder
+
+
+@pytest.fixture
+def results(drawn: Path, tmp_path: Path) -> RecordedResults:
+    """A copy of them, which a test may change."""
+    shutil.copytree(drawn, tmp_path / "results")
+    found = load_results(tmp_path / "results", plugins=[TOY])
+    assert isinstance(found, RecordedResults)
     return found
 
 

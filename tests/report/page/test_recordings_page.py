@@ -101,6 +101,7 @@ def test_names_are_text(tmp_path):
     assert odd not in (tmp_path / "page.html").read_text(encoding="utf-8").replace("&lt;b&gt;&amp;amp;[red]", "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "scheme"), [(1440, "light"), (390, "dark")])
 def test_the_page_fits_and_keeps_nobody_out(of_four, show, barriers, tmp_path, width, scheme):
     """In a browser: it complains of nothing, nothing is wider than the window, axe finds nothing serious."""
