@@ -16,7 +16,7 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 RUN_EXTRAS := mujoco sb3 report
 DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev docs
 
-.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench bench-record quick-bench check docs links wheel \
+.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench bench-record quick-bench check docs links wheel sbom \
 	format clean
 
 install: $(VENV)/.installed
@@ -113,6 +113,13 @@ wheel: dev
 	HARNESS_WHEEL=$$(ls dist/*.whl) OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/installed -m slow -n 2 --dist loadfile -rs \
 		--deselect tests/installed/test_plugin_packages.py --benchmark-disable
 
+# What a release is made with, by the locks, in CycloneDX's form: what make install sets up, and what make dev does. torch
+# is in neither, see below.
+sbom: SBOM = build/sbom/env/bin/python -m cyclonedx_py requirements --pyproject pyproject.toml
+sbom: build/sbom/installed
+	$(SBOM) --output-file build/sbom/fd100-harness-run.cdx.json requirements/run.txt
+	$(SBOM) --output-file build/sbom/fd100-harness-dev.cdx.json requirements/dev.txt
+
 format: dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
@@ -136,6 +143,12 @@ $(VENV)/.installed-dev: $(VENV)/.installed requirements/dev.txt
 	$(PIP) check
 	touch $@
 
+# An environment of its own: what writes the list stands in no list.
+build/sbom/installed: requirements/sbom.txt
+	$(PYTHON) -m venv --clear $(@D)/env
+	$(@D)/env/bin/python -m pip --disable-pip-version-check install --quiet --no-deps --require-hashes --requirement $<
+	touch $@
+
 # For experiments with packages that are in no lock: an environment that sees those of $(VENV) behind its own.
 build/experiments/%/installed: experiments/%/requirements.txt $(VENV)/.installed-dev
 	@echo "Installing what $< names. Where pip says that another package asks for another version: it is not used here."
@@ -146,10 +159,11 @@ build/experiments/%/installed: experiments/%/requirements.txt $(VENV)/.installed
 	touch $@
 
 # Versions stay that still fit pyproject.toml and constraints.txt. Newer ones: make lock UPGRADE=pytest, or UPGRADE=all.
-lock: COMPILE = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
-	--generate-hashes --no-emit-package torch --excludes requirements/cuda.txt --constraint constraints.txt \
-	--custom-compile-command 'make lock' pyproject.toml
+lock: UV = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
+	--custom-compile-command 'make lock'
+lock: COMPILE = $(UV) --no-emit-package torch --excludes requirements/cuda.txt --constraint constraints.txt pyproject.toml
 lock: NEWER = $(if $(filter all,$(UPGRADE)),--upgrade,$(addprefix --upgrade-package=,$(UPGRADE)))
 lock: dev
 	$(COMPILE) $(NEWER) $(addprefix --extra=,$(DEV_EXTRAS)) --output-file requirements/dev.txt
 	$(COMPILE) --constraint requirements/dev.txt $(addprefix --extra=,$(RUN_EXTRAS)) --output-file requirements/run.txt
+	$(UV) $(NEWER) --constraint requirements/dev.txt --group sbom --output-file requirements/sbom.txt

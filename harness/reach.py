@@ -16,12 +16,14 @@ from harness.env.goal_observation import GoalObservation
 from harness.errors import UsageError
 from harness.goal import Situation
 from harness.motion import Motion, Setting, build_motion
+from harness.reward import LARGEST_FACTOR
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
-from harness.task import Targets, goal_of
+from harness.task import LONGEST_EPISODE, Targets, goal_of
 
 Positive = Annotated[float, Field(gt=0)]
 Metres3 = tuple[float, float, float]
+Pay = Annotated[float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, allow_inf_nan=False)]
 Extents = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
 
 FD100_REACH = 1.5413267497929588
@@ -43,7 +45,9 @@ class ReachTask(Conditions):
     epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
         0.05
     )
-    horizon: Annotated[int, Field(gt=0, description="steps after which an episode is truncated")] = 100
+    horizon: Annotated[
+        int, Field(gt=0, le=LONGEST_EPISODE, description="steps after which an episode is truncated")
+    ] = 100
     control_period: Annotated[Positive, Field(description="duration of one step [s]")] = 0.1
     action: Annotated[
         str,
@@ -69,9 +73,9 @@ class ReachTask(Conditions):
         float,
         Field(gt=0, le=1, description="fraction of a joint's maximum acceleration that may be used, NOTE Table I"),
     ] = 0.6
-    ground_reward: Annotated[float, Field(description="reward for touching the ground, NOTE eq. 18")] = -1.0
-    target_reward: Annotated[float, Field(description="reward for reaching the target, NOTE eq. 19")] = 1.0
-    step_reward: Annotated[float, Field(description="reward on every step: the baseline's step penalty")] = -0.0001
+    ground_reward: Annotated[Pay, Field(description="reward for touching the ground, NOTE eq. 18")] = -1.0
+    target_reward: Annotated[Pay, Field(description="reward for reaching the target, NOTE eq. 19")] = 1.0
+    step_reward: Annotated[Pay, Field(description="reward on every step: the baseline's step penalty")] = -0.0001
 
     robot: ClassVar[str] = "fd100"
     ends_at_target: ClassVar[bool] = True

@@ -16,6 +16,11 @@ Carry: TypeAlias = Any
 Selection: TypeAlias = NDArray[np.int64] | Mask
 """Some of several episodes: their numbers, or a mask."""
 
+LARGEST_FACTOR = 1e18
+"""The largest number that a parameter of our rewards and tasks may be: what follows from what they pay stays finite."""
+LARGEST_PAID = 1e150
+"""The largest pay of a step that is counted with: its square is finite."""
+
 
 class Sample(NamedTuple):
     """What a reward gets to know about one step. Arrays of shape (num_envs,)."""

@@ -12,6 +12,9 @@ from harness.robot import Robot
 if TYPE_CHECKING:
     from harness.env.episodes import Episodes
 
+LONGEST_EPISODE = 1_000_000_000
+"""The most steps of an episode: as many as a training may have."""
+
 
 class Targets(NamedTuple):
     """Targets that were drawn in advance."""

@@ -1,9 +1,12 @@
 """Text of strangers made fit to be shown: what a terminal, a page or a reader would obey or not see is written out."""
 
 import hashlib
+import os
 import re
+import shlex
 import unicodedata
 from collections.abc import Iterable
+from pathlib import Path
 
 LONGEST_MESSAGE = 300
 """Characters of a one-line message: about three lines of a terminal, beyond which nobody finds what to do."""
@@ -52,6 +55,15 @@ def one_line_of(message: str) -> str:
     return shortened(visible(" ".join(message.split())))
 
 
+def command_text(*words: str | Path) -> str:
+    """A command as it is shown: whoever pastes it into a shell gives the command these words, and gives it no other.
+
+    Args:
+        words: The command's name, its flags and what they get. A `Path` is never taken for a flag.
+    """
+    return " ".join(map(_quoted, words))
+
+
 def file_stems(texts: Iterable[str]) -> list[str]:
     """A name for a file for each text: lower-case letters, digits, dots and hyphens; no two are alike.
 
@@ -65,6 +77,25 @@ def file_stems(texts: Iterable[str]) -> list[str]:
             free, number = f"{stem}-{number}", number + 1
         stems[free] = None
     return list(stems)
+
+
+def _quoted(word: str | Path) -> str:
+    r"""The word as a shell reads it; one with characters that are not seen as bash and zsh read it, ``$'\x1b'``."""
+    text = str(word)
+    if isinstance(word, Path) and text.startswith("-"):
+        text = os.path.join(os.curdir, text)
+    if visible(text) == text:
+        return shlex.quote(text)
+    return f"$'{''.join(map(_in_bytes, text))}'"
+
+
+def _in_bytes(char: str) -> str:
+    if char in "\\'":
+        return f"\\{char}"
+    if visible(char) == char:
+        return char
+    errors = "surrogateescape" if "\udc80" <= char <= "\udcff" else "surrogatepass"
+    return "".join(f"\\x{byte:02x}" for byte in char.encode(errors=errors))
 
 
 def _word_before(text: str, at: int) -> int:

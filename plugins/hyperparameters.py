@@ -4,6 +4,9 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
+MOST_ENVS = 10_000
+"""The most environments of a training. All are in memory, and no algorithm here learns better from more."""
+
 LearningRate: TypeAlias = Annotated[float, Field(gt=0, description="step size of the optimiser")]
 Gamma: TypeAlias = Annotated[float, Field(ge=0, le=1, description="discount factor per decision, 0 to 1, NOTE eq. 12")]
 Layers: TypeAlias = Annotated[
@@ -23,4 +26,6 @@ Tau: TypeAlias = Annotated[
     float, Field(gt=0, le=1, description="share of the learned weights mixed into the target networks each time")
 ]
 Activation: TypeAlias = Annotated[Literal["relu", "tanh"], Field(description="activation function between the layers")]
-NumEnvs: TypeAlias = Annotated[int, Field(gt=0, description="environments that run side by side in training")]
+NumEnvs: TypeAlias = Annotated[
+    int, Field(gt=0, le=MOST_ENVS, description="environments that run side by side in training")
+]

@@ -52,6 +52,14 @@ def interruptible() -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
+def own_state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Whatever the tests start keeps its state apart from the user's, as the key that signs kept results."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def unsynced(request: pytest.FixtureRequest) -> Iterator[None]:
     """Nothing that this process writes waits for the disk: what a stopped machine would lose is lost to no test.
 

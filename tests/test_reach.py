@@ -168,3 +168,17 @@ def test_epsilon_that_covers_the_box_is_refused():
     """Where every target is reached before the first step, the task says so."""
     with pytest.raises(UsageError, match="epsilon=3"):
         harness.make_env(task="fd100-reach:epsilon=3").reset(seed=0)
+
+
+@pytest.mark.parametrize("horizon", [10**9 + 1, 10**20])
+def test_an_episode_is_no_longer_than_a_training(horizon: int):
+    """As `--steps` is bounded."""
+    with pytest.raises(ValueError, match="less than or equal to 1000000000"):
+        ReachTask(horizon=horizon)
+
+
+@pytest.mark.parametrize("name", ["ground_reward", "target_reward", "step_reward"])
+def test_what_is_paid_is_bounded(name: str):
+    """Sums of what is paid stay finite."""
+    with pytest.raises(ValueError, match="1000000000000000000"):
+        ReachTask(**{name: -1e308})

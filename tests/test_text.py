@@ -1,12 +1,18 @@
 """Text of strangers, fit to be shown."""
 
+import re
+import shlex
+import shutil
+import subprocess
 import unicodedata
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.text import LONGEST_MESSAGE, file_stems, one_line_of, shortened, visible
+import harness
+from harness.text import LONGEST_MESSAGE, command_text, file_stems, one_line_of, shortened, visible
 
 
 @pytest.mark.parametrize(
@@ -86,3 +92,42 @@ def test_names_of_files_are_safe_and_apart():
     """Whatever the texts: parents of a folder, hidden names, nothing at all, one name twice."""
     stems = file_stems(["arp:k2=1.5", "../../etc", ".hidden", "", "ARP k2 1.5", "arp k2 1.5 2"])
     assert stems == ["arp-k2-1.5", "etc", "hidden", "unnamed", "arp-k2-1.5-2", "arp-k2-1.5-2-2"]
+
+
+SEEN = st.text(st.characters(exclude_categories=("C", "Zl", "Zp")))
+
+
+@given(st.lists(SEEN, min_size=1))
+def test_a_shown_command_is_read_as_its_words(words: list[str]):
+    """By a shell, whatever stands in a word; and nothing in the command is hidden."""
+    shown = command_text(*words)
+    assert shlex.split(shown) == words
+    assert visible(shown) == shown
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash reads these words")
+@pytest.mark.parametrize("word", ["a\ntouch X", "\x1b[2J'\\", "\u202eb c", "name\udc80", "\x9b;touch X;"])
+def test_hidden_characters_of_a_command_are_written_out_and_read_again(word: str):
+    """A line break in a name ends no command, and the name stays what it is."""
+    shown = command_text("printf", "%s", word)
+    assert visible(shown) == shown
+    bash = subprocess.run(["bash", "-c", shown], env={"LC_ALL": "C.UTF-8"}, capture_output=True, check=True)
+    assert bash.stdout == word.encode(errors="surrogateescape")
+
+
+def test_half_a_character_in_a_command_is_written_out():
+    """One that no name of a file has, as JSON may hold it."""
+    assert command_text("a\ud800") == "$'a\\xed\\xa0\\x80'"
+
+
+def test_a_path_is_no_flag():
+    """A folder whose name begins with a hyphen is named by its place."""
+    assert command_text("harness", "report", Path("-x"), "--details") == "harness report ./-x --details"
+
+
+def test_no_command_is_put_together_by_hand():
+    """Where a folder, a file or a name stands in a command, `command_text` quotes it."""
+    root, shown = Path(harness.__file__).parents[1], re.compile(r"""f".*\bharness [a-z-]+ (--[a-z-]+ )*["']?\{""")
+    sources = [path for part in ("harness", "plugins") for path in (root / part).rglob("*.py")]
+    told = [f"{path}: {line.strip()}" for path in sources for line in path.read_text("utf-8").splitlines()]
+    assert [line for line in told if shown.search(line) and "harness run {EXPERIMENT}" not in line] == []

@@ -9,7 +9,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.audit.rollout import Rollout
 from harness.errors import SimulationDiverged
-from harness.reward import Reward, Sample
+from harness.reward import LARGEST_PAID, Reward, Sample
 
 
 def samples_of(distances: Float) -> Iterator[Sample]:
@@ -59,10 +59,12 @@ def score_rollout(reward: Reward, rollout: Rollout) -> Score:
     """What the reward would have paid during the rollout.
 
     Raises:
-        SimulationDiverged: It pays something that is not finite.
+        SimulationDiverged: It pays something that is not finite, or so much that nothing can be counted with it.
     """
     values = np.where(rollout.running, pay_distances(reward, rollout.distances), 0.0)
-    if not np.isfinite(values).all():
-        step = int(np.argwhere(~np.isfinite(values))[0, 0]) + 1
-        raise SimulationDiverged(f"the reward pays '{rollout.script}' a number that is not finite at step {step}")
+    wrong = ~(np.abs(values) <= LARGEST_PAID)
+    if wrong.any():
+        step, episode = np.argwhere(wrong)[0]
+        told = f"more than {LARGEST_PAID:g}" if np.isfinite(values[step, episode]) else "a number that is not finite"
+        raise SimulationDiverged(f"the reward pays '{rollout.script}' {told} at step {step + 1}")
     return Score(rollout, values)

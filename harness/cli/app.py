@@ -1,5 +1,6 @@
 """All commands together, and what becomes of their errors."""
 
+import errno
 import os
 import sys
 from collections.abc import Callable, Mapping
@@ -36,9 +37,11 @@ from harness.cli.verify import repair, verify
 from harness.cli.video import video
 from harness.cli.watch import watch
 from harness.errors import HarnessError, UsageError
+from harness.registry.allowed_imports import allow_imports, allow_typed
 from harness.registry.registry import load_registry
 
 FAILED, USAGE = 1, 2
+ALLOW = "--allow-import"
 PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
     {
         "Run and read": {
@@ -67,6 +70,9 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
 """Every command by the heading that it stands under in the help: what one needs first comes first."""
 UNFORESEEN = 70
 """The exit status after an error that nobody foresaw, EX_SOFTWARE of sysexits.h."""
+LONG_NAME = (
+    "a path that was given is too long: most systems take names of 255 bytes, and paths of 4,096. Give a shorter one"
+)
 
 
 def _show_version(wanted: bool) -> None:
@@ -79,6 +85,12 @@ def _show_version(wanted: bool) -> None:
 
 def _root(
     version: bool = typer.Option(False, "--version", help="Show the version.", callback=_show_version, is_eager=True),
+    allow_import: str = typer.Option(
+        "",
+        ALLOW,
+        metavar="MODULE",
+        help="With any command: let the id of an environment in a file or folder, as MODULE:Name-v0, import MODULE.",
+    ),
 ) -> None:
     """Tells whether a reward function makes a robot behave better, or only makes the numbers bigger."""
 
@@ -125,12 +137,41 @@ def _answer(args: list[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except (HarnessError, OSError) as error:
-        is_ours = isinstance(error, HarnessError)
-        complain(str(error) if is_ours else f"the system reports: {error}. Solve that, then run the same command again")
-        return FAILED
+        return _say_failure(error)
     except Exception as error:  # nobody's traceback on the screen
         complain(describe_unexpected(error))
         return UNFORESEEN
+
+
+def _take_allowed(args: list[str]) -> list[str]:
+    """The arguments without ``--allow-import MODULE``, which every command takes; what is typed is allowed besides."""
+    rest, modules, words = list[str](), list[str](), iter(args)
+    for word in words:
+        if word == ALLOW:
+            modules.append(next(words, ""))
+        elif word.startswith(f"{ALLOW}="):
+            modules.append(word.removeprefix(f"{ALLOW}="))
+        else:
+            rest.append(word)
+    allow_imports(modules)
+    allow_typed(rest)
+    return rest
+
+
+def _say_failure(error: Exception) -> int:
+    """Say what failed; the exit status."""
+    if _has_long_name(error):
+        complain(LONG_NAME)
+        return USAGE
+    is_ours = isinstance(error, HarnessError)
+    complain(str(error) if is_ours else f"the system reports: {error}. Solve that, then run the same command again")
+    return FAILED
+
+
+def _has_long_name(error: Exception) -> bool:
+    """Whether the system refused a path for its length: it stands in what was typed, for ours are short."""
+    cause = error if isinstance(error, OSError) else error.__cause__
+    return isinstance(cause, OSError) and cause.errno == errno.ENAMETOOLONG
 
 
 def _with_help(error: TyperException) -> str:
@@ -143,6 +184,7 @@ def _with_help(error: TyperException) -> str:
 
 
 def _run(args: list[str]) -> int:
+    args = _take_allowed(args)
     own = [name for commands in PANELS.values() for name in commands]
     if args and args[0] in own:  # it waits for no plugin
         app = build_app(args[0])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from harness.cli.flags import bench as flags
 from harness.cli.flags.shared import AsJson, EvaluationEpisodes, Names, PluginFiles, RobotName, SimulatorNames, TaskName
 from harness.cli.output import say, say_json
-from harness.errors import UsageError
+from harness.errors import SchemaError, UsageError
 
 if TYPE_CHECKING:
     from harness.bench.bench import Bench
@@ -147,6 +147,8 @@ def _again(path: Path, rounds: int | None, plugin: Names, as_json: bool, html: P
         old = read_speeds(path)
     except OSError as error:
         raise UsageError(f"'{path}' cannot be read: {error.strerror}") from error
+    except SchemaError as error:  # no results of ours are damaged: another file was named than is meant
+        raise UsageError(str(error)) from error
     times = old.rounds if rounds is None else rounds
     for number, whose in ((old.rounds, f"'{path}' has"), (times, "--rounds gives")):
         if number < FEWEST_ROUNDS:

@@ -11,6 +11,7 @@ from harness.cli.examples import epilog_of
 from harness.cli.unexpected import describe_fault
 from harness.errors import HarnessError, PluginError
 from harness.registry.registry import Registry
+from harness.text import command_text
 
 KIND = "commands"
 PANEL = "From plugins"
@@ -58,7 +59,7 @@ def hidden_commands(registry: Registry, own: Collection[str]) -> list[str]:
     """
     return [
         f"Command '{spec.name}' of the plugin '{spec.plugin}' ({spec.package}) is hidden by a built-in command: "
-        f"type harness {spec.qualified}"
+        f"type {command_text('harness', spec.qualified)}"
         for spec in registry.all_specs()
         if spec.kind == KIND and spec.name in own
     ]

@@ -9,6 +9,7 @@ import typer
 
 from harness.cli.output import say
 from harness.errors import HarnessError, UsageError
+from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.executor import Job, OnEvent
@@ -40,9 +41,9 @@ ANSWER = (
 )
 ONWARD = """
 Where to go on:
-  open {folder}/report.html in a browser
+  open {page} in a browser
       its replay shows both arms side by side: they move alike
-  harness report {folder} --details
+  {details}
       all that was measured here
   harness audit --reward arp
       what does this reward pay for?
@@ -100,6 +101,7 @@ def _show(results: "Results") -> None:
 
     from harness.cli.table_and_page import make_table_and_page
     from harness.cli.terminal import show
+    from harness.record.store import REPORT
     from harness.report.rows.comparison import format_number
     from harness.report.tables.overview import comparison_lines
 
@@ -110,7 +112,8 @@ def _show(results: "Results") -> None:
     show(Text(AFTER.format(same=f"{same:,}", all=f"{recorded:,}", eta=eta)))
     show(Text(ANSWER.format(seeds=SEEDS)))
     make_table_and_page(results)
-    say(ONWARD.format(folder=results.folder))
+    details = command_text("harness", "report", results.folder, "--details")
+    say(ONWARD.format(page=command_text(results.folder / REPORT), details=details))
 
 
 def _same_steps(results: "Results") -> tuple[int, int]:

@@ -40,17 +40,17 @@ def doctor(context: typer.Context) -> int:
 
     machine, registry = describe_machine(), load_registry()
     specs = list(registry.all_specs())
-    typer.echo(f"python {sys.version.split()[0]} on {machine['system']}")
-    typer.echo(f"cpu {machine['cpu']}, {machine['cores']} cores")
-    typer.echo("versions " + ", ".join(f"{name} {version}" for name, version in versions_behind(specs).items()))
+    say(f"python {sys.version.split()[0]} on {machine['system']}")
+    say(f"cpu {machine['cpu']}, {machine['cores']} cores")
+    say("versions " + ", ".join(f"{name} {version}" for name, version in versions_behind(specs).items()))
     commit = source_commit(CHECKOUT)
     if commit:
-        typer.echo(f"commit {commit}")
+        say(f"commit {commit}")
     at_fault = [plugin for plugin in examined(registry) if plugin.is_at_fault]
     notes = registry.conflicts() + hidden_commands(registry, context.obj) + registry.notes
     fine = [] if at_fault or notes else [f"plugins {len(registry.plugins)}, all fine"]
     for line in [*(plugin.complaint for plugin in at_fault), *notes, *fine]:
-        typer.echo(line)
+        say(line)
     files, trials = file_lines(), list(try_all(registry))
     for line in [
         *files,

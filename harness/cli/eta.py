@@ -11,6 +11,7 @@ from harness.cli.output import say, say_json
 from harness.cli.recordings import refuse_flags
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError
+from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.score.compare import ComparedRuns
@@ -51,7 +52,8 @@ def eta(
         from harness.results import load_results
 
         results = load_results(folder, curve)
-        return show_results(results, f"harness report {folder} --details", as_json=as_json, html=plot, details=True)
+        everything = command_text("harness", "report", folder, "--details")
+        return show_results(results, everything, as_json=as_json, html=plot, details=True)
     if baseline is None or proposed is None:
         missing = next(flag for flag, given in groups.items() if given is None)
         raise UsageError(

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from harness.cli.flags.shared import PluginFiles
-from harness.cli.output import complain
+from harness.cli.output import complain, say
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
 from harness.registry.given import read_given
@@ -24,11 +24,11 @@ def list_names(
         raise UsageError(unknown_name("kind", kind, KINDS))
     registry = load_registry(given=read_given(plugin))
     for shown in KINDS if kind is None else (kind,):
-        typer.echo(f"{shown}:")
+        say(f"{shown}:")
         width = max(16, *map(len, registry.names(shown)), 0) + 2
         for name in registry.names(shown):
             spec = registry.get(shown, name)
             note = f" [missing {', '.join(spec.missing)}: {spec.remedy}]" if spec.missing else ""
-            typer.echo(f"  {name:<{width}}{spec.summary}{note}")
+            say(f"  {name:<{width}}{spec.summary}{note}")
     for line in registry.complaints():
         complain(line)

@@ -7,11 +7,12 @@ import typer
 
 from harness.cli.output import say
 from harness.errors import UsageError
+from harness.text import command_text
 
 NEXT = """{folder}: {count} files. Type next:
 
-  pip install -e "{folder}[test]"
-  pytest {quoted}
+  {install}
+  {test}
   {command}
 
 The {noun} is {folder}/{module}/{noun}.py: change that file, and its tests beside it."""
@@ -52,6 +53,9 @@ def new_plugin(
     if kind == "command" and name in context.obj:
         raise UsageError(f"The name '{name}' is taken: it is a command of the harness. Choose another name")
     write_package(files, folder)
-    quoted = f'"{folder}"' if " " in str(folder) else str(folder)
+    install, test = command_text("pip", "install", "-e", Path(f"{folder}[test]")), command_text("pytest", folder)
     command = command_to_try(kind, plugin)
-    say(NEXT.format(folder=folder, quoted=quoted, count=len(files), command=command, noun=kind, module=plugin.module))
+    told = NEXT.format(
+        folder=folder, count=len(files), install=install, test=test, command=command, noun=kind, module=plugin.module
+    )
+    say(told)

@@ -7,7 +7,7 @@ import typer
 
 from harness.cli.commands import hidden_commands
 from harness.cli.flags.shared import AsJson
-from harness.cli.output import say_json
+from harness.cli.output import say, say_json
 from harness.registry.registry import load_registry
 from harness.registry.targets import examined, why_unfit
 
@@ -32,8 +32,8 @@ def plugins(
         say_json(shown)
         return status
     for plugin in found:
-        typer.echo(f"{plugin.name}  {plugin.status}  {plugin.distribution} {plugin.version}  ({plugin.module})")
-        typer.echo(f"  {plugin.reason or ', '.join(plugin.registered) or 'registers nothing'}")
+        say(f"{plugin.name}  {plugin.status}  {plugin.distribution} {plugin.version}  ({plugin.module})")
+        say(f"  {plugin.reason or ', '.join(plugin.registered) or 'registers nothing'}")
     for line in conflicts:
-        typer.echo(f"conflict: {line}")
+        say(f"conflict: {line}")
     return status

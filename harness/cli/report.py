@@ -14,6 +14,7 @@ from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, Plug
 from harness.cli.output import complain
 from harness.cli.recordings import holds_recordings, refuse_flags
 from harness.cli.results_shown import show_results
+from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.eta.curve import Kind
@@ -49,7 +50,8 @@ def report(
         results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs)
         status = show(results, _details(results, folders))
         if results.damaged:
-            complain(f"damaged cells: {len(results.damaged)}; harness verify '{folders[0]}' says which files")
+            verify = command_text("harness", "verify", folders[0])
+            complain(f"damaged cells: {len(results.damaged)}; {verify} says which files")
         return 1 if results.damaged else status
     with ExitStack() as stack:
         together = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="harness-report-")))
@@ -84,11 +86,11 @@ def _read_together(
     from harness.registry.registry import load_registry
     from harness.results.load import read_results
 
-    merged = merge(folders, out)
+    merged = merge(folders, out, is_temporary=True)
     registry = load_registry(given=read_given(plugin))
     return read_results(out, registry, curve, metric, is_temporary=True, pairs=pairs), merged.left_out
 
 
 def _details(results: "Results", folders: Sequence[Path]) -> str:
     """The command that shows everything behind the overview."""
-    return f"harness report {' '.join(map(str, folders))} --details{results.report_flags}"
+    return command_text("harness", "report", *folders, "--details") + results.report_flags

@@ -27,6 +27,7 @@ from harness.cli.flags.shared import (
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.output import complain, say, say_json
 from harness.errors import UsageError
+from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.experiment.plan import Experiment
@@ -377,5 +378,6 @@ def show_run(results: "Results", as_json: bool) -> None:
     from harness.cli.results_shown import show_results
     from harness.cli.table_and_page import make_table_and_page
 
-    show_results(results, f"harness report {results.folder} --details{results.report_flags}", as_json=as_json)
+    details = command_text("harness", "report", results.folder, "--details") + results.report_flags
+    show_results(results, details, as_json=as_json)
     make_table_and_page(results, as_json)

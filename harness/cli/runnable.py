@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from harness.registry.registry import Registry
+from harness.text import command_text
 
 FAVOURITES = {"simulators": ("mujoco", "kinematic"), "algorithms": ("sac", "sac-fast", "ik")}
 """What an example names, the first of them that is installed; else whatever is."""
@@ -15,8 +16,8 @@ def usable(registry: Registry, kind: str) -> list[str]:
 
 def example_run(registry: Registry) -> str:
     """A command that runs here; empty where there is no simulator, or no algorithm."""
-    names = [_favourite(usable(registry, kind), wanted) for kind, wanted in FAVOURITES.items()]
-    return "harness run --sim {} --algo {}".format(*names) if all(names) else ""
+    sim, algo = (_favourite(usable(registry, kind), wanted) for kind, wanted in FAVOURITES.items())
+    return command_text("harness", "run", "--sim", sim, "--algo", algo) if sim and algo else ""
 
 
 def _favourite(names: Sequence[str], wanted: Sequence[str]) -> str:

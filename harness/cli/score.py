@@ -9,6 +9,7 @@ from harness.cli.flags.shared import AsJson, PluginFiles
 from harness.cli.output import complain, say, say_json
 from harness.cli.recordings import holds_recordings, refuse_flags
 from harness.errors import UsageError
+from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.experiment.environments.paid_again import Paid
@@ -88,7 +89,7 @@ def _score_recordings(
         say_json({"recordings": [paid.to_json() for paid in told], "matrices": matrices})
     else:
         _print_returns(returns)
-        say(f"What they come to: harness report {folder}")
+        say(f"What they come to: {command_text('harness', 'report', folder)}")
     return 1 if any(paid.refused or paid.failed for paid in told) else 0
 
 

@@ -11,6 +11,7 @@ from harness.cli.flags.shared import AsJson, ExecutorName, Jobs, Measures, Plugi
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.output import say, say_json
 from harness.errors import UsageError
+from harness.text import command_text
 
 _SEVERAL = re.compile(r",\s*\w+=")
 
@@ -125,6 +126,6 @@ def _show(tuned: "Tuned", as_json: bool) -> None:
     if tuned.file is None:
         say("No setting to recommend: a search has no complete trial", err=as_json)
     else:
-        say(f"Tuned: {tuned.file} (next: harness run {tuned.file})", err=as_json)
+        say(f"Tuned: {tuned.file} (next: {command_text('harness', 'run', tuned.file)})", err=as_json)
     if as_json:
         say_json(tuned.to_json())

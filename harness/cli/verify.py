@@ -2,21 +2,27 @@
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
 from harness.cli.output import say, say_json
+from harness.text import command_text
 
 UNSOUND = 1
 
 
 def verify(folder: ExperimentFolder, as_json: AsJson = False) -> int:
     """Name every file in an experiment's folder that was damaged or changed since it was written. Changes nothing."""
+    from harness.record.verify import missing_cells
     from harness.record.verify import verify as find_problems
 
-    problems = find_problems(folder)
+    problems, (missing, planned) = find_problems(folder), missing_cells(folder)
     if as_json:
-        say_json({"format": 1, "problems": [problem.to_json() for problem in problems]})
-    elif problems:
+        told = {"format": 1, "problems": [problem.to_json() for problem in problems]}
+        say_json({**told, "cells": planned, "missing": missing})
+        return UNSOUND if problems else 0
+    if missing:
+        say(f"{missing} of the plan's {planned} cells are not here: they were not run yet, or were taken away")
+    if problems:
         for problem in problems:
             say(f"{problem.path}: {problem.what}. What to do: {problem.remedy}.")
-        say(f"harness repair '{folder}' sets aside what is damaged")
+        say(f"{command_text('harness', 'repair', folder)} sets aside what is damaged")
     else:
         say(f"No file of '{folder}' is damaged")
     return UNSOUND if problems else 0

@@ -90,13 +90,13 @@ def open_server(pages: Pages, port: int) -> "ThreadingHTTPServer":
             try:
                 text = make()
             except HarnessError as error:
-                self.send_error(500, one_line(error))
+                self.send_error(500, explain=one_line(error))  # in the body: the status line is Latin-1
                 return
             self.send_response(200)
             self.send_header("Content-Type", kind)
             self.send_header("Cache-Control", "no-store")
             self.end_headers()
-            self.wfile.write(text.encode())
+            self.wfile.write(text.encode(errors="backslashreplace"))
 
         def log_message(self, format: str, *values: object) -> None:  # noqa: A002
             """Say nothing: the terminal is the user's."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
 from harness.errors import one_line
+from harness.experiment.own_folder import own_partial
 from harness.record.folder import LOG, partial_folder, publish
 from harness.record.manifest import Ending, now
 
@@ -44,8 +45,7 @@ def draft_of(folder: Path, record: Kind) -> Iterator[Draft[Kind]]:
         record: What there is to say of it if the work is done; start and duration are filled in.
     """
     clock = time.perf_counter()
-    partial = partial_folder(folder)
-    partial.mkdir(parents=True, exist_ok=True)
+    partial = own_partial(folder)
     draft = Draft(partial, replace(record, started=now()))
     try:
         yield draft

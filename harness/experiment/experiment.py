@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack
 
 from harness.errors import UsageError
 from harness.executor import Event, Executor, Job, OnEvent
@@ -28,6 +28,7 @@ from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
+from harness.registry.allowed_imports import allow_typed
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
@@ -58,11 +59,19 @@ def run(**given: Unpack[RunArguments]) -> Results:
     """
     of_options = {field.name for field in fields(RunOptions)}
     everything, classes = name_objects(given)
+    allow_typed(_texts_of(everything.get("task")))
     names, files = split_measures(everything.pop("measure", ()))
     plugins = dict.fromkeys([*read_given(everything.pop("plugins", ()), files), *classes])
     everything |= {"measure": names} if names else {}
     options = {name: everything.pop(name) for name in tuple(everything) if name in of_options}
     return prepare(check_experiment(everything), RunOptions(**options), tuple(plugins)).run()
+
+
+def _texts_of(task: Any) -> list[str]:
+    """The ids that a program names, as they are typed: what it says is its user's word."""
+    items = task if isinstance(task, list | tuple) else [task]
+    ids = [f"id={item['id']}" for item in items if isinstance(item, Mapping) and "id" in item]
+    return [*(item for item in items if isinstance(item, str)), *ids]
 
 
 @dataclass(frozen=True)
@@ -157,7 +166,7 @@ class BegunRun:
     @property
     def _selected(self) -> tuple[Cell, ...]:
         plan, only = self.asked.plan, self.asked.options.only
-        return tuple(select(plan.cells, only)) if only else plan.cells
+        return plan.cells if only is None else tuple(select(plan.cells, only))
 
     def run(self, on_event: OnEvent = lambda event: None, on_trouble: OnTrouble = _warn) -> Results:
         """Do the cells that wait; those that fail as often again as the options say.
@@ -264,7 +273,7 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         raise UsageError(f"Nothing can be run: {'; '.join(reasons)}")
     if options.metrics is not None:
         plan.require_metrics([options.metrics] if isinstance(options.metrics, str) else options.metrics)
-    if options.only:
+    if options.only is not None:
         select(plan.cells, options.only)
     store = Store.at(Path(options.out) if options.out else default_folder(plan))
     if Store.is_experiment(store.folder):

@@ -10,6 +10,7 @@ from harness.experiment.experiment import ExperimentRun
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.store import Store
+from harness.text import command_text
 
 Kind: TypeAlias = tuple[str, str]
 """Labels of simulator, or environment, and algorithm: what decides how long a step takes, and how much it leaves."""
@@ -114,7 +115,8 @@ def foresee(ready: ExperimentRun) -> Foreseen:
 
 def _why_unknown(cell: Cell) -> str:
     names = f"{cell.place.name},{cell.algorithm.name}"
-    return f"no cell of {' · '.join(_kind(cell))} is done in the folder yet. --only {names} --limit 1 runs one"
+    flags = command_text("--only", names, "--limit", "1")
+    return f"no cell of {' · '.join(_kind(cell))} is done in the folder yet. {flags} runs one"
 
 
 def _costs_per_step(store: Store) -> Mapping[Kind, Cost]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.errors import UsageError
@@ -39,11 +39,21 @@ MOST_CELLS = 100_000
 """The most cells of a plan. All are in memory, and each leaves a folder."""
 
 Names: TypeAlias = Annotated[list[Given], Field(min_length=1, max_length=MOST_NAMES)]
-SeedCount: TypeAlias = Annotated[int, Field(gt=0, le=MOST_SEEDS)]
-Steps: TypeAlias = Annotated[int, Field(gt=0, le=MOST_STEPS)]
-Episodes: TypeAlias = Annotated[int, Field(gt=0, le=MOST_EPISODES)]
-Seed: TypeAlias = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
-Interval: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
+
+
+def _no_bool(given: Any) -> Any:
+    """What is given, unless it is true or false, which pydantic takes for 1 and 0."""
+    if isinstance(given, bool):
+        raise ValueError("must be a number, not true or false")
+    return given
+
+
+Number: TypeAlias = Annotated[int, BeforeValidator(_no_bool)]
+SeedCount: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_SEEDS)]
+Steps: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_STEPS)]
+Episodes: TypeAlias = Annotated[Number, Field(gt=0, le=MOST_EPISODES)]
+Seed: TypeAlias = Annotated[Number, Field(ge=0, le=LARGEST_SEED)]
+Interval: TypeAlias = Annotated[Number, Field(ge=0, le=MOST_STEPS)]
 LISTS = ("sim", "algo", "reward", "measure")
 
 

@@ -18,6 +18,7 @@ from harness.registry.sources import source_hash
 from harness.registry.spec import OURS, Spec
 from harness.robot import Robot
 from harness.simulator import family_of
+from harness.text import command_text
 
 CORE = (OURS, "gymnasium", "numpy", "pyarrow")
 """Distributions that every result depends on."""
@@ -43,7 +44,7 @@ def describe_environment(
         "machine": describe_machine(),
         **_engine(specs),
         "commit": source_commit(CHECKOUT),
-        "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
+        "command": command_text(Path(sys.argv[0]).name, *sys.argv[1:]),
         "sources": {**_source_hashes(specs), **digests, **function_digests(cell, registry)},
     }
 

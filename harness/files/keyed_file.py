@@ -1,9 +1,14 @@
-"""Files that say themselves whether they are whole, and what they follow from: for what can be made again."""
+"""Files that say themselves whether they are whole, what they follow from, and whose they are: what can be made again.
+
+Only what this user made on this machine is believed: a file of somebody else could say anything under the right key.
+"""
 
 import hashlib
+import hmac
 from pathlib import Path
 
 from harness.files.bounded import read_bytes
+from harness.files.machine_key import machine_key
 from harness.files.whole_file import whole_files
 
 
@@ -23,18 +28,20 @@ def read_keyed(path: Path, key: str, most: int) -> bytes | None:
     """What was written under `key`.
 
     None where nothing can be read there, nothing of at most `most` bytes, or something that was not written whole under
-    this key: the caller makes it again.
+    this key, by this user on this machine: the caller makes it again.
     """
     try:
         told, rest = _parts(read_bytes(path, most))
     except OSError:
         return None
+    signature, signed = _parts(rest)
     own = f"{key}\n".encode()
-    return rest[len(own) :] if told == _digest(rest) and rest.startswith(own) else None
+    is_ours = told == _digest(rest) and hmac.compare_digest(signature, _sign(signed))
+    return signed[len(own) :] if is_ours and signed.startswith(own) else None
 
 
 def is_whole(path: Path, most: int) -> bool:
-    """Whether a file is what was written, under whatever key."""
+    """Whether a file is what was written, under whatever key and by whomever."""
     try:
         told, rest = _parts(read_bytes(path, most))
     except OSError:
@@ -43,9 +50,14 @@ def is_whole(path: Path, most: int) -> bool:
 
 
 def with_key(key: str, content: bytes) -> bytes:
-    """The file: a line with the SHA-256 of all behind it, a line with the key, the content."""
-    rest = f"{key}\n".encode() + content
+    """The file: lines with the SHA-256 of all behind it, the signature of what follows, and the key; the content."""
+    signed = f"{key}\n".encode() + content
+    rest = _sign(signed) + b"\n" + signed
     return _digest(rest) + b"\n" + rest
+
+
+def _sign(content: bytes) -> bytes:
+    return hmac.digest(machine_key(), content, "sha256").hex().encode()
 
 
 def _parts(text: bytes) -> tuple[bytes, bytes]:

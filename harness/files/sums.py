@@ -1,4 +1,8 @@
-"""``SHA256SUMS``: the digests of files that were made from others, as ``sha256sum --check`` reads them."""
+"""``SHA256SUMS``: the digests of files that were made from others, as ``sha256sum --check`` reads them.
+
+A file of that name that somebody else wrote stays as it is. The harness believes none of its lines, and keeps no
+digests in that folder.
+"""
 
 import hashlib
 import re
@@ -10,7 +14,11 @@ from harness.files.bounded import digest_of, read_text
 from harness.files.whole_file import write_whole
 
 SUMS = "SHA256SUMS"
+FIRST_LINE = "# harness made these files from others"
+"""It says whose list it is; ``sha256sum`` takes it for a comment."""
 _LINE = re.compile(r"([0-9a-f]{64})  ([^/\\\n]+)")
+_EARLIER = re.compile(r"report\.html|results\.parquet|scores[\w.-]*")
+"""The names in lists of version 0.1, which had no such line."""
 
 
 def note_made(path: Path) -> None:
@@ -19,6 +27,8 @@ def note_made(path: Path) -> None:
     Raises:
         OSError: It cannot be written.
     """
+    if is_foreign(path.parent):
+        return
     told = {**read_sums(path.parent), path.name: digest_of(path)}
     there = {name: digest for name, digest in told.items() if (path.parent / name).is_file()}
     write_whole(path.parent / SUMS, _text_of(there))
@@ -40,26 +50,61 @@ def making(path: Path) -> Iterator[None]:
     note_made(path)
 
 
+def forget_made(path: Path) -> None:
+    """Take a file out of the list beside it, which is whole after that; an empty list is removed.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    told = {name: digest for name, digest in read_sums(path.parent).items() if name != path.name}
+    if is_foreign(path.parent):
+        return
+    if told:
+        write_whole(path.parent / SUMS, _text_of(told))
+    else:
+        (path.parent / SUMS).unlink(missing_ok=True)
+
+
 def read_sums(folder: Path) -> dict[str, str]:
-    """The digests in a folder's ``SHA256SUMS``, by name; lines that are none are left out."""
-    try:
-        lines = read_text(folder / SUMS).splitlines()
-    except (OSError, UnicodeDecodeError):
-        return {}  # not there, or damaged: what it told of can be made again
-    return {found[2]: found[1] for found in map(_LINE.fullmatch, lines) if found}
+    """The digests in a folder's ``SHA256SUMS``, by name; lines that are none are left out, and so is a foreign list."""
+    lines = _lines(folder)
+    return {} if _is_foreign(lines) else _told(lines)
+
+
+def is_foreign(folder: Path) -> bool:
+    """Whether there is a ``SHA256SUMS`` that somebody else wrote."""
+    return _is_foreign(_lines(folder))
 
 
 def changed_since_made(folder: Path) -> list[str]:
     """Names of the files in `folder` that are not what was made; ``SHA256SUMS`` too, if that is damaged itself."""
+    if is_foreign(folder):
+        return []
     sums, path = read_sums(folder), folder / SUMS
     changed = [name for name, digest in sums.items() if not _is(folder / name, digest)]
-    if path.exists() and not _is(path, hashlib.sha256(_text_of(sums).encode()).hexdigest()):
+    whole = [_text_of(sums), _text_of(sums).removeprefix(f"{FIRST_LINE}\n")]
+    if path.exists() and not any(_is(path, hashlib.sha256(text.encode()).hexdigest()) for text in whole):
         changed.append(SUMS)
     return changed
 
 
+def _lines(folder: Path) -> list[str]:
+    try:
+        return read_text(folder / SUMS).splitlines()
+    except (OSError, UnicodeDecodeError):
+        return []  # not there, or damaged: what it told of can be made again
+
+
+def _told(lines: list[str]) -> dict[str, str]:
+    return {found[2]: found[1] for found in map(_LINE.fullmatch, lines) if found}
+
+
+def _is_foreign(lines: list[str]) -> bool:
+    return lines[:1] != [FIRST_LINE] and not all(_EARLIER.fullmatch(name) for name in _told(lines))
+
+
 def _text_of(sums: Mapping[str, str]) -> str:
-    return "".join(f"{digest}  {name}\n" for name, digest in sorted(sums.items()))
+    return f"{FIRST_LINE}\n" + "".join(f"{digest}  {name}\n" for name, digest in sorted(sums.items()))
 
 
 def _is(path: Path, digest: str) -> bool:

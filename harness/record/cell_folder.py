@@ -4,12 +4,16 @@ from pathlib import Path, PurePosixPath
 
 from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import digest_of
+from harness.files.sums import SUMS
+from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, LOG, POLICY, RANDOM, SCORES, TENSORBOARD, TRACE
+from harness.record.folder import EVALUATION, EVALUATIONS, LOG, MANIFEST, POLICY, RANDOM, SCORES, TENSORBOARD, TRACE
 from harness.record.manifest import Ending, Manifest, read_manifest
 from harness.record.trace import read_trace
 
 REMEDY = "run again to replace it"
+PAID_LATER = "scores"
+"""What the names of files begin with that `harness score` adds to a cell."""
 
 
 def examine(folder: Path, cell: Cell) -> Manifest:
@@ -23,12 +27,15 @@ def examine(folder: Path, cell: Cell) -> Manifest:
     try:
         manifest = _own_manifest(folder, cell)
         require_files(folder, manifest)
+        _require_unmixed(folder, manifest)
         if not manifest.files and manifest.status == "done":
             _require_readable(folder)
     except NewerFormat:
         raise
     except SchemaError as error:
         return Manifest(cell, status="damaged", reason=f"{error}; {REMEDY}")
+    except OSError as error:
+        return Manifest(cell, status="damaged", reason=f"{folder} cannot be read: {error.strerror}; {REMEDY}")
     return manifest
 
 
@@ -52,6 +59,26 @@ def require_files(folder: Path, record: Ending) -> None:
             raise SchemaError(f"{path} cannot be read: {error.strerror}") from error
         if found != digest:
             raise SchemaError(f"{path} is not what was written: its SHA-256 differs")
+
+
+def is_named(record: Ending, name: str) -> bool:
+    """Whether a record names a file, or files of a folder. All that lies in cells of version 0.1 is theirs."""
+    return not record.files or name in record.files or any(known.startswith(f"{name}/") for known in record.files)
+
+
+def added_files(folder: Path, record: Ending) -> list[str]:
+    """Files in `folder` that its record does not name, nor a command of the harness adds. No report reads them."""
+    there = [path for path in sorted(folder.rglob("*")) if record.files and path.is_file() and not is_partial(path)]
+    names = [path.relative_to(folder).as_posix() for path in there if path.name not in (MANIFEST, SUMS)]
+    return [name for name in names if name not in record.files and not PurePosixPath(name).name.startswith(PAID_LATER)]
+
+
+def _require_unmixed(folder: Path, record: Ending) -> None:
+    """See that nothing was added to a recording: a reader takes all that lies in its folder."""
+    recordings = {str(PurePosixPath(name).parent) for name in record.files} - {".", EVALUATIONS, POLICY}
+    for name in added_files(folder, record):
+        if str(PurePosixPath(name).parent) in recordings:
+            raise SchemaError(f"{folder / name} was added to what was recorded")
 
 
 def is_needed(name: str) -> bool:

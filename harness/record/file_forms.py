@@ -3,6 +3,7 @@
 A folder may come from anybody. A file of another form is damaged; no value of a wrong type gets further than here.
 """
 
+from datetime import datetime
 from typing import Annotated, Any, Literal, NotRequired
 
 from pydantic import AfterValidator, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError, with_config
@@ -22,6 +23,12 @@ def _inside(path: str) -> str:
     return path
 
 
+def _moment(text: str) -> str:
+    if text and datetime.fromisoformat(text).tzinfo is None:
+        raise ValueError("has no time zone")
+    return text
+
+
 Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
 Line = Annotated[str, StringConstraints(max_length=100_000)]
 Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
@@ -29,7 +36,15 @@ FilePath = Annotated[str, StringConstraints(max_length=1_000, pattern=r"^[^/\\]+
 """In the folder that names it, or below."""
 Count = Annotated[int, Field(gt=0, lt=2**53)]
 Whole = Annotated[int, Field(ge=0, lt=2**63)]
-Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+LONGEST = 1e10
+"""The most seconds that work may have taken, [s]: 300 years."""
+Seconds = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)]
+Moment = Annotated[str, StringConstraints(max_length=100), AfterValidator(_moment)]
+"""ISO 8601 with a time zone; empty where nothing was begun."""
+Plain = Annotated[str, StringConstraints(max_length=10_000)] | bool | int | Annotated[float, Field(allow_inf_nan=False)]
+Listed = Plain | None | Annotated[list[Plain | None], Field(max_length=10_000)]
+Value = Listed | Annotated[list[Listed], Field(max_length=10_000)]
+"""The value of a parameter."""
 Status = Literal["done", "failed", "skipped", "pending", "damaged", "not needed"]
 
 EXACT = ConfigDict(strict=True, extra="forbid")
@@ -42,7 +57,7 @@ class ChoiceForm(TypedDict):
 
     name: Name
     label: Name
-    params: dict[Name, Any]
+    params: dict[Name, Value]
 
 
 @with_config(EXACT)
@@ -91,7 +106,7 @@ class EndingForm(TypedDict):
     format: Literal[1, 2]
     status: Status
     reason: Line
-    started: Line
+    started: Moment
     seconds: Seconds
     environment: EnvironmentForm
     files: NotRequired[Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES)]]

@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import NamedTuple, Self
 
 from harness.record.cell import Cell
+from harness.record.cell_folder import is_named
 from harness.record.folder import RANDOM, recording_of
-from harness.record.manifest import Manifest
+from harness.record.manifest import Ending, Manifest
 from harness.record.store import Store
 from harness.registry.choice import Choice
 
@@ -26,9 +27,10 @@ class Floor(NamedTuple):
         return cls(cell.simulator, cell.robot, cell.task, cell.evaluation_episodes, cell.evaluation_horizon)
 
 
-def has_floor(files: Path) -> bool:
+def has_floor(files: Path, record: Ending) -> bool:
     """Whether a cell, in this folder, evaluated random actions."""
-    return (files / RANDOM).is_file() or (files / recording_of(RANDOM)).is_dir()
+    is_there = (files / RANDOM).is_file() or (files / recording_of(RANDOM)).is_dir()
+    return is_there and (is_named(record, RANDOM) or is_named(record, recording_of(RANDOM)))
 
 
 def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
@@ -40,6 +42,6 @@ def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
     """
     found: dict[Floor, Cell] = {}
     for manifest in manifests:
-        if manifest.status == "done" and has_floor(store.cell_folder(manifest.cell)):
+        if manifest.status == "done" and has_floor(store.cell_folder(manifest.cell), manifest):
             found.setdefault(Floor.of(manifest.cell), manifest.cell)
     return found

@@ -1,8 +1,9 @@
 """The cells of several experiments' folders, made on several machines, in one folder."""
 
+import os
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -56,7 +57,7 @@ class Merged:
     left_out: list[LeftOut] = field(default_factory=list)
 
 
-def merge(folders: Sequence[Path], out: Path) -> Merged:
+def merge(folders: Sequence[Path], out: Path, is_temporary: bool = False) -> Merged:
     """Put the cells of experiments into one folder, whole, with the evaluations of their policies elsewhere.
 
     A cell that is in several folders is taken from the first where it is done, else from the first where it failed.
@@ -66,6 +67,8 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     Args:
         folders: Of the experiments. They are not changed.
         out: A new or empty folder, or an experiment's, which then keeps what it has.
+        is_temporary: The folder is read and then removed: its files are those of the experiments under another name,
+            where the system allows that, and nothing waits for the disk.
 
     Raises:
         UsageError: A folder is no experiment's or holds a link, the experiments have several baselines, a cell is done
@@ -86,7 +89,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
         merged.plan.write(out)
         for place, source in merged.taken.items():
             if source != out / place:
-                _copy(source, out / place)
+                _copy(source, out / place, is_temporary)
     return merged
 
 
@@ -160,7 +163,7 @@ def _transfers_of(cell: Cell, store: Store, left_out: list[LeftOut]) -> Iterator
             yield folder, ending.status
 
 
-def _copy(source: Path, target: Path) -> None:
+def _copy(source: Path, target: Path, is_temporary: bool) -> None:
     """Copy the folder of a cell, of its kept results or of a transfer; it is there when it is whole."""
     partial = partial_folder(target)
     if partial.exists():
@@ -171,5 +174,16 @@ def _copy(source: Path, target: Path) -> None:
             continue
         copy = partial / path.relative_to(source)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path, copy)
-    publish(partial, target)
+        _put(path, copy, is_temporary)
+    if is_temporary:
+        partial.rename(target)
+    else:
+        publish(partial, target)
+
+
+def _put(path: Path, copy: Path, may_share: bool) -> None:
+    if may_share:
+        with suppress(OSError):  # of another file system, or one without such names
+            os.link(path, copy)
+            return
+    shutil.copyfile(path, copy)

@@ -49,6 +49,7 @@ from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
 from harness.files.bounded import reading, require_regular
 from harness.record.episode_facts import EpisodeFacts
+from harness.reward import LARGEST_PAID
 
 FORMAT = 2
 """Format 1 has no `held` and no `terminated`: both events ended an episode."""
@@ -249,6 +250,28 @@ class Trace:
         return [rows for rows in parts if len(rows) and ended[rows[-1]]]
 
 
+def require_plausible(path: Path, most: int) -> None:
+    """See from the end of a trace, without its rows, whether a cell can have left it.
+
+    Args:
+        path: The file.
+        most: Rows that it may have; it has at least one.
+
+    Raises:
+        SchemaError: It has another number of rows, or holds a number that is too large; or as `read_trace`.
+    """
+    with reading(path, "trace"):
+        require_regular(path, TRACE_BYTES)
+        metadata = pq.read_metadata(path)
+        if not 0 < metadata.num_rows <= most:
+            raise SchemaError(f"{path} has {metadata.num_rows:,} rows, 1 to {most:,} are allowed")
+        groups = (metadata.row_group(number) for number in range(metadata.num_row_groups))
+        for column in (group.column(number) for group in groups for number in range(metadata.num_columns)):
+            told = column.statistics
+            if told is not None and told.has_min_max and isinstance(told.min, float):
+                _require_moderate(told.min, told.max, f"{path}: {column.path_in_schema}")
+
+
 def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
     """Read a trace, all columns or some.
 
@@ -314,6 +337,13 @@ def _to_numpy(column: pa.ChunkedArray, noun: str) -> NDArray[Any]:
         flat = np.asarray(column.combine_chunks().flatten().to_numpy()).reshape(len(column), column.type.list_size)
     else:
         flat = np.asarray(column.to_numpy())
-    if column.null_count or (flat.dtype.kind == "f" and not np.isfinite(flat).all()):
+    if column.null_count:
         raise SchemaError(f"{noun} holds a value that is not a finite number")
+    if flat.dtype.kind == "f" and flat.size:
+        _require_moderate(flat.min(), flat.max(), noun)
     return flat
+
+
+def _require_moderate(least: float, most: float, noun: str) -> None:
+    if not (least >= -LARGEST_PAID and most <= LARGEST_PAID):  # a comparison with what is no number is false
+        raise SchemaError(f"{noun} holds a value that is not a finite number, or one beyond {LARGEST_PAID:g}")

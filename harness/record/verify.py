@@ -1,24 +1,29 @@
 """What in an experiment's folder is not what was written there, and how to mend it."""
 
+import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import pyarrow.parquet as pq
+
 from harness.errors import NewerFormat, SchemaError
+from harness.files.bounded import reading
 from harness.files.keyed_file import is_whole
-from harness.files.sums import SUMS, changed_since_made
-from harness.files.whole_file import is_partial
+from harness.files.sums import SUMS, changed_since_made, forget_made, read_sums
+from harness.files.whole_file import is_partial, write_whole
 from harness.record import file_forms as forms
-from harness.record.cell_folder import REMEDY, examine, require_files
-from harness.record.folder import DERIVED, TRANSFER
+from harness.record.cell_folder import REMEDY, added_files, examine, require_files
+from harness.record.folder import DERIVED, MANIFEST, TRANSFER
 from harness.record.manifest import Ending, Manifest, read_manifest, read_record
 from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
-from harness.record.store import CELLS, Store
+from harness.record.store import CELLS, LOCK, RESULTS, Store
 
 DERIVED_BYTES = 2**32
 DAMAGED = "damaged"
 """Where `repair` puts what is damaged: nothing is thrown away."""
+ADDED_REMEDY = "harness repair sets it aside"
 PLAN_REMEDY = "harness repair puts it together from the cells; the same harness run asks for the rest"
 MADE_REMEDY = "harness report or harness score makes it again"
 
@@ -51,37 +56,57 @@ def verify(folder: Path) -> list[Problem]:
         NewerFormat: A newer version wrote a file.
     """
     Store.open(folder)
-    return [*_links(folder), *_of_plan(folder), *_of_cells(folder), *_of_transfers(folder), *_of_made(folder)]
+    return [
+        *_links(folder), *_of_plan(folder), *_of_cells(folder), *_gone(folder), *_of_transfers(folder),
+        *_of_made(folder),
+    ]  # fmt: skip
+
+
+def missing_cells(folder: Path) -> tuple[int, int]:
+    """How many cells of the plan have left nothing, and how many cells the plan has.
+
+    They are not run yet, or somebody took them away: nothing in the folder tells which.
+    """
+    store = Store.open(folder)
+    try:
+        cells = store.read_plan().cells
+    except SchemaError:
+        return 0, 0
+    return sum(not store.cell_folder(cell).exists() for cell in cells), len(cells)
 
 
 def repair(folder: Path) -> list[Action]:
     """Make a folder such that `verify` finds nothing, and that another run does again what is missing then.
 
-    Damaged cells go to the folder ``damaged``, links and damaged files that can be made again are removed.
+    Nothing is thrown away: what is damaged goes to the folder ``damaged``, of a link a text that says where it led.
 
     Raises:
         UsageError: The folder is no experiment's, or another run is using it.
         SchemaError: The plan is damaged, and the cells do not tell what it was.
     """
-    store, done = Store.open(folder), []
-    for problem in _links(folder):  # before the lock, which may be a link itself
-        (folder / problem.path).unlink()
-        done.append(Action(problem.path, "removed: it was a link"))
+    store = Store.open(folder)
+    # Before the lock, which may be a link itself; the folder for what is damaged first.
+    links = sorted(_links(folder), key=lambda problem: problem.path != Path(DAMAGED))
+    done = [_note_link(folder, problem) for problem in links]
     with store.locked():
         done += _mend_plan(folder, store)
         for problem in [*_of_cells(folder), *_of_transfers(folder)]:
             done.append(_set_aside(folder, problem))
         for problem in _of_made(folder):
-            (folder / problem.path).unlink(missing_ok=True)
-            done.append(Action(problem.path, f"removed: {MADE_REMEDY}"))
-            (folder / problem.path).with_name(SUMS).unlink(missing_ok=True)
+            done.append(_set_aside_made(folder, problem))
+        if any(_gone(folder)):
+            done.append(_set_aside_made(folder, Problem(Path(RESULTS), "", MADE_REMEDY)))
     return done
 
 
 def _links(folder: Path) -> Iterator[Problem]:
     for path in sorted(folder.rglob("*")):
         if path.is_symlink():
-            yield Problem(path.relative_to(folder), "it is a link, and leads anywhere", "remove it")
+            yield Problem(
+                path.relative_to(folder),
+                "it is a link, and leads anywhere",
+                "harness repair removes it, and notes where it led",
+            )
 
 
 def _of_plan(folder: Path) -> Iterator[Problem]:
@@ -112,6 +137,21 @@ def _of_cells(folder: Path) -> Iterator[Problem]:
         found = examine(path, manifest.cell)
         if found.status == DAMAGED:
             yield Problem(inside, found.reason.removesuffix(f"; {REMEDY}"), REMEDY)
+            continue
+        for name in added_files(path, manifest):
+            yield Problem(inside / name, "the cell did not leave it, and no report reads it", ADDED_REMEDY)
+
+
+def _gone(folder: Path) -> Iterator[Problem]:
+    """Cells that the table of results tells of, and that are not there."""
+    if RESULTS in changed_since_made(folder) or RESULTS not in read_sums(folder):
+        return
+    with reading(folder / RESULTS, "table"):
+        ended = pq.read_table(folder / RESULTS, columns=["id", "status"]).to_pylist()
+    for cell in ended:
+        path = folder / CELLS / str(cell["id"])
+        if cell["status"] == "done" and not path.exists():
+            yield Problem(path.relative_to(folder), f"it is gone: {RESULTS} tells of it", "harness run does it again")
 
 
 def _of_transfers(folder: Path) -> Iterator[Problem]:
@@ -139,11 +179,19 @@ def read_transfer_ending(folder: Path) -> Ending:
 
 def _of_made(folder: Path) -> Iterator[Problem]:
     for parent in (folder, *_folders(folder / CELLS, "[!.]*")):
-        for name in changed_since_made(parent):
+        for name in sorted(set(changed_since_made(parent)) - _not_made(parent)):
             yield Problem((parent / name).relative_to(folder), f"it is not what {SUMS} beside it says", MADE_REMEDY)
     for path in sorted((folder / DERIVED).rglob("*")):
         if not (path.is_dir() or is_partial(path)) and not is_whole(path, DERIVED_BYTES):
             yield Problem(path.relative_to(folder), "it is not what was made", MADE_REMEDY)
+
+
+def _not_made(folder: Path) -> set[str]:
+    """Files that no report made, whatever a list of digests says of them."""
+    try:
+        return {PLAN, EXPERIMENT, LOCK, MANIFEST, *read_manifest(folder).files}
+    except SchemaError:
+        return {PLAN, EXPERIMENT, LOCK, MANIFEST}
 
 
 def _folders(folder: Path, pattern: str) -> list[Path]:
@@ -155,16 +203,46 @@ def _mend_plan(folder: Path, store: Store) -> list[Action]:
     if not problems:
         return []
     plan = store.read_plan()
+    for name in (PLAN, EXPERIMENT):
+        if (folder / name).is_file():
+            shutil.copyfile(folder / name, _free_name(folder, name))
     plan.write(folder)
     told = f"put together from {len(plan.cells)} cells" if plan.note else "written again"
     return [Action(problem.path, told) for problem in problems]
 
 
 def _set_aside(folder: Path, problem: Problem) -> Action:
-    """Move a folder to where damaged ones are kept, under a name that is free."""
-    number = 0
-    while (target := folder / DAMAGED / f"{problem.path.name}-{number}").exists():
-        number += 1
-    target.parent.mkdir(exist_ok=True)
+    """Move a folder or a file to where damaged ones are kept."""
+    target = _free_name(folder, problem.path.name)
     shutil.move(folder / problem.path, target)
     return Action(problem.path, f"moved to {target.relative_to(folder)}; {problem.remedy}")
+
+
+def _set_aside_made(folder: Path, problem: Problem) -> Action:
+    """The same of a file that a report made; the list that tells of it is written anew."""
+    path = folder / problem.path
+    if not path.exists():  # the list told of it
+        forget_made(path)
+        return Action(problem.path, f"it is gone; {MADE_REMEDY}")
+    action = _set_aside(folder, problem)
+    forget_made(path)
+    return action
+
+
+def _note_link(folder: Path, problem: Problem) -> Action:
+    """Put a text in place of a link, among what is damaged: it says where the link led."""
+    path = folder / problem.path
+    led = os.readlink(path)
+    path.unlink()
+    target = _free_name(folder, path.name)
+    write_whole(target, f"{led}\n".encode(errors="surrogateescape"))
+    return Action(problem.path, f"it was a link; {target.relative_to(folder)} says where it led")
+
+
+def _free_name(folder: Path, name: str) -> Path:
+    """A path among what is damaged that nothing has yet."""
+    number = 0
+    while (target := folder / DAMAGED / f"{name}-{number}").exists():
+        number += 1
+    target.parent.mkdir(exist_ok=True)
+    return target

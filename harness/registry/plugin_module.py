@@ -8,9 +8,13 @@ import builtins
 import importlib.util
 import inspect
 import linecache
+import os
+import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -22,6 +26,10 @@ from harness.registry.hooks import fault_of, hooks_of
 from harness.registry.sources import BESIDE
 from harness.registry.spec import Spec
 
+COPIES = "harness-plugins-"
+"""What the names of folders with copies of plugin files begin with; the number of the process follows."""
+OLD = 86_400.0
+"""The age of a folder, [s], from which on it may be what a killed process left."""
 OF_FILE = "__harness_file__"
 """The attribute of the module of a plugin file that holds the `PluginFile`."""
 
@@ -177,4 +185,19 @@ def _folder_of(file: PluginFile) -> Path:
 
 @cache
 def _own_folder() -> "tempfile.TemporaryDirectory[str]":
-    return tempfile.TemporaryDirectory(prefix="harness-plugins-")
+    """One for this process. Those of processes that were killed, which removed none, are removed first."""
+    for left in Path(tempfile.gettempdir()).glob(f"{COPIES}*"):
+        if _is_left(left):
+            shutil.rmtree(left, ignore_errors=True)  # another user's stays
+    return tempfile.TemporaryDirectory(prefix=f"{COPIES}{os.getpid()}-")
+
+
+def _is_left(folder: Path) -> bool:
+    """Whether a folder is old, and its process gone. A container has other numbers of processes: so only an old one."""
+    import psutil  # hardly ever needed, and every command would wait for it
+
+    number = folder.name.removeprefix(COPIES).partition("-")[0]
+    with suppress(OSError):  # removed meanwhile
+        is_old = time.time() - folder.stat().st_mtime > OLD
+        return is_old and number.isdecimal() and not psutil.pid_exists(int(number))
+    return False

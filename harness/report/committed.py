@@ -19,6 +19,7 @@ from harness.report.summary.summary import RECORD, SUMMARY
 from harness.report.tables.overview import WideOrNarrow
 from harness.results.comparison import deciding_manner
 from harness.results.overview import NOTHING
+from harness.text import command_text
 
 MOST_BYTES = 64 * 2**20
 NUMBERS = ("seeds", "eta_N", "eta_P", "ruler")
@@ -234,7 +235,7 @@ def _place(place: PlaceForm) -> list[RenderableType]:
 def _more(folder: Path) -> str:
     return (
         f"All numbers and figures: {folder / SUMMARY}. To train its cells again, for the page and the replay: "
-        f"harness run {folder / EXPERIMENT} --out NEW"
+        + command_text("harness", "run", folder / EXPERIMENT, "--out", "NEW")
     )
 
 

@@ -1,26 +1,33 @@
 """What follows from the files of one done cell, each thing computed once; see `harness.results.kept`."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.errors import Unmeasured
 from harness.metric import Metric
-from harness.record.cell import Cell
+from harness.record.cell_folder import is_named
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
+from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, mean_over_episodes, mean_return
-from harness.record.trace import Trace, read_trace
+from harness.record.trace import Trace, read_trace, require_plausible
 from harness.results.kept import Kept
 from harness.results.measured import DETERMINISTIC, STOCHASTIC, TRAINING, Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable
 from harness.score.scored_runs import Payer
 from harness.score.scorer import SCORED
 
+MOST_ENVS, USUAL_HORIZON = 10_000, 100_000
+"""Arms that train side by side; steps of an episode of an evaluation, where the training was shorter than that."""
 TO_PAY = [*SCORED, "episode", "reward", *EVENTS]
 """Columns that a reward is computed from, or a return."""
+
+
+Metrics: TypeAlias = Callable[[], Mapping[str, tuple[Metric, str]]]
 
 
 class CellResults:
@@ -30,23 +37,37 @@ class CellResults:
     that one method has read is kept for the others until `finish`.
     """
 
-    def __init__(self, cell: Cell, files: Path, metrics: Mapping[str, tuple[Metric, str]], kept: Kept) -> None:
+    def __init__(self, done: Manifest, files: Path, metrics: Metrics, kept: Kept) -> None:
         """Read nothing yet.
 
         Args:
-            cell: The cell.
+            done: What the cell says of itself. Only files that it names are read.
             files: The folder of the cell.
-            metrics: The metrics by name, each with its fingerprint.
+            metrics: A function that gives the metrics by name, each with its fingerprint.
             kept: The numbers that are known already.
         """
-        self.cell, self._files, self._metrics, self._kept = cell, files, metrics, kept
+        self.cell, self._files, self._metrics, self._kept = done.cell, files, metrics, kept
+        self._done = done
         self._read: dict[tuple[str, bool], Trace] = {}
         self._reasons: dict[str, str] = {}
+
+    def require_plausible(self) -> None:
+        """See whether every trace of an arm's cell is one that the cell can have left, without reading its rows."""
+        others = (f"{EVALUATIONS}/{path.name}" for path in evaluation_files(self._files).values())
+        named = [EVALUATION, other_manner(self.cell.deterministic), RANDOM, *others, TRACE]
+        there = [name for name in named if self._is_there(name)]
+
+        def look() -> bool:
+            for name in there:
+                require_plausible(self._files / name, self._most(name))
+            return True
+
+        self._kept.number("is plausible", [self._kept.digest(name) for name in there], look)
 
     @property
     def has_floor(self) -> bool:
         """Whether the cell evaluated random actions."""
-        return (self._files / RANDOM).is_file()
+        return self._is_there(RANDOM)
 
     def floor(self) -> Values:
         """Every metric of the random actions that the cell evaluated."""
@@ -56,7 +77,7 @@ class CellResults:
         """Every metric of the policy in both manners, of the training, and of random actions."""
         own, other = (DETERMINISTIC, STOCHASTIC) if self.cell.deterministic else (STOCHASTIC, DETERMINISTIC)
         files = {own: EVALUATION, other: other_manner(self.cell.deterministic), TRAINING: TRACE}
-        there = {name: file for name, file in files.items() if name != other or (self._files / file).is_file()}
+        there = {name: file for name, file in files.items() if name != other or self._is_there(file)}
         return Measured(
             {manner: self._measure(file) for manner, file in there.items()},
             {manner: self._episodes(file) for manner, file in there.items()},
@@ -66,7 +87,8 @@ class CellResults:
 
     def moments(self) -> tuple[Moment, ...]:
         """Every evaluation in the cell's own manner, in order, the last one after its training."""
-        before = {steps: f"{EVALUATIONS}/{path.name}" for steps, path in evaluation_files(self._files).items()}
+        named = {steps: f"{EVALUATIONS}/{path.name}" for steps, path in evaluation_files(self._files).items()}
+        before = {steps: name for steps, name in named.items() if self._is_there(name)}
         files = {**before, self.cell.steps: EVALUATION}
         return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
 
@@ -131,7 +153,7 @@ class CellResults:
     def _measure(self, file: str) -> Values:
         """Every metric of a trace. The reason of a failure is noted but not kept, because the metric may be mended."""
         digest, values = self._kept.digest(file), Values()
-        for name, (metric, fingerprint) in self._metrics.items():
+        for name, (metric, fingerprint) in self._metrics().items():
             values[name], make = None, partial(self._apply, metric, file)
             try:
                 values[name] = self._kept.number(f"{file} {name}", [digest, fingerprint], make)
@@ -161,6 +183,15 @@ class CellResults:
         """The training trace if it was read already. Else only its column of rewards, which is not kept in memory."""
         known = next((trace for (file, _), trace in self._read.items() if file == TRACE), None)
         return read_trace(self._files / TRACE, ["reward"]) if known is None else known
+
+    def _most(self, file: str) -> int:
+        """The most rows that a trace can have by what the cell says of itself; each episode has a row at its start."""
+        if file == TRACE:
+            return 2 * self.cell.steps + MOST_ENVS
+        return self.cell.evaluation_episodes * (1 + max(self.cell.steps, USUAL_HORIZON))
+
+    def _is_there(self, name: str) -> bool:
+        return is_named(self._done, name) and (self._files / name).is_file()
 
     def finish(self) -> None:
         """Keep the numbers and drop the traces, because a report asks for one cell after the other."""

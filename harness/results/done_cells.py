@@ -69,7 +69,7 @@ class DoneCells:
         """The results of a done cell."""
         files = self._store.cell_folder(done.cell)
         kept = Kept(self._store.folder, done.cell.id, files, done.files)
-        return CellResults(done.cell, files, self._fingerprinted, kept)
+        return CellResults(done, files, lambda: self._fingerprinted, kept)
 
     def payer(self, choice: Choice) -> Payer:
         """What pays recorded runs again by a reward."""
@@ -89,6 +89,7 @@ class DoneCells:
             SchemaError: A file of the cell is damaged.
         """
         found, cell = self.of(done), done.cell
+        found.require_plausible()
         found.measured(found.floor() if found.has_floor else {})
         if cell.evaluate_every:
             found.moments()

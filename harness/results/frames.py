@@ -11,7 +11,7 @@ from typing_extensions import TypedDict
 
 from harness.errors import SchemaError
 from harness.files.bounded import parse_json, reading
-from harness.files.keyed_file import read_keyed, write_keyed
+from harness.files.keyed_file import is_whole, read_keyed, write_keyed
 from harness.record.file_forms import EXACT, Line, Whole, require_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY
 from harness.record.manifest import Manifest
@@ -23,6 +23,7 @@ MOST_BYTES = 150_000
 MOST_FACTS = 20_000
 """The most bytes of what is said of them."""
 NONE = "no pictures were drawn when the cells ended"
+FOREIGN = "the pictures are of another training, or another user or machine made them"
 
 
 @with_config(EXACT)
@@ -85,7 +86,7 @@ def read_frames(folder: Path, done: Manifest) -> Frames:
     path = frames_file(folder, done.cell.id)
     content = read_keyed(path, made_of(done), MOST_BYTES + MOST_FACTS)
     if content is None:
-        return Frames(NONE)
+        return Frames(FOREIGN if is_whole(path, MOST_BYTES + MOST_FACTS) else NONE)
     facts, _, strip = content.partition(b"\n")
     try:
         with reading(path, "file of pictures"):

@@ -15,6 +15,7 @@ from harness.results.recordings.loose import LooseStore
 from harness.results.recordings.read_runs import has_recordings
 from harness.results.recordings.results import RecordedResults
 from harness.results.results import Results
+from harness.text import command_text
 
 
 def load_results(
@@ -105,5 +106,5 @@ def require_arm(results: Results, command: str) -> None:
     if isinstance(results, RecordedResults):
         raise UsageError(
             f"{command} needs traces of an arm, and the cells of '{results.folder}' are recorded trainings in an "
-            f"environment: harness report '{results.folder}' compares them"
+            f"environment: {command_text('harness', 'report', results.folder)} compares them"
         )

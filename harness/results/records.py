@@ -5,11 +5,13 @@ from functools import cached_property
 from pathlib import Path
 
 from harness.arrays import Float
+from harness.errors import NewerFormat, SchemaError
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.equal import Key, equal_trainings
 from harness.files.bounded import read_text, reading
 from harness.metric import Metric
 from harness.record.cell import Cell
+from harness.record.cell_folder import REMEDY
 from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
 from harness.record.plan_file import EXPERIMENT
@@ -64,13 +66,13 @@ class Records:
         self.pairs = pairs
         self.plan = self.store.read_plan()
         self.baseline = self.plan.baseline
-        self.manifests = [self.store.examine(cell) for cell in self.plan.cells]
         self._measured: dict[str, Measured] = {}
         self._moments: dict[str, tuple[Moment, ...]] = {}
-        self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
         self._found: dict[str, CellResults] = {}
         self._curves: dict[tuple[str, ...], GroupCurve] = {}
         self._cells = DoneCells(self.store, registry, metrics)
+        self.manifests = [self._examine(cell) for cell in self.plan.cells]
+        self._ended = {manifest.cell.id: manifest for manifest in self.manifests}
 
     @property
     def metrics(self) -> Mapping[str, Metric]:
@@ -213,6 +215,20 @@ class Records:
             Unscored: It cannot.
         """
         return self._curve(cells, lambda of: of.paid_by(payer))
+
+    def _examine(self, cell: Cell) -> Manifest:
+        """What there is to say of a cell. Files that are what was written may still hold what no cell can have done."""
+        manifest = self.store.examine(cell)
+        if manifest.status != "done":
+            return manifest
+        try:
+            found = self._found[cell.id] = self._cells.of(manifest)
+            found.require_plausible()
+        except NewerFormat:
+            raise
+        except SchemaError as error:
+            return Manifest(cell, status="damaged", reason=f"{error}; {REMEDY}")
+        return manifest
 
     @cached_property
     def _floors(self) -> Floors:

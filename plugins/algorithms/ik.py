@@ -13,6 +13,8 @@ from harness.progress import Progress
 from harness.robot import Robot
 from harness.task import Task
 
+from ..hyperparameters import MOST_ENVS
+
 if TYPE_CHECKING:
     from harness.env import ReachVectorEnv
 
@@ -24,7 +26,7 @@ class Ik:
     Otherwise it knows no more than a learner: it gets the same observations. It does not look out for the ground.
     """
 
-    num_envs: Annotated[int, Field(gt=0, description="environments that run side by side")] = 10
+    num_envs: Annotated[int, Field(gt=0, le=MOST_ENVS, description="environments that run side by side")] = 10
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})
     learns: ClassVar[bool] = False

@@ -11,6 +11,8 @@ from harness.authoring.act_without_learning import act_for
 from harness.policy import Policy, Uniform, UniformChoice
 from harness.progress import Progress
 
+from ..hyperparameters import MOST_ENVS
+
 
 @dataclass(frozen=True)
 class Random:
@@ -19,7 +21,7 @@ class Random:
     It spends its budget acting, so that its trace can be compared with those of trainings.
     """
 
-    num_envs: Annotated[int, Field(gt=0, description="environments that run side by side")] = 1
+    num_envs: Annotated[int, Field(gt=0, le=MOST_ENVS, description="environments that run side by side")] = 1
 
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous", "discrete"})
     learns: ClassVar[bool] = False

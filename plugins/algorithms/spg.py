@@ -23,6 +23,7 @@ from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Gaussian
 from harness.progress import Progress, TrainingState, as_state, prefixed, under
 
+from ..hyperparameters import NumEnvs
 from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors
 
 if TYPE_CHECKING:
@@ -178,7 +179,7 @@ class Spg:
     ] = False
     decisions: Annotated[Count, Field(description="decisions in each environment between updates")] = 20
     restart: Annotated[Count, Field(description="updates after which all environments start new episodes")] = 20
-    num_envs: Annotated[Count, Field(description="environments that run side by side in training")] = 16
+    num_envs: NumEnvs = 16
 
     sources: ClassVar[tuple[str, ...]] = ("harness_plugins.torch_state",)
     action_spaces: ClassVar[frozenset[ActionSpace]] = frozenset({"continuous"})

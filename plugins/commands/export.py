@@ -15,6 +15,7 @@ from harness.policy.folder import read_folder
 from harness.record.folder import POLICY
 from harness.record.out_folder import make_folder, storage_errors
 from harness.record.store import Store
+from harness.text import command_text
 
 
 class Form(NamedTuple):
@@ -90,7 +91,8 @@ def _write_runs(folder: Path, out: Path) -> int:
         raise UsageError(f"'{folder}' has no finished cell to export")
     _tell(_written(out, partial(write_runs, results)))
     if results.damaged:
-        typer.echo(f"Left out, damaged: {len(results.damaged)} cells; harness verify '{folder}' names them", err=True)
+        verify = command_text("harness", "verify", folder)
+        typer.echo(f"Left out, damaged: {len(results.damaged)} cells; {verify} names them", err=True)
     return 1 if results.damaged else 0
 
 

@@ -13,6 +13,7 @@ from pydantic.dataclasses import dataclass
 from harness.arrays import Float
 from harness.environment import AnyEnv, GoalReward, Measure
 from harness.errors import UsageError
+from harness.registry.allowed_imports import require_allowed
 
 EXAMPLES = {
     "CartPole-v1": (),
@@ -30,7 +31,8 @@ OWN, ACHIEVED, DESIRED = "own", "achieved_goal", "desired_goal"
 class AnyGymnasium:
     """The env that ``gymnasium.make(id)`` makes. Its rewards are ``own``, which it pays, and numbers in its ``info``.
 
-    An id may name the package that registers it, as in ``id=(my_package:My-v0)``. Python then imports that package.
+    An id may name the package that registers it, as in ``id=(my_package:My-v0)``. Python then imports that package, if
+    you typed the id or name the package with ``--allow-import``. It is not imported because a file says so.
     """
 
     id: Annotated[str, Field(min_length=1, description="id of the environment, such as Pendulum-v1")]
@@ -57,6 +59,7 @@ class AnyGymnasium:
 
     def make(self) -> AnyEnv:
         """See `harness.environment.Environment`."""
+        require_allowed(self.id)
         try:
             return gymnasium.make(self.id, **self._arguments())
         except (gymnasium.error.Error, ImportError, TypeError) as error:

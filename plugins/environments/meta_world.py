@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from harness.environment import AnyEnv, Measure
 from harness.errors import UsageError
 from harness.registry.names import unknown_name
+from harness.task import LONGEST_EPISODE
 
 OBSERVABLE = "-goal-observable"
 SCALE = 1 / 200
@@ -30,7 +31,12 @@ class MetaWorld:
 
     task: Annotated[str, Field(description="name of a Meta-World task, such as reach-v3 or push-v3")] = "reach-v3"
     episode_steps: Annotated[
-        int, Field(ge=1, description="steps per episode: 500 in today's Meta-World, 150 in its first version")
+        int,
+        Field(
+            ge=1,
+            le=LONGEST_EPISODE,
+            description="steps per episode: 500 in today's Meta-World, 150 in its first version",
+        ),
     ] = 500
 
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"distance"})

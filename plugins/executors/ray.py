@@ -31,6 +31,15 @@ class Ray:
     ] = False
     runtime_env: Annotated[str, Field(description="TOML file with Ray's runtime environment; empty: none")] = ""
 
+    def __post_init__(self) -> None:
+        """See that the address is one of a cluster that this machine is part of.
+
+        Raises:
+            ValueError: It is that of a Ray client.
+        """
+        if self.address.startswith("ray://"):
+            raise ValueError(f"address={self.address}: Ray clients are not supported, run harness on a node of it")
+
     def run(self, jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
         """See `harness.executor.Executor`."""
         if not jobs:

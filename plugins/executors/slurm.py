@@ -33,7 +33,6 @@ class Slurm:
         from ..slurm_array.cluster import open_cluster
 
         with open_cluster(
-            jobs[0].folder.parent,
             self.cluster,
             at_once,
             name="harness",

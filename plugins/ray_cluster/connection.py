@@ -4,13 +4,16 @@ import logging
 import math
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
 import ray
 
 from harness.errors import UsageError, one_line
 from harness.experiment.workers.workers import core_count
+
+from .environment import set_variables
+from .own_cluster import own_cluster
 
 QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
 """Environment variables of Ray: nothing is reported to its makers, and no warning about a later change of defaults."""
@@ -23,7 +26,8 @@ def connected(address: str, cpus: float | None, environment: Mapping[str, Any]) 
     If it belonged to one before, that cluster is used, and the process stays in it.
 
     Args:
-        address: As ``ray.init`` takes it; ``local`` starts a cluster of this machine, which ends with the block.
+        address: As ``ray.init`` takes it; ``local`` starts a cluster of this machine, which ends with the block and
+            which only this process reaches.
         cpus: CPUs that a new cluster offers; it offers those of the machine if they are more. None if a cluster exists.
         environment: Ray's runtime environment of what runs on the nodes.
 
@@ -35,12 +39,14 @@ def connected(address: str, cpus: float | None, environment: Mapping[str, Any]) 
         return
     if address.startswith("ray://"):
         raise UsageError(f"address={address}: Ray clients are not supported, run harness on a node of the cluster")
-    with _environment(QUIET):
+    added = {name: value for name, value in QUIET.items() if name not in os.environ}
+    cluster: AbstractContextManager[dict[str, Any]] = nullcontext({}) if cpus is None else own_cluster()
+    with set_variables(added), cluster as own:
         try:
             ray.init(
                 address=address,
                 num_cpus=None if cpus is None else max(math.ceil(cpus), core_count()),
-                include_dashboard=None if cpus is None else False,
+                **own,
                 runtime_env=dict(environment) or None,
                 log_to_driver=False,
                 logging_level=logging.ERROR,
@@ -54,15 +60,3 @@ def connected(address: str, cpus: float | None, environment: Mapping[str, Any]) 
             yield
         finally:
             ray.shutdown()
-
-
-@contextmanager
-def _environment(values: Mapping[str, str]) -> Iterator[None]:
-    """Set environment variables for processes that start within the block. Those that are set already are kept."""
-    added = [name for name in values if name not in os.environ]
-    os.environ.update({name: values[name] for name in added})
-    try:
-        yield
-    finally:
-        for name in added:
-            os.environ.pop(name, None)

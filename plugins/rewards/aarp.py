@@ -5,7 +5,9 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.reward import Array, Carry, Sample
+from harness.reward import LARGEST_FACTOR, Array, Carry, Sample
+
+from ..factors import Factor
 
 
 @dataclass(frozen=True)
@@ -30,14 +32,17 @@ class Aarp:
     """
 
     k1: Annotated[
-        float, Field(gt=0, description="factor on the penalty for being farther than the best distance, K1 of arp")
+        Factor,
+        Field(description="factor on the penalty for being farther than the best distance, K1 of arp"),
     ] = 1.0
     k2: Annotated[
-        float,
-        Field(gt=0, description="smallest gain on the pay for matching or beating the best distance, K2 of arp"),
+        Factor,
+        Field(description="smallest gain on the pay for matching or beating the best distance, K2 of arp"),
     ] = 1.5
-    growth: Annotated[float, Field(ge=1, description="factor on the gain for each improvement in a row")] = 1.1
-    k_max: Annotated[float, Field(gt=0, description="largest gain, at least k2")] = 3.0
+    growth: Annotated[
+        float, Field(ge=1, le=LARGEST_FACTOR, description="factor on the gain for each improvement in a row")
+    ] = 1.1
+    k_max: Annotated[Factor, Field(description="largest gain, at least k2")] = 3.0
 
     def __post_init__(self) -> None:
         if self.k_max < self.k2:

@@ -7,6 +7,8 @@ from pydantic.dataclasses import dataclass
 
 from harness.reward import Array, Carry, Sample
 
+from ..factors import Factor
+
 
 @dataclass(frozen=True)
 class Adaptive:
@@ -31,8 +33,8 @@ class Adaptive:
     leaves the best policy unchanged only for a learner that does not discount, see `potential`.
     """
 
-    k_far: Annotated[float, Field(gt=0, description="gain (factor on progress) far away from the target")] = 0.5
-    k_near: Annotated[float, Field(gt=0, description="gain (factor on progress) at the target")] = 1.5
+    k_far: Annotated[Factor, Field(description="gain (factor on progress) far away from the target")] = 0.5
+    k_near: Annotated[Factor, Field(description="gain (factor on progress) at the target")] = 1.5
 
     def initial_carry(self, begin_distance: Array) -> Carry:
         """Remembers nothing."""

@@ -7,6 +7,8 @@ from pydantic.dataclasses import dataclass
 
 from harness.reward import Array, Carry, Sample
 
+from ..factors import Factor
+
 
 @dataclass(frozen=True)
 class Arp:
@@ -29,10 +31,12 @@ class Arp:
     """
 
     k1: Annotated[
-        float, Field(gt=0, description="factor on the penalty for being farther than the best distance so far, K1")
+        Factor,
+        Field(description="factor on the penalty for being farther than the best distance so far, K1"),
     ] = 1.0
     k2: Annotated[
-        float, Field(gt=0, description="factor on the pay for matching or beating the best distance so far, K2")
+        Factor,
+        Field(description="factor on the pay for matching or beating the best distance so far, K2"),
     ] = 1.5
 
     def initial_carry(self, begin_distance: Array) -> Carry:

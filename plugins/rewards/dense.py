@@ -7,6 +7,8 @@ from pydantic.dataclasses import dataclass
 
 from harness.reward import Array, Carry, Sample
 
+from ..factors import Factor
+
 
 @dataclass(frozen=True)
 class Dense:
@@ -22,7 +24,7 @@ class Dense:
     In the NOTE's example 1 the end effector is at (1,1,2) and the target at (0.5,-1,2): r = -sqrt(4.25) = -2.06.
     """
 
-    scale: Annotated[float, Field(gt=0, description="cost in each step per metre of distance [1/m]")] = 1.0
+    scale: Annotated[Factor, Field(description="cost in each step per metre of distance [1/m]")] = 1.0
 
     def initial_carry(self, begin_distance: Array) -> Carry:
         """Remembers nothing."""

@@ -7,6 +7,8 @@ from pydantic.dataclasses import dataclass
 
 from harness.reward import Array, Carry, Sample
 
+from ..factors import Factor
+
 
 @dataclass(frozen=True)
 class Potential:
@@ -31,7 +33,7 @@ class Potential:
     """
 
     gamma: Annotated[float, Field(gt=0, le=1, description="discount factor, which should equal the learner's")] = 0.95
-    scale: Annotated[float, Field(gt=0, description="size of the potential per metre of distance [1/m]")] = 1.0
+    scale: Annotated[Factor, Field(description="size of the potential per metre of distance [1/m]")] = 1.0
 
     def initial_carry(self, begin_distance: Array) -> Carry:
         """Remembers nothing."""

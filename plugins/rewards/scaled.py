@@ -8,6 +8,8 @@ from pydantic.dataclasses import dataclass
 from harness.authoring.wrapped_reward import WrappedReward
 from harness.reward import Array, Carry, Sample
 
+from ..factors import Factor
+
 
 @dataclass(frozen=True)
 class Scaled(WrappedReward):
@@ -26,7 +28,7 @@ class Scaled(WrappedReward):
 
     registered_name: ClassVar[str] = "scaled"
 
-    factor: Annotated[float, Field(gt=0, description="factor on the named reward")] = 2.0
+    factor: Annotated[Factor, Field(description="factor on the named reward")] = 2.0
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
         """The named reward's carry, and its value times `factor`, (num_envs,)."""

@@ -6,7 +6,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.authoring.wrapped_reward import WrappedReward
-from harness.reward import Array, Carry, Sample
+from harness.reward import LARGEST_FACTOR, Array, Carry, Sample
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,15 @@ class Shifted(WrappedReward):
 
     registered_name: ClassVar[str] = "shifted"
 
-    offset: Annotated[float, Field(description="constant added to the named reward at every step, in its unit")] = 0.1
+    offset: Annotated[
+        float,
+        Field(
+            ge=-LARGEST_FACTOR,
+            le=LARGEST_FACTOR,
+            allow_inf_nan=False,
+            description="constant added to the named reward at every step, in its unit",
+        ),
+    ] = 0.1
 
     def __call__(self, carry: Carry, sample: Sample) -> tuple[Carry, Array]:
         """The named reward's carry, and its value plus `offset`, (num_envs,)."""

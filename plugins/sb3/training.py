@@ -5,6 +5,7 @@ from typing import Any
 
 import torch
 from gymnasium.spaces import Dict
+from stable_baselines3.common.logger import Logger
 
 from harness.algorithm import TrainingEnv
 from harness.policy import Policy
@@ -56,10 +57,11 @@ def train(
     model = Model(policy, adapted, seed=seed % 2**32, device="cpu", **settings)
     if state is not None:
         restore_model(model, under("model.", state))
+    model.set_logger(Logger(None, []))  # the library's own would make a folder for temporary files, and leave it
     callback = ProgressCallback(env, progress, steps, policy_of, decisions_per_update, state)
     is_new = state is None
     del state  # it holds a second replay buffer
-    # Without log_interval the logger keeps the last losses for `progress`, and prints nothing. The library counts the
+    # Without log_interval the logger keeps the last losses for `progress`. The library counts the
     # steps that are left to do, from where the model stands.
     model.learn(steps - model.num_timesteps, callback=callback, log_interval=None, reset_num_timesteps=is_new)
     return policy_of(model)

@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ from submitit.core.utils import FailedJobError, FailedSubmissionError
 from harness.errors import UsageError, one_line
 from harness.text import one_line_of
 
+from .private_folder import private_folder
 from .task import CellTask
 
 MOST: Final = 1000
@@ -30,7 +32,7 @@ class Cluster:
     """Submits jobs, looks after them, and cancels them.
 
     Attributes:
-        folder: The folder for what jobs leave behind.
+        folder: The folder for what jobs are read from and what they leave behind, the user's alone.
         at_once: How many jobs run at once.
         is_local: Whether the jobs run on this machine.
     """
@@ -89,27 +91,28 @@ class Cluster:
 
 
 @contextmanager
-def open_cluster(folder: Path, kind: str, at_once: int, **parameters: Any) -> Iterator[Cluster]:
-    """Open a cluster for the block. At its end, what the jobs left behind is removed.
+def open_cluster(kind: str, at_once: int, **parameters: Any) -> Iterator[Cluster]:
+    """Open a cluster for the block. At its end, what the jobs were read from and what they left behind is removed.
 
     Args:
-        folder: Where the cells' folders have to be.
         kind: ``slurm``, or ``local`` for jobs on this machine.
         at_once: How many jobs run at once.
         **parameters: Parameters of a job, by submitit's names.
 
     Raises:
-        UsageError: There is no Slurm here.
+        UsageError: There is no Slurm here, or no folder that is the user's alone.
     """
-    place = folder / ".jobs"
+    place = Path(tempfile.mkdtemp(dir=private_folder()))
     try:
-        cluster = Cluster(place, kind, at_once, parameters)
+        yield _made_cluster(place, kind, at_once, parameters)
+    finally:
+        shutil.rmtree(place, ignore_errors=True)  # a job that is being cancelled may still write there
+
+
+def _made_cluster(place: Path, kind: str, at_once: int, parameters: dict[str, Any]) -> Cluster:
+    try:
+        return Cluster(place, kind, at_once, parameters)
     except RuntimeError as error:
         raise UsageError(
             f"No Slurm cluster: {one_line(error)}. Run harness where sbatch works, or with --executor processes"
         ) from error
-    place.mkdir(parents=True, exist_ok=True)
-    try:
-        yield cluster
-    finally:
-        shutil.rmtree(place, ignore_errors=True)  # a job that is being cancelled may still write there

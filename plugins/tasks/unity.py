@@ -13,13 +13,14 @@ from harness.arrays import Float, Float32
 from harness.env.episodes import Episodes
 from harness.errors import UsageError
 from harness.motion import Motion, Setting, build_motion
+from harness.reach import Pay
 from harness.robot import Robot
 from harness.robot.inverse_kinematics import reach_position
 from harness.robot.kinematics import forward
-from harness.task import Targets
+from harness.task import LONGEST_EPISODE, Targets
 
 Positive = Annotated[float, Field(gt=0)]
-Count = Annotated[int, Field(gt=0)]
+Count = Annotated[int, Field(gt=0, le=LONGEST_EPISODE)]
 Metres3 = tuple[float, float, float]
 
 FROM_BASE = np.array([[0.3, 0.6], [-0.6, -0.3], [0.1, 0.3]])
@@ -72,10 +73,10 @@ class UnityReach:
     base_position: Annotated[
         Metres3, Field(description="position of the base in the scene; it turns the observed unit vectors [m]")
     ] = (0.0, 0.0, 0.0)
-    ground_reward: Annotated[float, Field(description="reward for touching the ground, which ends the episode")] = -1.0
-    target_reward: Annotated[float, Field(description="reward for touching the target")] = 0.5
-    upright_reward: Annotated[float, Field(description="extra target reward for an end effector that points up")] = 1.0
-    step_reward: Annotated[float, Field(description="reward on every environment step")] = -0.0001
+    ground_reward: Annotated[Pay, Field(description="reward for touching the ground, which ends the episode")] = -1.0
+    target_reward: Annotated[Pay, Field(description="reward for touching the target")] = 0.5
+    upright_reward: Annotated[Pay, Field(description="extra target reward for an end effector that points up")] = 1.0
+    step_reward: Annotated[Pay, Field(description="reward on every environment step")] = -0.0001
 
     robot: ClassVar[str] = "unity-arm"
     ends_at_target: ClassVar[bool] = False

@@ -57,3 +57,10 @@ def test_what_is_paid_after_the_end_does_not_count(toolbox, by_script):
         score_rollout(after, finish)
     fine = toolbox.paying(lambda sample: np.where(sample.step > finish.steps, np.inf, 1.0))
     assert score_rollout(fine, finish).values.sum(axis=0) == pytest.approx(finish.steps)
+
+
+def test_what_nothing_can_be_counted_with_is_an_error(toolbox, by_script):
+    """A sum of such numbers would be beyond all numbers."""
+    huge = toolbox.paying(lambda sample: np.full(len(sample.step), 1e200))
+    with pytest.raises(SimulationDiverged, match=r"'hover' more than 1e\+150 at step 1"):
+        score_rollout(huge, by_script["hover"])

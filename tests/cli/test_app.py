@@ -94,3 +94,12 @@ def test_reader_that_has_enough_is_no_error():
         assert process.stderr is not None
         assert process.stderr.read() == b""
         assert process.wait() == 1
+
+
+@pytest.mark.parametrize("name", ["a" * 300, "/".join(["a" * 200] * 30)], ids=["name", "path"])
+@pytest.mark.parametrize("command", [("demo", "--out"), ("report",), ("status",)], ids=lambda it: it[0])
+def test_a_path_that_is_too_long_is_a_usage_error(harness, command, name):
+    """Status 2 and one line that says how long it may be."""
+    answer = harness(*command, name)
+    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert "255 bytes" in answer.err

@@ -217,8 +217,17 @@ def test_a_file_of_cells_cannot_be_compared(harness, tmp_path):
     """It has seconds alone, which differ from moment to moment."""
     (tmp_path / "old.json").write_text('{"format": 1, "combinations": []}')
     answer = harness("bench", "--compare", "old.json")
-    assert (answer.status, answer.err.count("\n")) == (1, 1)
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "holds no speeds" in answer.err
+
+
+@pytest.mark.parametrize("content", [b"hello", b"{", b"\xff\xfe", b"[]"])
+def test_what_is_no_json_of_speeds_is_a_usage_error(harness, tmp_path, content):
+    """Status 2 and one line, which says which file it takes."""
+    (tmp_path / "old.json").write_bytes(content)
+    answer = harness("bench", "--compare", "old.json")
+    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert "harness bench simulators --json" in answer.err
 
 
 def test_what_fails_has_status_1(harness, timed):

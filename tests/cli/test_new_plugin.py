@@ -9,7 +9,7 @@ def test_package_is_written_and_the_next_commands_are_told(harness, tmp_path):
     """Three commands, which may be typed as they stand."""
     answer = harness("new-plugin", "reward", "zz-reward")
     assert answer.status == 0
-    for line in ('pip install -e "zz-reward[test]"', "pytest zz-reward", "harness audit --reward zz-reward"):
+    for line in ("pip install -e 'zz-reward[test]'", "pytest zz-reward", "harness audit --reward zz-reward"):
         assert f"\n  {line}\n" in answer.out
     assert "zz-reward/zz_reward/reward.py" in answer.out
     assert (tmp_path / "zz-reward" / "zz_reward" / "reward.py").is_file()
@@ -27,8 +27,8 @@ def test_commands_hold_a_folder_with_a_blank(harness, tmp_path):
     """What is told can be typed."""
     (tmp_path / "my plugins").mkdir()
     out = harness("new-plugin", "metric", "zz-metric", "--into", "my plugins").out
-    assert '\n  pytest "my plugins/zz-metric"\n' in out
-    assert '\n  pip install -e "my plugins/zz-metric[test]"\n' in out
+    assert "\n  pytest 'my plugins/zz-metric'\n" in out
+    assert "\n  pip install -e 'my plugins/zz-metric[test]'\n" in out
 
 
 @pytest.mark.parametrize(

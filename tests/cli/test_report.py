@@ -1,3 +1,4 @@
+import html
 import json
 
 import pytest
@@ -43,6 +44,22 @@ def test_details_are_all_there_is(harness, experiment):
     assert f"harness report {experiment} --details" in overview
     assert "I_N + I_P" not in overview
     assert "I_N + I_P" in details
+
+
+def test_a_folder_in_a_shown_command_is_quoted(harness, experiment, tmp_path):
+    """What is pasted into a shell reports the folder, and touches nothing."""
+    named = ";touch X; a b"
+    (tmp_path / experiment).rename(tmp_path / named)
+    assert f"harness report '{named}' --details" in harness("report", named).out
+
+
+def test_a_folder_in_the_command_of_the_page_is_quoted(harness, experiment, tmp_path):
+    """What is copied from the page trains the experiment again, and touches nothing."""
+    named = ";touch X; a b"
+    (tmp_path / experiment).rename(tmp_path / named)
+    assert harness("report", named, "--html", "page.html").status == 0
+    page = html.unescape((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert f"harness run '{named}/experiment.toml' --out NEW" in page
 
 
 def test_several_folders_are_read_as_one(harness, quick, tmp_path):
@@ -110,7 +127,7 @@ def test_a_damaged_cell_is_told_in_one_line(harness, experiment, tmp_path):
     trace.write_bytes(trace.read_bytes()[:100])
     answer = harness("report", experiment)
     assert answer.status == 1
-    assert answer.err == f"harness: damaged cells: 1; harness verify '{experiment}' says which files\n"
+    assert answer.err == f"harness: damaged cells: 1; harness verify {experiment} says which files\n"
     told = " ".join(answer.out.split())
     assert "1 damaged" in told
     assert "trace.parquet is not what was written: its SHA-256 differs; run again to replace it" in told

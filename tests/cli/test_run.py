@@ -310,3 +310,10 @@ def test_json_stands_alone_on_standard_output(harness, quick):
     answer = harness("run", *quick, "--seeds", "1", "--out", "mine", "--quiet", "--json")
     assert json.loads(answer.out) == json.loads(harness("report", "mine", "--json").out)
     assert answer.err == "Results: mine\nReport:  mine/report.html\n"
+
+
+def test_only_what_is_empty_runs_nothing(harness, quick, tmp_path):
+    """It is refused, before anything is written."""
+    answer = harness("run", *quick, "--only", "", "--out", "mine")
+    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert not (tmp_path / "mine").exists()

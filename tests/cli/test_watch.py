@@ -69,3 +69,18 @@ def test_a_folder_that_is_no_experiment_is_refused(harness, tmp_path):
     """Before anything is served."""
     answer = harness("watch", tmp_path, "--no-browser")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
+
+
+def test_a_folder_in_another_alphabet_is_named(tmp_path):
+    """Where it cannot be read any more: the page says so, though no status line can."""
+    with open_server(Pages(tmp_path / "опыт"), 0) as server:
+        thread = threading.Thread(target=server.handle_request)
+        thread.start()
+        connection = HTTPConnection(HOST, server.server_port, timeout=60)
+        connection.request("GET", "/")
+        answer = connection.getresponse()
+        told = answer.read().decode()
+        connection.close()
+        thread.join()
+    assert answer.status == 500
+    assert "опыт" in told

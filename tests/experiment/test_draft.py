@@ -1,5 +1,6 @@
 """A folder that comes to be there all at once."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -43,3 +44,15 @@ def test_interrupt_leaves_no_folder(make_cell: MakeCell, tmp_path: Path):
         raise KeyboardInterrupt
     assert not (tmp_path / "cell").exists()
     assert partial_folder(tmp_path / "cell").exists()
+
+
+def test_a_failure_is_not_told_in_a_file_of_somebody_else(make_cell: MakeCell, tmp_path: Path):
+    """A log that was left as a second name of a file is replaced before it is appended to."""
+    elsewhere, partial = tmp_path / "diary.txt", partial_folder(tmp_path / "cell")
+    elsewhere.write_text("mine")
+    partial.mkdir()
+    os.link(elsewhere, partial / LOG)
+    with draft_of(tmp_path / "cell", Manifest(make_cell(), status="done")):
+        raise RuntimeError("the arm fell off")
+    assert elsewhere.read_text() == "mine"
+    assert "the arm fell off" in (tmp_path / "cell" / LOG).read_text()

@@ -388,3 +388,16 @@ def test_drives_that_a_robot_does_not_describe_are_refused(tmp_path: Path):
     assert _plan(load_registry(), sim=["mujoco:drive=ideal"], **keys).cells
     with pytest.raises(UsageError, match=r"'arm' has no drives to simulate: its robot.toml has no table \[servo\]"):
         _plan(load_registry(), sim=["mujoco:drive=servo"], **keys)
+
+
+@pytest.mark.parametrize("key", ["seeds", "steps", "evaluation_episodes", "evaluate_every", "evaluation_horizon"])
+def test_true_is_no_number(key: str):
+    """It would count as 1."""
+    with pytest.raises(UsageError, match=f"{key}=True: must be a number"):
+        check_experiment({**BASE, key: True})
+
+
+def test_true_is_no_seed():
+    """In a list it would be seed 1."""
+    with pytest.raises(UsageError, match="must be a number"):
+        check_experiment({**BASE, "seeds": [0, True]})

@@ -32,6 +32,12 @@ def test_environment_of_a_run(make_cell: MakeCell, toys: Registry, monkeypatch: 
     assert json.loads(json.dumps(described)) == described
 
 
+def test_the_recorded_command_can_be_pasted(make_cell: MakeCell, toys: Registry, monkeypatch: pytest.MonkeyPatch):
+    """A page shows it: a folder in it is quoted as it had to be typed."""
+    monkeypatch.setattr("sys.argv", ["harness", "run", "--out", ";touch X; a b"])
+    assert describe_environment(make_cell(), ROBOT, toys)["command"] == "harness run --out ';touch X; a b'"
+
+
 def test_versions_are_those_that_run(toys: Registry):
     """The numpy of this process is the one that is recorded, whatever the plugins."""
     assert versions_behind([])["numpy"] == np.__version__

@@ -53,3 +53,10 @@ def test_a_word_that_names_nothing_is_refused(cells: list[Cell]):
     """The message says what there is."""
     with pytest.raises(UsageError, match=r"has 'td3'\. Allowed are ideal, sac, ppo:gamma=0\.9, baseline, arp, seed=0"):
         select(cells, "sac,td3")
+
+
+@pytest.mark.parametrize("text", ["", " ", ","])
+def test_no_word_is_refused(cells: list[Cell], text: str):
+    """It would be all cells, which nobody asks for so."""
+    with pytest.raises(UsageError, match="Allowed are"):
+        select(cells, text)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.files.keyed_file import is_whole, read_keyed, write_keyed
+from harness.files.machine_key import machine_key
 
 CONTENT = bytes(range(256)) * 4
 
@@ -63,3 +64,16 @@ def test_writing_waits_for_no_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(os, "fsync", wait)
     write_keyed(tmp_path / "it", "mine", CONTENT)
     assert read_keyed(tmp_path / "it", "mine", 2**20) == CONTENT
+
+
+def test_what_another_machine_wrote_gives_nothing(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """It is whole, under the right key, with the right digest: anybody can write such a file."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "another"))
+    machine_key.cache_clear()
+    try:
+        assert is_whole(file, 2**20)
+        assert read_keyed(file, "mine", 2**20) is None
+    finally:
+        monkeypatch.undo()
+        machine_key.cache_clear()
+    assert read_keyed(file, "mine", 2**20) == CONTENT

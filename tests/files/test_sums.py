@@ -6,7 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from harness.files.sums import SUMS, changed_since_made, making, note_made, read_sums
+from harness.files.sums import (
+    FIRST_LINE,
+    SUMS,
+    changed_since_made,
+    forget_made,
+    is_foreign,
+    making,
+    note_made,
+    read_sums,
+)
 
 
 @pytest.fixture
@@ -72,3 +81,22 @@ def test_killed_while_a_file_is_made_there_is_no_digest_of_it(folder: Path):
         (folder / "report.html").write_text("newer")
         assert changed_since_made(folder) == []
         assert read_sums(folder).keys() == {"results.parquet"}
+
+
+def test_a_list_that_somebody_else_made_stays_as_it_is(tmp_path: Path):
+    """Neither believed nor written."""
+    (tmp_path / SUMS).write_text(f"{'0' * 64}  notes.txt\n")
+    (tmp_path / "report.html").write_text("made")
+    with making(tmp_path / "report.html"):
+        pass
+    forget_made(tmp_path / "report.html")
+    assert (tmp_path / SUMS).read_text() == f"{'0' * 64}  notes.txt\n"
+    assert is_foreign(tmp_path)
+    assert (read_sums(tmp_path), changed_since_made(tmp_path)) == ({}, [])
+
+
+def test_lists_of_the_first_version_are_ours(folder: Path):
+    """They had no first line that says so."""
+    (folder / SUMS).write_text((folder / SUMS).read_text().removeprefix(f"{FIRST_LINE}\n"))
+    assert not is_foreign(folder)
+    assert changed_since_made(folder) == []

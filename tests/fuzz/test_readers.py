@@ -1,10 +1,14 @@
 """Whatever stands in a file, its reader reads it or refuses it: `HarnessError` alone, within a second and 500 MB.
 
 Warnings are errors here, and a reader that writes, starts or connects anything fails. The long run is for an issue:
-``pytest tests/fuzz -m slow``, 10,000 inputs for each reader; an input is named by its seed.
+``pytest tests/fuzz -m slow``, 10,000 inputs for each reader; an input is named by its seed. With FUZZ_MINUTES it is new
+inputs each time, as many as can be tried in so many minutes.
 """
 
+import os
+import time
 from collections.abc import Callable
+from random import SystemRandom
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
@@ -22,6 +26,8 @@ NAMES = (
 EACH = pytest.mark.parametrize("name", NAMES)
 SEEDS = st.integers(0, 2**63)
 Fuzz = Callable[[Reader, int], bool]
+MINUTES = "FUZZ_MINUTES"
+"""The environment variable with the minutes of the long run, for all readers together."""
 
 
 def play(reader: Reader, fuzz: Fuzz, count: int) -> None:
@@ -46,6 +52,19 @@ def play(reader: Reader, fuzz: Fuzz, count: int) -> None:
     assert refused > count / 20
 
 
+def play_for(reader: Reader, fuzz: Fuzz, seconds: float) -> None:
+    """Let the reader read new inputs for so long, some of which have to be refused."""
+    refused, tried, until = 0, 0, time.monotonic() + seconds
+    while not tried or time.monotonic() < until:
+        seed = SystemRandom().randrange(2**63)
+        tried += 1
+        try:
+            refused += fuzz(reader, seed)
+        except Exception as error:
+            raise AssertionError(f"seed {seed}: {error!r}") from error
+    assert refused > tried / 20
+
+
 def test_every_reader_is_tried(all_readers: dict[str, Reader]):
     """The table and the tests name the same."""
     assert sorted(all_readers) == sorted(NAMES)
@@ -60,6 +79,25 @@ def test_valid_content_is_read(all_readers: dict[str, Reader], name: str, tmp_pa
     all_readers[name].read(tmp_path)
 
 
+def test_a_run_of_minutes_has_other_inputs_each_time(all_readers: dict[str, Reader]):
+    """And ends when they are over."""
+    runs: list[list[int]] = [[], []]
+    for seeds in runs:
+        play_for(all_readers["csv"], lambda reader, seed, seeds=seeds: not seeds.append(seed), 0.01)
+    assert runs[0]
+    assert not set(runs[0]) & set(runs[1])
+
+
+def test_a_run_of_minutes_names_the_seed_that_fails(all_readers: dict[str, Reader]):
+    """So that it can be tried again."""
+
+    def fail(reader: Reader, seed: int) -> bool:
+        raise ZeroDivisionError
+
+    with pytest.raises(AssertionError, match=r"^seed \d+: ZeroDivisionError"):
+        play_for(all_readers["csv"], fail, 0.01)
+
+
 @EACH
 def test_a_reader_refuses_what_it_cannot_read(all_readers: dict[str, Reader], fuzz: Fuzz, name: str):
     """A few inputs of each kind."""
@@ -70,4 +108,7 @@ def test_a_reader_refuses_what_it_cannot_read(all_readers: dict[str, Reader], fu
 @EACH
 def test_a_reader_refuses_whatever_it_cannot_read(all_readers: dict[str, Reader], fuzz: Fuzz, name: str):
     """Very many."""
-    play(all_readers[name], fuzz, 10_000)
+    if MINUTES in os.environ:
+        play_for(all_readers[name], fuzz, 60.0 * float(os.environ[MINUTES]) / len(NAMES))
+    else:
+        play(all_readers[name], fuzz, 10_000)

@@ -10,10 +10,11 @@ import pytest
 
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
+from harness.files.sums import FIRST_LINE, SUMS
 from harness.record.folder import MANIFEST, POLICY, TRACE
 from harness.record.plan_file import EXPERIMENT, PLAN
 from harness.record.store import CELLS, LOCK, REPORT, Store
-from harness.record.verify import DAMAGED, repair, verify
+from harness.record.verify import DAMAGED, missing_cells, repair, verify
 from harness.registry.registry import load_registry
 from harness.results import Results
 
@@ -122,23 +123,103 @@ def test_changed_experiment_is_written_again(ran: Path):
     assert (ran / EXPERIMENT).read_text() == before
 
 
-def test_damaged_page_is_removed(ran: Path):
-    """It can be made again."""
+def test_damaged_page_is_set_aside(ran: Path):
+    """It can be made again; what is there may be somebody's work."""
     (ran / REPORT).write_text("<html>9</html>")
     repair(ran)
     assert not (ran / REPORT).exists()
+    assert (ran / DAMAGED / f"{REPORT}-0").read_text() == "<html>9</html>"
     assert verify(ran) == []
 
 
-def test_link_is_found_and_removed(ran: Path, tmp_path: Path):
-    """It leads out of the folder; what it leads to stays."""
+def test_damaged_plan_is_kept_beside_the_new_one(ran: Path):
+    """As it was."""
+    (ran / PLAN).write_text("{")
+    repair(ran)
+    assert (ran / DAMAGED / f"{PLAN}-0").read_text() == "{"
+
+
+@pytest.mark.parametrize("names", [(PLAN, EXPERIMENT), (f"{CELLS}",), (REPORT, PLAN)])
+def test_a_list_of_digests_that_the_user_made_is_not_believed(ran: Path, names: tuple[str, ...]):
+    """Files that changed after it are sound; it stays as it is, and so do they."""
+    text = "".join(f"{'0' * 64}  {name}\n" for name in names)
+    (ran / SUMS).write_text(text)
+    before = {path: path.read_bytes() for path in _files(ran)}
+    assert verify(ran) == []
+    assert repair(ran) == []
+    assert {path: path.read_bytes() for path in _files(ran)} == before
+
+
+def test_a_forged_list_of_digests_takes_no_sound_file(ran: Path):
+    """Plan, experiment, manifests and what manifests name were made by no report."""
+    for folder, names in ((ran, (PLAN, EXPERIMENT)), (_first_cell(ran), (MANIFEST, TRACE))):
+        (folder / SUMS).write_text("".join([f"{FIRST_LINE}\n", *(f"{'0' * 64}  {name}\n" for name in sorted(names))]))
+    before = {path: path.read_bytes() for path in _files(ran)}
+    repair(ran)
+    assert {path: path.read_bytes() for path in before if path.exists()} == before
+
+
+def test_link_is_found_and_noted(ran: Path, tmp_path: Path):
+    """It leads out of the folder; what it leads to stays, and a text says where it led."""
     (tmp_path / "kept").mkdir()
     (ran / "cells" / ".x.partial").symlink_to(tmp_path / "kept")
     [problem] = verify(ran)
     assert str(problem.path) == "cells/.x.partial"
     repair(ran)
     assert (tmp_path / "kept").is_dir()
+    assert (ran / DAMAGED / ".x.partial-0").read_text() == f"{tmp_path / 'kept'}\n"
     assert verify(ran) == []
+
+
+def test_a_link_in_place_of_the_folder_for_damage_is_not_followed(ran: Path, tmp_path: Path):
+    """Nothing is written where it leads."""
+    (tmp_path / "elsewhere").mkdir()
+    (ran / DAMAGED).symlink_to(tmp_path / "elsewhere")
+    (ran / "another").symlink_to(tmp_path)
+    repair(ran)
+    assert not list((tmp_path / "elsewhere").iterdir())
+    assert verify(ran) == []
+
+
+@pytest.mark.parametrize("name", ["random.parquet", "evaluations/400.parquet", "notes.txt", "policy/more.safetensors"])
+def test_a_file_that_no_cell_left_is_told_and_not_read(ran: Path, name: str):
+    """A report says what it said; repair sets the file aside, and nothing else."""
+    expected, cell = _numbers(ran), sorted((ran / CELLS).iterdir())[-1]
+    (cell / name).parent.mkdir(exist_ok=True)
+    shutil.copy(_first_cell(ran) / TRACE, cell / name)
+    [problem] = verify(ran)
+    assert problem.path == (cell / name).relative_to(ran)
+    assert _numbers(ran) == expected
+    repair(ran)
+    assert verify(ran) == []
+    assert (ran / DAMAGED / f"{Path(name).name}-0").is_file()
+    assert _numbers(ran) == expected
+
+
+def test_cells_that_are_gone_are_told(ran: Path):
+    """The table of results tells of them."""
+    gone = _first_cell(ran)
+    shutil.rmtree(gone)
+    [problem] = verify(ran)
+    assert problem.path == gone.relative_to(ran)
+    assert missing_cells(ran) == (1, 4)
+    repair(ran)
+    assert verify(ran) == []
+
+
+def test_a_cell_that_cannot_be_read_is_one_problem(ran: Path, monkeypatch: pytest.MonkeyPatch):
+    """The others are looked at."""
+    first, is_file = _first_cell(ran), Path.is_file
+
+    def refuse(self: Path) -> bool:
+        if self.parent == first and self.name == TRACE:
+            raise PermissionError(13, "Permission denied", str(self))
+        return is_file(self)
+
+    monkeypatch.setattr(Path, "is_file", refuse)
+    [problem] = verify(ran)
+    assert problem.path == first.relative_to(ran)
+    assert "cannot be read: Permission denied" in problem.what
 
 
 def _numbers(folder: Path) -> dict[str, object]:

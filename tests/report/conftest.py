@@ -133,9 +133,9 @@ def build_results(
             simulator = cell.simulator.label
             evaluation = reached.get((label, simulator), reached.get(label, lambda seed: REACHED))
             recorded = {**environment, "engine": engines[simulator]} if simulator in engines else environment
-            _write_done(store, cell, _distances(runs[label], cell.seed), evaluation(cell.seed), recorded)
             for steps, count in learned.items():
                 _write_learned(store, cell, steps, count + (label != BASELINE))
+            _write_done(store, cell, _distances(runs[label], cell.seed), evaluation(cell.seed), recorded)
         elif status != "pending":
             store.record(cell, status, reason)
     return load_results(folder)
@@ -164,7 +164,7 @@ def _write_done(
     store: Store, cell: Cell, distances: np.ndarray, reached: Sequence[int], environment: dict[str, Any]
 ) -> None:
     folder = store.cell_folder(cell)
-    folder.mkdir(parents=True)
+    folder.mkdir(parents=True, exist_ok=True)
     _write_trace(folder / TRACE, [_episode(distances, "truncated")], cell.reward)
     _write_trace(folder / EVALUATION, _evaluation(reached), cell.reward)
     _write_trace(folder / RANDOM, [_episode(np.full(steps, 0.9), "ground") for steps in (20, 30, 40, 50)])
@@ -175,7 +175,7 @@ def _write_done(
 def _write_learned(store: Store, cell: Cell, steps: int, reached: int) -> None:
     """An evaluation during training."""
     folder = store.cell_folder(cell) / EVALUATIONS
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     _write_trace(folder / f"{steps}.parquet", _evaluation([9] * reached), cell.reward)
 
 

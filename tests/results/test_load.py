@@ -75,5 +75,5 @@ def test_recordings_beside_a_whole_experiment_are_refused(
 
 def test_what_needs_an_arm_says_so(loose: Path):
     """And what to do instead."""
-    with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*: harness report '.*' compares"):
+    with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*: harness report .* compares"):
         require_arm(load_results(loose), "harness transfer")

@@ -17,6 +17,7 @@ from harness.files.bounded import read_json
 FORMAT = 1
 MOST_BYTES = 8 * 2**20
 """The most bytes of a file; one of a thousand entries has two."""
+REMEDY = "Give a file that 'harness bench simulators --json' wrote, or one of algorithms or peers"
 
 
 class Spread(NamedTuple):
@@ -163,12 +164,9 @@ def read_speeds(path: Path) -> Speeds:
     try:
         data = read_json(path, MOST_BYTES)
     except ValueError as error:
-        raise SchemaError(f"'{path}' is no JSON: {error}") from error
+        raise SchemaError(f"'{path}' is no JSON: {error}. {REMEDY}") from error
     if not isinstance(data, dict) or data.get("what") != "speeds":
-        raise SchemaError(
-            f"'{path}' holds no speeds: give a file that 'harness bench simulators --json' wrote, or one of algorithms "
-            "or peers"
-        )
+        raise SchemaError(f"'{path}' holds no speeds. {REMEDY}")
     if data.get("format") != FORMAT:
         raise NewerFormat(f"'{path}' has format {data.get('format')}, this version reads {FORMAT}: use a newer harness")
     return _from_json(data, path)

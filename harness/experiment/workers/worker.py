@@ -15,9 +15,10 @@ import time
 from pathlib import Path
 from typing import IO
 
+from harness.experiment.own_folder import own_partial
 from harness.experiment.workers.lifeline import lines_of_parent
 from harness.experiment.workers.order import Order, read_order
-from harness.record.folder import LOG, partial_folder
+from harness.record.folder import LOG
 from harness.record.manifest import write_log
 from harness.registry.given import is_plugin_file
 
@@ -40,8 +41,7 @@ def main() -> None:
 
 def _do(order: Order, parent: IO[str]) -> bool:
     """Do an order; returns whether this process is fit for another."""
-    partial = partial_folder(order.folder)
-    partial.mkdir(parents=True, exist_ok=True)
+    partial = own_partial(order.folder)
     print_into(partial / LOG)
     write_log(partial / LOG, f"process {os.getpid()} on {platform.node()} begins")
     try:
@@ -57,7 +57,8 @@ def print_into(path: Path) -> None:
     with path.open("a") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
-    sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]  # a killed process flushes nothing
+    # A killed process flushes nothing; and no training ends for a character that a plugin prints.
+    sys.stdout.reconfigure(line_buffering=True, errors="backslashreplace")  # type: ignore[union-attr]
 
 
 def _tell(parent: IO[str], line: str) -> None:

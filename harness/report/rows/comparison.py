@@ -1,7 +1,6 @@
 """What a comparison says, as text: sentences and small grids that the terminal and the page share."""
 
 import math
-import shlex
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
@@ -22,6 +21,7 @@ from harness.results.comparison import Comparison
 from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC
 from harness.results.overview import NEAR_ZERO, NOTHING
 from harness.results.standing import told_manifests
+from harness.text import command_text
 
 SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the {subject} behaves."
 SPLIT = (
@@ -112,7 +112,7 @@ def again_text(results: Results) -> str:
 
 
 def _run_text(results: Results, out: str) -> str:
-    return f"harness run {shlex.quote(str(results.folder / EXPERIMENT))} --out {shlex.quote(out)}"
+    return command_text("harness", "run", results.folder / EXPERIMENT, "--out", out)
 
 
 def claims_text(combination: Comparison) -> str:

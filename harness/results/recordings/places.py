@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.record.cell import Cell
+from harness.record.cell_folder import is_named
 from harness.record.floor import Floor, floors_in
 from harness.record.folder import RANDOM, recording_of
 from harness.record.recording.recorded_training import recordings_in
@@ -106,13 +107,19 @@ def _runs_of(results: Records, cells: Sequence[Cell], deciding: Sequence[str]) -
     control = results.plan.control
     if len(trained) < 2 and not control:
         return f"nothing to compare: all done cells were trained with {trained[0]}"
-    only = [path for cell in cells for path in sorted(recordings_in(results.store.cell_folder(cell)))]
+    only = [path for cell in cells for path in _recordings_of(results, cell)]
     floor = floors_in(results.manifests, results.store).get(Floor.of(cells[0]))
     random = None if floor is None else results.store.cell_folder(floor) / recording_of(RANDOM)
     try:
         return read_runs(results.folder, only, results.baseline, deciding, Group.of(cells[0]), random, control)
     except UsageError as error:
         return str(error)
+
+
+def _recordings_of(results: Records, cell: Cell) -> list[Path]:
+    """Those that the cell itself left."""
+    folder, done = results.store.cell_folder(cell), results.manifest(cell)
+    return [path for path in sorted(recordings_in(folder)) if is_named(done, path.relative_to(folder).as_posix())]
 
 
 def _notes(results: Records, cells: Sequence[Cell]) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ def test_the_spread_of_one_round_is_nothing():
 @pytest.mark.parametrize(
     ("changed", "told"),
     [
-        ({"what": "cells"}, "holds no speeds: give a file that 'harness bench simulators --json' wrote"),
+        ({"what": "cells"}, "holds no speeds. Give a file that 'harness bench simulators --json' wrote"),
         ({"speeds": [{"entry": {}, "rounds": []}]}, "is not what the harness wrote: speeds.0"),
         ({"rounds": 0}, "is not what the harness wrote: rounds"),
         ({"cpu": None}, "is not what the harness wrote: cpu"),

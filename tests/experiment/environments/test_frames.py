@@ -13,7 +13,7 @@ from harness.files.keyed_file import write_keyed
 from harness.record.verify import verify
 from harness.report.page.frames import frames_of
 from harness.results import load_results
-from harness.results.frames import MOST_BYTES, frames_file, made_of, read_frames
+from harness.results.frames import FOREIGN, MOST_BYTES, frames_file, made_of, read_frames
 from harness.results.recordings.results import RecordedResults
 
 pytest.importorskip("PIL")
@@ -74,7 +74,7 @@ def test_pictures_of_another_training_are_not_shown(results: RecordedResults):
     """A cell that was done again has none, until they are drawn again."""
     done = results.manifest(results.done_cells[0])
     other = replace(done, files={**done.files, "policy/card.json": "0" * 64})
-    assert read_frames(results.folder, other).reason == "no pictures were drawn when the cells ended"
+    assert read_frames(results.folder, other).reason == FOREIGN
 
 
 @pytest.mark.parametrize("content", [b"", b"[]\n", b'{"steps": "many"}\n', b"\x00\n"])

@@ -110,3 +110,22 @@ def test_a_crash_leaves_its_stack_in_the_log(make_cell: Callable[..., Cell], tmp
         _give(worker, make_cell(algorithm=Choice("wander", (("then", "crash"),), "crash")), tmp_path / "cell")
         assert worker.wait(30) < 0
     assert "Fatal Python error: Segmentation fault" in (partial_folder(tmp_path / "cell") / LOG).read_text()
+
+
+def test_a_log_is_not_written_into_a_file_of_somebody_else(make_cell: Callable[..., Cell], tmp_path: Path):
+    """A log that was left as a second name of a file is replaced before the worker prints into it."""
+    elsewhere, partial = tmp_path / "diary.txt", partial_folder(tmp_path / "cell")
+    elsewhere.write_text("mine")
+    partial.mkdir()
+    os.link(elsewhere, partial / "log.txt")
+    _work(make_cell(), tmp_path / "cell")
+    assert elsewhere.read_text() == "mine"
+
+
+def test_no_character_that_is_printed_ends_a_training(tmp_path: Path):
+    """One that the log's encoding has not is written out in the log."""
+    code = "import pathlib, sys; from harness.experiment.workers.worker import print_into as p; p(pathlib.Path('log'))"
+    command = [sys.executable, "-c", f"{code}; print('caf\u00e9')"]
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "1"}
+    assert subprocess.run(command, cwd=tmp_path, env=environment, check=False).returncode == 0
+    assert (tmp_path / "log").read_bytes().strip() == b"caf\\xe9"

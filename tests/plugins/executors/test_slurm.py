@@ -38,6 +38,17 @@ def test_jobs_on_this_machine_keep_the_contract(check: Callable[..., None], tmp_
     check(Slurm(cluster="local"), tmp_path)
 
 
+def test_jobs_are_not_read_from_the_experiments_folder(tmp_path: Path, state: Path):
+    """While a cell runs, its pickle lies in the user's own folder, and the experiment's has none."""
+    pickles: list[Path] = []
+    cell = odd_cell(0, "last", tmp_path)
+    with installed(tmp_path / "installed"):
+        job = Job(cell, tmp_path / "cells" / cell.id)
+        Slurm(cluster="local").run([job], 1, lambda event: pickles.extend(tmp_path.rglob("*.pkl")))
+    assert pickles
+    assert [path for path in pickles if not path.is_relative_to(state)] == []
+
+
 @pytest.mark.usefixtures("slurm")
 @pytest.mark.parametrize("check", EXECUTOR_CHECKS)
 def test_jobs_of_a_cluster_keep_the_contract(check: Callable[..., None], tmp_path: Path):
@@ -58,7 +69,7 @@ def test_a_cluster_that_takes_no_jobs_is_told(tmp_path: Path, monkeypatch: pytes
 
 
 @pytest.mark.usefixtures("slurm")
-def test_a_job_that_can_tell_nothing_more_is_told(tmp_path: Path):
+def test_a_job_that_can_tell_nothing_more_is_told(tmp_path: Path, state: Path):
     """The cell has failed, with what the cluster says; its log is kept, and the jobs' folder is removed."""
     notes, told = tmp_path / "notes", list[Event]()
     notes.mkdir()
@@ -79,7 +90,7 @@ def test_a_job_that_can_tell_nothing_more_is_told(tmp_path: Path):
     assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
     assert re.fullmatch("its job [0-9]+(_0)? is FAILED", told[-1].reason)
     assert " is FAILED" in (partial_folder(tmp_path / "cells" / cell.id) / LOG).read_text()
-    assert not (tmp_path / "cells" / ".jobs").exists()
+    assert list(state.iterdir()) == []
 
 
 @pytest.mark.usefixtures("slurm")
@@ -104,9 +115,9 @@ def test_a_job_that_has_to_make_room_goes_on(tmp_path: Path):
     assert examine(tmp_path / "cells" / cell.id, cell).status == "done"
 
 
-def test_without_a_cluster_it_says_what_there_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Nothing is left in the folder."""
+def test_without_a_cluster_it_says_what_there_is(tmp_path: Path, state: Path, monkeypatch: pytest.MonkeyPatch):
+    """Nothing is left in the folder of the jobs."""
     monkeypatch.setenv("PATH", "/nowhere")
     with pytest.raises(UsageError, match=r"No Slurm cluster: .* Run harness where sbatch works"):
         Slurm().run([Job(odd_cell(), tmp_path / "cells" / "one")], 1, lambda event: None)
-    assert not (tmp_path / "cells" / ".jobs").exists()
+    assert list(state.iterdir()) == []

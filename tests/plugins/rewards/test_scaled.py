@@ -87,7 +87,7 @@ def test_named_reward_is_built_once():
         ("scaled:reward=arp:k2", "'arp:k2' is malformed"),
         ("scaled:reward=(arp:k1=2,k2=3,factor=4", "is malformed"),
         ("scaled:factor=0", "Reward 'scaled': factor='0': Input should be greater than 0"),
-        ("scaled:reward=arp:k2=2,factor=inf", "Reward 'scaled': factor=inf: Input should be a finite number"),
+        ("scaled:reward=arp:k2=2,factor=inf", "Reward 'scaled': factor='inf': Input should be a finite number"),
         ("scaled:reward=scaled", "Reward 'scaled' is given 'scaled': it cannot stand inside itself"),
         ("scaled:reward=shifted:reward=scaled:factor=2", "'scaled' .* cannot stand inside itself"),
         ("scaled:" + "reward=scaled:" * 500 + "factor=2", "'scaled' .* cannot stand inside itself"),

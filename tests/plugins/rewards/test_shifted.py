@@ -51,7 +51,7 @@ def test_named_reward_comes_with_its_parameters():
     ("text", "message"),
     [
         ("shifted:reward=apr", "No reward 'apr'"),
-        ("shifted:offset=nan", "Reward 'shifted': offset=nan: Input should be a finite number"),
+        ("shifted:offset=nan", "Reward 'shifted': offset='nan': Input should be a finite number"),
         ("shifted:reward=scaled:reward=shifted", "'shifted' .* cannot stand inside itself"),
     ],
 )

@@ -219,3 +219,9 @@ def test_every_simulator_pays_the_same(simulator: str):
     assert len(set(paid)) == 50
     for env in envs:
         env.close()
+
+
+def test_an_episode_is_no_longer_than_a_training():
+    """As `--steps` is bounded."""
+    with pytest.raises(ValueError, match="less than or equal to 1000000000"):
+        UnityReach(horizon=10**20)

@@ -1,0 +1,181 @@
+"""Folders of somebody who recomputed every digest: absurd values are one damaged row, and nobody's traceback."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from harness.experiment.experiment import run
+from harness.files.bounded import digest_of
+from harness.files.keyed_file import with_key
+from harness.files.machine_key import machine_key
+from harness.files.sealed import seal
+from harness.record.folder import DERIVED, EVALUATION, MANIFEST, TRACE
+from harness.record.plan_file import PLAN
+
+Forge = Callable[[Path], None]
+ROWS = 3_000_000
+"""Of a trace of a cell that took 20 steps."""
+
+
+@pytest.fixture(scope="module")
+def genuine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An experiment that ran: three seeds of two rewards."""
+    folder = tmp_path_factory.mktemp("genuine") / "it"
+    run(sim="kinematic", algo="random", reward="dense", seeds=3, steps=20, evaluation_episodes=2, jobs=1, out=folder)
+    return folder
+
+
+@pytest.fixture
+def folder(genuine: Path, tmp_path: Path) -> Path:
+    """A copy, without what reports keep."""
+    shutil.copytree(genuine, tmp_path / "it", ignore=shutil.ignore_patterns(DERIVED))
+    return tmp_path / "it"
+
+
+def first_cell(folder: Path) -> Path:
+    """Of all cells."""
+    return sorted((folder / "cells").iterdir())[0]
+
+
+def change(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
+    """A sealed file, and its digest after it."""
+    content = json.loads(path.read_text())
+    del content["digest"]
+    by(content)
+    path.write_bytes(seal(content))
+
+
+def in_manifest(**told: Any) -> Forge:
+    """These keys of a cell's manifest."""
+    return lambda folder: change(first_cell(folder) / MANIFEST, lambda content: content.update(told))
+
+
+def params(of: str, value: Any) -> Forge:
+    """The parameters of a plugin of a cell."""
+    return lambda folder: change(
+        first_cell(folder) / MANIFEST, lambda content: content["cell"][of].update(params=value)
+    )
+
+
+def in_plan(by: Callable[[dict[str, Any]], object]) -> Forge:
+    """Something in the plan."""
+    return lambda folder: change(folder / PLAN, by)
+
+
+def table(name: str, by: Callable[[pa.Table], pa.Table]) -> Forge:
+    """A trace, whose digest the manifest then names."""
+
+    def forge(folder: Path) -> None:
+        cell = first_cell(folder)
+        pq.write_table(by(pq.read_table(cell / name)), cell / name)
+        change(cell / MANIFEST, lambda content: content["files"].update({name: digest_of(cell / name)}))
+
+    return forge
+
+
+def column(name: str, value: float) -> Callable[[pa.Table], pa.Table]:
+    """All values of a column."""
+
+    def by(found: pa.Table) -> pa.Table:
+        place = found.schema.get_field_index(name)
+        field = found.schema.field(place)
+        return found.set_column(place, field, pa.array(np.full(len(found), value), field.type))
+
+    return by
+
+
+def repeated(found: pa.Table) -> pa.Table:
+    """Many rows that take next to no room."""
+    return found.take(pa.array(np.ones(ROWS, np.int64)))
+
+
+ABSURD: dict[str, Forge] = {
+    **{f"started {text}": in_manifest(started=text) for text in ("2026-01-01T00:00:00", "yesterday", "9" * 5000)},
+    **{f"{key} 1e15": in_manifest(**{key: 1e15}) for key in ("seconds", "training_seconds")},
+    "peak memory 1e30": in_manifest(peak_memory=10**30),
+    "environment of other types": in_manifest(environment={"versions": [1], "machine": "x", "engine": {}}),
+    "a file outside": in_manifest(files={"../../x": "0" * 64}),
+    **{
+        f"parameters {value} of the {of}": params(of, value)
+        for of in ("reward", "task", "simulator", "algorithm")
+        for value in ({"a": {}}, {"a": [[[1]]]}, [["a", {}]], {"a": "x" * 20_000})
+    },
+    "parameters in the plan": in_plan(lambda content: content["cells"][0]["reward"].update(params={"a": {}})),
+    "an experiment of other types": in_plan(lambda content: content["experiment"].update(algo={"a": {}}, measure=3)),
+    "looks of other types": in_plan(lambda content: content.update(terms={"looks": [1e308, "x"]})),
+    **{
+        f"{name} {value} in {file}": table(file, column(name, value))
+        for file in (TRACE, EVALUATION)
+        for name in ("reward", "distance")
+        for value in (1e308, -1e200)
+    },
+    **{f"{name} -5": table(TRACE, column(name, -5)) for name in ("env", "step", "episode")},
+    "no row": table(TRACE, lambda found: found.slice(0, 0)),
+    "no row of an evaluation": table(EVALUATION, lambda found: found.slice(0, 0)),
+    "more rows than steps": table(TRACE, repeated),
+    "more rows than episodes": table(EVALUATION, repeated),
+}
+
+
+@pytest.mark.parametrize("name", ABSURD)
+@pytest.mark.parametrize("words", [("report", "--json"), ("report", "--details"), ("report", "--summary"), ("verify",)])
+def test_absurd_values_are_foreseen(harness: Callable[..., Any], folder: Path, tmp_path: Path, name: str, words: Any):
+    """Damage is one row or one line; no command ends with what nobody foresaw."""
+    ABSURD[name](folder)
+    more = [tmp_path / "records"] if words[-1] == "--summary" else []
+    answer = harness(words[0], folder, *words[1:], *more)
+    assert answer.status in (0, 1)
+    assert "Traceback" not in answer.err
+
+
+@pytest.mark.parametrize(
+    "name", ["more rows than steps", "no row", "started yesterday", "reward 1e+308 in trace.parquet"]
+)
+def test_the_other_cells_are_reported(harness: Callable[..., Any], folder: Path, name: str):
+    """Five of the six; the damaged one says why."""
+    ABSURD[name](folder)
+    cells = json.loads(harness("report", folder, "--json").out)["cells"]
+    assert sorted(cell["status"] for cell in cells) == ["damaged", *["done"] * 5]
+    assert next(cell["reason"] for cell in cells if cell["status"] == "damaged")
+
+
+def signed_by_another(path: Path, content: bytes, monkeypatch: pytest.MonkeyPatch, home: Path) -> None:
+    """A kept result as another machine would have written it, under the key of this one."""
+    key = path.read_bytes().split(b"\n")[2].decode()
+    with monkeypatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(home))
+        machine_key.cache_clear()
+        path.write_bytes(with_key(key, content))
+    machine_key.cache_clear()
+
+
+def test_kept_results_of_another_machine_are_not_believed(
+    harness: Callable[..., Any], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Every number set to 1: the report is what it was."""
+    expected = json.loads(harness("report", folder, "--json").out)
+    for path in sorted((folder / DERIVED).glob("*/values")):
+        values = json.loads(path.read_bytes().split(b"\n", 3)[3])
+        forged = {name: [key, 1.0] for name, (key, _) in values.items()}
+        signed_by_another(path, json.dumps(forged).encode(), monkeypatch, tmp_path / "another")
+    assert json.loads(harness("report", folder, "--json").out) == expected
+
+
+def test_kept_results_of_another_machine_are_not_unpacked(
+    harness: Callable[..., Any], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """A small file may unpack to gigabytes."""
+    expected = json.loads(harness("report", folder, "--json").out)
+    huge = pa.compress(bytes(2**27), codec="zstd", asbytes=True)
+    with monkeypatch.context() as patch:
+        patch.setattr(pa, "decompress", lambda *given, **more: pytest.fail("it was unpacked"))
+        for path in sorted((folder / DERIVED).glob("*/*.array")):
+            signed_by_another(path, (2**24).to_bytes(8, "little") + huge, monkeypatch, tmp_path / "another")
+        assert json.loads(harness("report", folder, "--json").out) == expected

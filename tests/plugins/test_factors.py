@@ -1,0 +1,17 @@
+"""The factor that several rewards have."""
+
+import pytest
+
+from harness.errors import UsageError
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+
+FACTORS = ("arp:k1", "arp:k2", "aarp:k1", "aarp:k2", "aarp:k_max", "aarp:growth", "adaptive:k_far", "adaptive:k_near")
+
+
+@pytest.mark.parametrize("name", [*FACTORS, "dense:scale", "potential:scale", "scaled:factor", "shifted:offset"])
+def test_no_factor_makes_a_reward_infinite(name: str):
+    """One that did would make sums of it infinite too."""
+    registry = load_registry()
+    with pytest.raises(UsageError, match="1000000000000000000"):
+        choose(registry, "rewards", f"{name}=1e308").build(registry, "rewards")

@@ -1,0 +1,147 @@
+"""What the workflows may do and what they run: a release is built where nothing can be published."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[1]
+WORKFLOWS = sorted(ROOT.glob(".github/workflows/*.yml"))
+PINNED = re.compile(r"[\w-]+/[\w-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+")
+DIGESTS = "sha256sum dist/* build/sbom/*.json"
+EACH = pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """A workflow; YAML calls its key `on` true."""
+    read: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return read
+
+
+@pytest.fixture
+def release() -> dict[str, Any]:
+    """The jobs of a release."""
+    jobs: dict[str, Any] = _read(ROOT / ".github/workflows/release.yml")["jobs"]
+    return jobs
+
+
+def _runs(job: dict[str, Any]) -> list[str]:
+    return [step["run"] for step in job["steps"] if "run" in step]
+
+
+def _actions(job: dict[str, Any]) -> list[str]:
+    return [step["uses"].partition("@")[0] for step in job["steps"] if "uses" in step]
+
+
+def test_there_are_workflows_to_look_at():
+    """Else the tests below would hold nothing."""
+    assert [path.stem for path in WORKFLOWS] == ["fuzz", "release", "test"]
+
+
+@EACH
+def test_every_action_is_named_by_its_commit(path: Path):
+    """A tag can be moved to other code; behind the commit stands the version, for people and for Dependabot."""
+    named = re.findall(r"uses: *(.*)", path.read_text(encoding="utf-8"))
+    assert named
+    assert [name for name in named if not PINNED.fullmatch(name)] == []
+
+
+def test_an_action_has_one_commit():
+    """In all workflows."""
+    named = re.findall(r"uses: *(.*)", "".join(path.read_text(encoding="utf-8") for path in WORKFLOWS))
+    assert len(set(named)) == len({name.partition("@")[0] for name in named})
+
+
+def test_actions_are_kept_up_to_date():
+    """A commit that stays for ever keeps its faults."""
+    updates = yaml.safe_load((ROOT / ".github/dependabot.yml").read_text(encoding="utf-8"))["updates"]
+    assert "github-actions" in {update["package-ecosystem"] for update in updates}
+
+
+@EACH
+def test_no_checkout_leaves_a_token(path: Path):
+    """It would lie in .git/config, for every package that runs later."""
+    steps = [step for job in _read(path)["jobs"].values() for step in job["steps"]]
+    checkouts = [step for step in steps if step.get("uses", "").startswith("actions/checkout@")]
+    assert checkouts
+    assert all(step["with"]["persist-credentials"] is False for step in checkouts)
+
+
+@EACH
+def test_a_workflow_may_only_read(path: Path):
+    """What a job needs besides stands at the job."""
+    assert _read(path)["permissions"] in ({}, {"contents": "read"})
+
+
+def test_only_one_job_can_publish(release: dict[str, Any]):
+    """PyPI takes what comes with this permission."""
+    assert [name for name, job in release.items() if "id-token" in job["permissions"]] == ["publish"]
+    assert [name for name, job in release.items() if "pypa/gh-action-pypi-publish" in _actions(job)] == ["publish"]
+
+
+def test_what_builds_may_only_read(release: dict[str, Any]):
+    """There the packages of others run."""
+    assert release["build"]["permissions"] == {"contents": "read"}
+
+
+@pytest.mark.parametrize("name", ["publish", "files"])
+def test_where_something_is_written_no_code_of_the_repository_runs(release: dict[str, Any], name: str):
+    """Neither from a checkout nor from a package."""
+    assert "actions/checkout" not in _actions(release[name])
+    assert not re.search(r"\b(make|pip|python)\b", "\n".join(_runs(release[name])))
+
+
+@pytest.mark.parametrize("name", ["publish", "files"])
+def test_digests_of_the_build_are_compared_before_anything_else(release: dict[str, Any], name: str):
+    """They come by another way than the files, and name all of them."""
+    job = release[name]
+    assert "build" in job["needs"]
+    assert release["build"]["outputs"] == {"digests": "${{ steps.digests.outputs.sha256 }}"}
+    (told,) = (step["run"] for step in release["build"]["steps"] if step.get("id") == "digests")
+    fetched, compared = job["steps"][:2]
+    assert fetched["uses"].startswith("actions/download-artifact@")
+    assert compared["env"] == {"DIGESTS": "${{ needs.build.outputs.digests }}"}
+    assert compared["run"] == f'diff <(base64 --decode <<< "$DIGESTS") <({DIGESTS})'
+    assert DIGESTS in told
+
+
+def test_files_are_attested_before_they_are_published(release: dict[str, Any]):
+    """Where they were built, and with what; PyPI gets an attestation too."""
+    steps = release["publish"]["steps"]
+    assert _actions(release["publish"])[1:] == [
+        "actions/attest-build-provenance",
+        "actions/attest-sbom",
+        "pypa/gh-action-pypi-publish",
+    ]
+    assert {step["with"]["subject-path"] for step in steps if "attest" in step.get("uses", "")} == {"dist/*"}
+    assert steps[-1]["with"] == {"attestations": True}
+    assert release["publish"]["permissions"]["attestations"] == "write"
+
+
+def test_a_bill_of_materials_comes_with_the_release(release: dict[str, Any]):
+    """Made from the locks, by tools that have a lock too."""
+    recipe = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert re.search(r"^make (\w+ )*sbom ", _runs(release["build"])[0])
+    assert "build/sbom/fd100-harness-run.cdx.json requirements/run.txt" in recipe
+    assert "build/sbom/fd100-harness-dev.cdx.json requirements/dev.txt" in recipe
+    assert re.search(r"--no-deps --require-hashes --requirement \$<\n\ttouch", recipe)
+    assert re.search(r"^cyclonedx-bom==", (ROOT / "requirements/sbom.txt").read_text(encoding="utf-8"), re.MULTILINE)
+    assert "build/sbom/*.json" in _runs(release["files"])[-1]
+
+
+def test_readers_are_fuzzed_each_week():
+    """For ten minutes."""
+    workflow = _read(ROOT / ".github/workflows/fuzz.yml")
+    (when,) = workflow[True]["schedule"]
+    (job,) = workflow["jobs"].values()
+    assert re.fullmatch(r"\d+ \d+ \* \* \d", when["cron"])
+    assert "pytest tests/fuzz -m slow" in _runs(job)[-1]
+    assert job["steps"][-1]["env"]["FUZZ_MINUTES"] == "10"
+
+
+def test_the_archive_is_built_from_on_every_change():
+    """`make wheel` unpacks it and builds a wheel there: tests/installed/test_source_archive.py."""
+    (locked,) = (job for name, job in _read(ROOT / ".github/workflows/test.yml")["jobs"].items() if name == "locked")
+    assert " wheel " in _runs(locked)[-1]
