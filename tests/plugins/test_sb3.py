@@ -192,3 +192,14 @@ def test_progress_counts_environment_steps():
         env.step(np.tile(ARM_HOME, (2, 1)))
         callback._on_training_end()
     assert told.steps == [10, 14]
+
+
+def test_a_training_leaves_nothing_among_temporary_files(tmp_path, monkeypatch):
+    """The library's own logger would make a folder there."""
+    from harness_plugins.algorithms.ppo import Ppo
+
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    env = harness.make_env("kinematic", num_envs=8)
+    env.reset(seed=0)
+    Ppo(rollout=8, batch_size=8, net_arch=(8,)).train(env, 16, 0, Progress())
+    assert not list(tmp_path.iterdir())

@@ -225,7 +225,7 @@ REFUSED = {
     "parameter of a name without any": ("baseline:k=1", "Reward 'baseline' has no parameter 'k'. There is: none."),
     "wrong type": ("arp:k2=two", "Reward 'arp': k2='two': Input should be a valid number"),
     "out of range": ("arp:k2=0", "Reward 'arp': k2='0': Input should be greater than 0"),
-    "not finite": ("arp:k2=inf", "Reward 'arp': k2=inf: Input should be less than or equal to 1000000000000000000"),
+    "not finite": ("arp:k2=inf", "Reward 'arp': k2='inf': Input should be a finite number"),
 }
 
 

@@ -1,7 +1,9 @@
 """Plugin files that import files beside them: found, hashed, taken along, and imported for them alone."""
 
 import json
+import os
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,7 +11,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.registry.given import PluginFile, given_from_json, given_to_json, read_given
-from harness.registry.plugin_module import file_behind, import_file
+from harness.registry.plugin_module import COPIES, OLD, _own_folder, file_behind, import_file
 from harness.registry.registry import load_registry
 from harness.registry.sources import source_hash
 
@@ -152,3 +154,23 @@ def test_too_many_files_beside_are_refused(lay: Lay):
     path = lay("mine.py", "\n".join(f"import part_{number}" for number in range(101)))
     with pytest.raises(UsageError, match=r"imports more than 100 files.*install them as a package"):
         read_given([path])
+
+
+@pytest.mark.parametrize(
+    ("name", "age", "stays"),
+    [
+        (f"{COPIES}999999999-x", 2.0 * OLD, False),
+        (f"{COPIES}999999999-x", 0.0, True),
+        (f"{COPIES}OURS-x", 2.0 * OLD, True),
+        (f"{COPIES}mine", 2.0 * OLD, True),
+        ("other", 2.0 * OLD, True),
+    ],
+)
+def test_folders_of_killed_processes_are_removed(tmp_path: Path, monkeypatch, name: str, age: float, stays: bool):
+    """Old ones alone, of processes that are gone."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    left = tmp_path / name.replace("OURS", str(os.getpid()))
+    left.mkdir()
+    os.utime(left, (time.time() - age,) * 2)
+    _own_folder.__wrapped__().cleanup()
+    assert left.exists() == stays

@@ -47,6 +47,8 @@ Run: TypeAlias = tuple[int, int] | tuple[int, int, float]
 Evaluation: TypeAlias = Callable[[int], Sequence[int]]
 
 
+STEPS = 40
+"""Of a training, if no run is longer."""
 DIP_AND_CLIMB: Run = (9, 30)
 """The mean accumulated baseline reward over seeds 0 to 2 is negative from step 1 to step 17, then positive."""
 
@@ -121,7 +123,8 @@ def build_results(
             one more under the proposed rewards.
     """
     runs = {BASELINE: baseline, **proposed}
-    manner = {"deterministic": deterministic, "evaluate_every": min(learned, default=0)}
+    longest = max(run[0] + run[1] for run in runs.values())
+    manner = {"deterministic": deterministic, "evaluate_every": min(learned, default=0), "steps": max(longest, STEPS)}
     cells = [_cell(sim, reward, seed, **manner) for seed in range(seeds) for sim in simulators for reward in runs]
     control = {seed: seed + seeds for seed in range(seeds)} if a_a else {}
     cells += [_cell(sim, BASELINE, seed, **manner) for seed in control.values() for sim in simulators]
@@ -143,7 +146,7 @@ def build_results(
 
 def _cell(simulator: str, reward: str, seed: int, **manner: Any) -> Cell:
     sim, task, algorithm = (Choice(name, (), name) for name in (simulator, "fd100-reach", "sac"))
-    return Cell(sim, "fd100", task, algorithm, _reward(reward), seed, 40, 4, **manner)
+    return Cell(sim, "fd100", task, algorithm, _reward(reward), seed, evaluation_episodes=4, **manner)
 
 
 @functools.cache
