@@ -202,4 +202,4 @@ def test_a_training_leaves_nothing_among_temporary_files(tmp_path, monkeypatch):
     env = harness.make_env("kinematic", num_envs=8)
     env.reset(seed=0)
     Ppo(rollout=8, batch_size=8, net_arch=(8,)).train(env, 16, 0, Progress())
-    assert not list(tmp_path.iterdir())
+    assert not list(tmp_path.glob("SB3-*"))
