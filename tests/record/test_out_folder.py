@@ -2,9 +2,11 @@
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 from harness.errors import UsageError
 from harness.record.out_folder import folder_lock, make_folder, refuse_links
@@ -103,3 +105,10 @@ def test_folder_may_be_a_link_itself(tmp_path: Path):
     refuse_links(tmp_path / "out")
     make_folder(tmp_path / "out", "cells")
     assert (tmp_path / "disk" / "cells").is_dir()
+
+
+def test_versions_that_emptied_what_a_link_leads_to_are_not_allowed():
+    """Before 3.20.3 whoever laid a link in time had its target emptied."""
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    (asked,) = (Requirement(text) for text in project["dependencies"] if text.startswith("filelock"))
+    assert [version for version in ("3.16", "3.20.2", "3.20.3") if asked.specifier.contains(version)] == ["3.20.3"]
