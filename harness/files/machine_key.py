@@ -6,14 +6,15 @@ import stat
 from functools import lru_cache
 from pathlib import Path
 
+from harness.files.state_folder import state_folder
+
 SIZE = 32
 """Bytes of the key."""
 
 
 def key_file() -> Path:
-    """Where the key is: below ``XDG_STATE_HOME``, or ``~/.local/state``."""
-    home = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-    return Path(home) / "fd100-harness" / "key"
+    """Where the key is."""
+    return state_folder() / "key"
 
 
 @lru_cache(maxsize=1)  # a report signs and compares thousands of files

@@ -5,9 +5,7 @@ import stat
 from pathlib import Path
 
 from harness.errors import UsageError
-
-STATE = "XDG_STATE_HOME"
-"""The environment variable that names a folder for what programs remember; ``~/.local/state`` without it."""
+from harness.files.state_folder import STATE, state_folder
 
 
 def private_folder() -> Path:
@@ -19,10 +17,7 @@ def private_folder() -> Path:
     Raises:
         UsageError: The folder cannot be made, or somebody else may write into it or put another in its place.
     """
-    state = Path(os.environ.get(STATE, ""))
-    if not state.is_absolute():  # relative ones are to be ignored, says the standard
-        state = Path("~/.local/state").expanduser()
-    place = state / "fd100-harness" / "jobs"
+    place = state_folder() / "jobs"
     try:
         missing = [folder for folder in (place, *place.parents) if not folder.exists()]
         for folder in reversed(missing):
