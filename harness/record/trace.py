@@ -150,7 +150,7 @@ class TraceWriter:
         """Write what is left and finish the file.
 
         Raises:
-            SimulationDiverged: A number is not finite: the simulator's, or the reward's.
+            SimulationDiverged: A number is not finite, or too large to count with: the simulator's, or the reward's.
         """
         try:
             self._flush()
@@ -170,18 +170,21 @@ class TraceWriter:
         rows = self._block[: self._filled]
         if self._episodes is not None:
             rows = rows[rows[:, COLUMN["episode"]] < self._episodes]
-        self._require_finite(rows)
+        self._require_moderate(rows)
         if len(rows):
             self._file.write_table(self._table(rows))
         self._filled = 0
 
-    def _require_finite(self, rows: Rows) -> None:
-        bad = np.argwhere(~np.isfinite(rows))
+    def _require_moderate(self, rows: Rows) -> None:
+        if rows.size and rows.min() >= -LARGEST_PAID and rows.max() <= LARGEST_PAID:
+            return
+        bad = np.argwhere(~(np.abs(rows) <= LARGEST_PAID))  # a comparison with what is no number is false
         if len(bad):
             row, column = bad[0]
             name = SCALARS[column] if column < len(SCALARS) else ", ".join(self._widths)
             where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
-            raise SimulationDiverged(f"{name} is not finite at {where}")
+            told = f"beyond {LARGEST_PAID:g}" if np.isfinite(rows[row, column]) else "not finite"
+            raise SimulationDiverged(f"{name} is {told} at {where}")
 
     def _table(self, rows: Rows) -> pa.Table:
         columns = [pa.array(rows[:, index].astype(_numpy_type(name))) for name, index in COLUMN.items()]

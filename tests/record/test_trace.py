@@ -18,6 +18,7 @@ from harness.record.trace import (
     Trace,
     TraceWriter,
     read_trace,
+    require_plausible,
     trace_schema,
 )
 
@@ -147,6 +148,28 @@ def test_number_that_is_not_finite_is_told(path: Path, number: float, column: in
     rows[7, column] = number
     with pytest.raises(SimulationDiverged, match=f"{name} is not finite at env 7, episode 7, step 7"):
         write(path, rows)
+
+
+def test_number_that_is_too_large_costs_the_cell(path: Path):
+    """A reader would call the file damaged: the training ends before that, and says why."""
+    rows = make_rows(9)
+    rows[7, SCALARS.index("reward")] = -1e200
+    with pytest.raises(SimulationDiverged, match=r"reward is beyond 1e\+150 at env 7, episode 7, step 7"):
+        write(path, rows)
+
+
+@pytest.mark.parametrize(("rows", "most", "told"), [(0, 9, "has 0 rows"), (9, 8, "has 9 rows, 1 to 8 are allowed")])
+def test_a_trace_that_no_cell_can_have_left_is_told_by_its_end(path: Path, rows: int, most: int, told: str):
+    """Its rows are not read."""
+    write(path, make_rows(rows))
+    with pytest.raises(SchemaError, match=told):
+        require_plausible(path, most)
+
+
+def test_a_trace_that_a_cell_can_have_left_is_plausible(path: Path):
+    """As many rows as it may have."""
+    write(path, make_rows(9))
+    require_plausible(path, 9)
 
 
 def test_some_columns_can_be_read_alone(path: Path):
