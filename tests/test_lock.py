@@ -1,6 +1,7 @@
 """The locks in requirements/ fit pyproject.toml, constraints.txt and what is installed; no index is asked."""
 
 import re
+import sysconfig
 import tomllib
 from dataclasses import dataclass, replace
 from functools import cache
@@ -77,18 +78,20 @@ def read_requirements(text):
 @cache
 def needs_of(name):
     """What an installed package says that it needs; nothing where it is not installed, as another platform's are."""
-    try:
-        return [Requirement(line) for line in metadata.requires(name) or []]
-    except metadata.PackageNotFoundError:
-        return []
+    found = _installed(name)
+    return [] if found is None else [Requirement(line) for line in found.requires or []]
 
 
 def version_of(name):
     """The installed version without its build, as the +cpu of torch is; None if there is none."""
-    try:
-        return Version(Version(metadata.version(name)).public)
-    except metadata.PackageNotFoundError:
-        return None
+    found = _installed(name)
+    return None if found is None else Version(Version(found.version).public)
+
+
+def _installed(name):
+    """A package where pip installs; Ray brings some of its own, and puts them on Python's path when it is imported."""
+    places = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
+    return next(iter(metadata.distributions(name=name, path=places)), None)
 
 
 def needed_on(platform, project, extras):
