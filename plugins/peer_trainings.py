@@ -37,6 +37,8 @@ def _with_jax(settings: SoftActorCritic, env: Any, steps: int, seed: int) -> Cal
     The library would compile again for each new model, which takes longer than a short training.
     """
     _require("sbx", "pip install sbx-rl")
+    from .sb3.bare import side_by_side
+
     os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {ONE_THREAD}"  # JAX reads it when it is imported
     library = import_module("sbx").SAC
     same = ("learning_rate", "gamma", "batch_size", "learning_starts", "train_freq", "gradient_steps", "tau")
@@ -44,7 +46,13 @@ def _with_jax(settings: SoftActorCritic, env: Any, steps: int, seed: int) -> Cal
     coefficient = settings.ent_coef if settings.learns_coefficient else settings.first_coefficient
     network = {"net_arch": list(settings.net_arch)}
     model = library(
-        "MlpPolicy", env, seed=seed, buffer_size=100 * steps, ent_coef=coefficient, policy_kwargs=network, **given
+        "MlpPolicy",
+        side_by_side(env),
+        seed=seed,
+        buffer_size=100 * steps,
+        ent_coef=coefficient,
+        policy_kwargs=network,
+        **given,
     )
 
     def run() -> None:

@@ -3,6 +3,7 @@
 import os
 import secrets
 import stat
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -48,9 +49,8 @@ def _make(path: Path) -> bytes | None:
     try:
         with os.fdopen(number, "wb") as file:
             file.write(secrets.token_bytes(SIZE))
-        os.link(partial, path)  # fails if there is one by now
-    except FileExistsError:
-        pass  # it is read below
+        with suppress(FileExistsError):  # another process was quicker: its key is read below
+            os.link(partial, path)
     finally:
         partial.unlink()
     return _read(path)

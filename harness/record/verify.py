@@ -2,25 +2,26 @@
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pyarrow.parquet as pq
 
 from harness.errors import NewerFormat, SchemaError
-from harness.files.bounded import reading
+from harness.files.bounded import reading, require_regular
 from harness.files.keyed_file import is_whole
 from harness.files.sums import SUMS, changed_since_made, forget_made, read_sums
 from harness.files.whole_file import is_partial, write_whole
 from harness.record import file_forms as forms
+from harness.record.cell import Cell
 from harness.record.cell_folder import REMEDY, added_files, examine, require_files
 from harness.record.folder import DERIVED, MANIFEST, TRANSFER
 from harness.record.manifest import Ending, Manifest, read_manifest, read_record
 from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
 from harness.record.store import CELLS, LOCK, RESULTS, Store
 
-DERIVED_BYTES = 2**32
+DERIVED_BYTES, TABLE_BYTES = 2**32, 2**30
 DAMAGED = "damaged"
 """Where `repair` puts what is damaged: nothing is thrown away."""
 ADDED_REMEDY = "harness repair sets it aside"
@@ -67,11 +68,7 @@ def missing_cells(folder: Path) -> tuple[int, int]:
 
     They are not run yet, or somebody took them away: nothing in the folder tells which.
     """
-    store = Store.open(folder)
-    try:
-        cells = store.read_plan().cells
-    except SchemaError:
-        return 0, 0
+    store, cells = Store.open(folder), _planned(folder)
     return sum(not store.cell_folder(cell).exists() for cell in cells), len(cells)
 
 
@@ -146,12 +143,34 @@ def _gone(folder: Path) -> Iterator[Problem]:
     """Cells that the table of results tells of, and that are not there."""
     if RESULTS in changed_since_made(folder) or RESULTS not in read_sums(folder):
         return
-    with reading(folder / RESULTS, "table"):
-        ended = pq.read_table(folder / RESULTS, columns=["id", "status"]).to_pylist()
-    for cell in ended:
-        path = folder / CELLS / str(cell["id"])
-        if cell["status"] == "done" and not path.exists():
+    try:
+        done = _done_in_table(folder / RESULTS)
+    except SchemaError as error:
+        yield Problem(Path(RESULTS), str(error), MADE_REMEDY)
+        return
+    for cell in _planned(folder):  # an id that the table alone tells could be any path
+        path = folder / CELLS / cell.id
+        if cell.id in done and not path.exists():
             yield Problem(path.relative_to(folder), f"it is gone: {RESULTS} tells of it", "harness run does it again")
+
+
+def _planned(folder: Path) -> Sequence[Cell]:
+    """The cells of the plan; none if it is damaged, which is a problem of its own."""
+    try:
+        return read_plan(folder).cells
+    except NewerFormat:
+        raise
+    except SchemaError:
+        return ()
+
+
+def _done_in_table(path: Path) -> set[str]:
+    with reading(path, "table"):
+        require_regular(path, TABLE_BYTES)
+        if pq.read_metadata(path).num_rows > forms.MOST_CELLS:
+            raise SchemaError(f"{path} has more than {forms.MOST_CELLS:,} rows")
+        table = pq.read_table(path, columns=["id", "status"])
+        return {str(row["id"]) for row in table.to_pylist() if row["status"] == "done"}
 
 
 def _of_transfers(folder: Path) -> Iterator[Problem]:

@@ -19,12 +19,17 @@ def bare_training(library: Any, env: Any, steps: int, seed: int, **settings: Any
         settings: Further keyword arguments of the class.
     """
     torch.set_num_threads(1)
-    envs = DummyVecEnv([partial(_same, one) for one in env]) if isinstance(env, list) else env
+    joined = side_by_side(env)
 
     def run() -> None:
-        library("MlpPolicy", envs, seed=seed, device="cpu", **settings).learn(steps)
+        library("MlpPolicy", joined, seed=seed, device="cpu", **settings).learn(steps)
 
     return run
+
+
+def side_by_side(env: Any) -> Any:
+    """A list of envs as the library's one env of several; any other env as it is."""
+    return DummyVecEnv([partial(_same, one) for one in env]) if isinstance(env, list) else env
 
 
 def _same(env: Any) -> Any:

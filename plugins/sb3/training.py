@@ -61,8 +61,8 @@ def train(
     callback = ProgressCallback(env, progress, steps, policy_of, decisions_per_update, state)
     is_new = state is None
     del state  # it holds a second replay buffer
-    # Without log_interval the logger keeps the last losses for `progress`. The library counts the
-    # steps that are left to do, from where the model stands.
+    # Without log_interval the logger keeps the last losses for `progress`. The library counts the steps that are left
+    # to do, from where the model stands.
     model.learn(steps - model.num_timesteps, callback=callback, log_interval=None, reset_num_timesteps=is_new)
     return policy_of(model)
 

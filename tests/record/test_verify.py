@@ -6,14 +6,16 @@ import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
-from harness.files.sums import FIRST_LINE, SUMS
+from harness.files.sums import FIRST_LINE, SUMS, note_made
 from harness.record.folder import MANIFEST, POLICY, TRACE
 from harness.record.plan_file import EXPERIMENT, PLAN
-from harness.record.store import CELLS, LOCK, REPORT, Store
+from harness.record.store import CELLS, LOCK, REPORT, RESULTS, Store
 from harness.record.verify import DAMAGED, missing_cells, repair, verify
 from harness.registry.registry import load_registry
 from harness.results import Results
@@ -203,6 +205,32 @@ def test_cells_that_are_gone_are_told(ran: Path):
     [problem] = verify(ran)
     assert problem.path == gone.relative_to(ran)
     assert missing_cells(ran) == (1, 4)
+    repair(ran)
+    assert verify(ran) == []
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        {"id": ["/etc"], "status": ["done"]},
+        {"id": ["../../x"], "status": ["done"]},
+        {"id": [None], "status": ["done"]},
+    ],
+)
+def test_a_table_of_anybody_names_no_other_place(ran: Path, told: dict[str, list[str | None]]):
+    """Its digest is right: whoever wrote it wrote that too."""
+    pq.write_table(pa.table(told), ran / RESULTS)
+    note_made(ran / RESULTS)
+    assert verify(ran) == []
+
+
+@pytest.mark.parametrize("told", [{"other": [1]}, {"id": [""] * 1_000_001, "status": [""] * 1_000_001}])
+def test_a_table_that_is_none_is_one_problem(ran: Path, told: dict[str, list[object]]):
+    """Repair sets it aside: a report makes it again."""
+    pq.write_table(pa.table(told), ran / RESULTS)
+    note_made(ran / RESULTS)
+    [problem] = verify(ran)
+    assert problem.path == Path(RESULTS)
     repair(ran)
     assert verify(ran) == []
 

@@ -147,15 +147,15 @@ def _algorithm(algorithm: Any, entry: Entry, setting: Setting, registry: Registr
     singles = [
         stack.enter_context(closing(ReachEnv(CHEAP, task, robot=setting.robot))) for _ in range(algorithm.num_envs)
     ]
-    alone = singles[0] if algorithm.num_envs == 1 else singles
+    plain = singles[0] if algorithm.num_envs == 1 else singles
     env = stack.enter_context(closing(world.open(algorithm.num_envs)))
     own = Contender(lambda: _train(algorithm, env, steps), steps, prepare=lambda: env.reset(seed=0))
     if entry.peer:
-        bare = algorithm.peer_trainings()[entry.peer](alone, steps, 0)
+        bare = algorithm.peer_trainings()[entry.peer](plain, steps, 0)
         return Contest({entry.peer: Contender(bare, steps), entry.name: own}, entry.peer)
     if not hasattr(algorithm, "bare_training"):
         return Contest({entry.name: own}, "")
-    bare = algorithm.bare_training(alone, steps, 0)
+    bare = algorithm.bare_training(plain, steps, 0)
     return Contest({LIBRARY: Contender(bare, steps), entry.name: own}, LIBRARY)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import harness
+from harness.results import Results
 from tests.bench.timings.conftest import cpu_seconds
 from tests.bench.timings.processes import measure
 
@@ -28,7 +29,12 @@ def test_the_default_run_beside_its_bare_trainings(tmp_path: Path, amount, requi
     seeds, steps = amount(SEEDS, 1), amount(STEPS, 2)
     programs = amount(2, 1)
     bare = sum(measure(sys.executable, "-c", BARE, steps, *range(seeds)).cpu_seconds for _ in range(programs))
+    runs = list[Results]()
     took = cpu_seconds(
-        lambda: harness.run(sim="mujoco", algo="sac", seeds=seeds, steps=steps, jobs=programs, out=tmp_path / "run")
+        lambda: runs.append(
+            harness.run(sim="mujoco", algo="sac", seeds=seeds, steps=steps, jobs=programs, out=tmp_path / "run")
+        )
     )
+    assert len(runs[0].done) == 2 * seeds
+    assert not runs[0].failed
     require_ratio(bare / took, 0.6, f"(bare {bare:.0f} s, run {took:.0f} s of CPU time)")

@@ -70,6 +70,7 @@ def arm_steps_a_second(processes: int, steps: int) -> float:
             process.stdin.flush()
         speeds = [float(process.stdout.readline()) for process in started]
     assert [process.returncode for process in started] == [0] * processes
+    assert min(speeds) > 0.0
     return statistics.mean(speeds)
 
 

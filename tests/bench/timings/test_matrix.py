@@ -32,7 +32,9 @@ def cells(amount: Callable[[int, int], int]) -> tuple[Cell, ...]:
 def _run(cells: tuple[Cell, ...], folder: Path, at_once: int) -> list[Manifest]:
     jobs = [Job(cell, folder / cell.id, CellOptions(floor=number == 0)) for number, cell in enumerate(cells)]
     run_jobs(jobs, at_once, lambda event: None)
-    return [read_manifest(folder / cell.id) for cell in cells]
+    manifests = [read_manifest(folder / cell.id) for cell in cells]
+    assert {manifest.status for manifest in manifests} == {"done"}
+    return manifests
 
 
 def test_two_jobs_beside_one(cells: tuple[Cell, ...], tmp_path: Path, require_ratio: Callable[..., None]):
