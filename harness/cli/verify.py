@@ -18,7 +18,7 @@ def verify(folder: ExperimentFolder, as_json: AsJson = False) -> int:
         say_json({**told, "cells": planned, "missing": missing})
         return UNSOUND if problems else 0
     if missing:
-        say(f"{missing} of the plan's {planned} cells are not here: they were not run yet, or were taken away")
+        say(f"Cells of the plan that are not here: {missing} of {planned}, not run yet or taken away")
     if problems:
         for problem in problems:
             say(f"{problem.path}: {problem.what}. What to do: {problem.remedy}.")

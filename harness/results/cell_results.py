@@ -21,8 +21,9 @@ from harness.results.metrics import Unmeasurable
 from harness.score.scored_runs import Payer
 from harness.score.scorer import SCORED
 
-MOST_ENVS, USUAL_HORIZON = 10_000, 100_000
-"""Arms that train side by side; steps of an episode of an evaluation, where the training was shorter than that."""
+SLACK = 100_000
+"""Rows that a trace may have beyond its training's budget, as the last decision of many envs may; and the steps that an
+episode of an evaluation may have, where the training was shorter than that."""
 TO_PAY = [*SCORED, "episode", "reward", *EVENTS]
 """Columns that a reward is computed from, or a return."""
 
@@ -187,8 +188,8 @@ class CellResults:
     def _most(self, file: str) -> int:
         """The most rows that a trace can have by what the cell says of itself; each episode has a row at its start."""
         if file == TRACE:
-            return 2 * self.cell.steps + MOST_ENVS
-        return self.cell.evaluation_episodes * (1 + max(self.cell.steps, USUAL_HORIZON))
+            return 2 * self.cell.steps + SLACK
+        return self.cell.evaluation_episodes * (1 + max(self.cell.steps, SLACK))
 
     def _is_there(self, name: str) -> bool:
         return is_named(self._done, name) and (self._files / name).is_file()

@@ -1,6 +1,8 @@
 """``harness verify`` and ``harness repair``."""
 
 import json
+import re
+import shutil
 
 import pytest
 
@@ -68,3 +70,17 @@ def test_second_run_may_refuse_to_wait(harness, experiment, quick, tmp_path):
     assert answer.status == 2
     assert "Another run is using 'mine'" in answer.err
     assert (tmp_path / experiment / "plan.json").read_bytes() == before
+
+
+def test_cells_that_are_not_there_are_counted(harness, experiment, tmp_path):
+    """They may be pending: the status says that nothing is damaged."""
+    folder = tmp_path / experiment
+    shutil.rmtree(next((folder / "cells").glob("[!.]*")))
+    (folder / "results.parquet").unlink()
+    (folder / "SHA256SUMS").unlink()
+    answer = harness("verify", experiment)
+    assert answer.status == 0
+    assert re.search(
+        r"^Cells of the plan that are not here: 1 of \d+, not run yet or taken away$", answer.out, re.MULTILINE
+    )
+    assert json.loads(harness("verify", experiment, "--json").out)["missing"] == 1
