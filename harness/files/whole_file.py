@@ -64,6 +64,11 @@ def is_partial(path: Path) -> bool:
     return path.name.startswith(".") and path.name.endswith(PARTIAL)
 
 
+def files_in(folder: Path) -> list[Path]:
+    """All files in a folder and in the folders in it, in order. Links to folders are not followed."""
+    return sorted(Path(place) / name for place, _, names in os.walk(folder) for name in names)
+
+
 def sync(path: Path) -> None:
     """Have the system write a file, or the names in a folder, to the disk.
 

@@ -5,7 +5,7 @@ from pathlib import Path, PurePosixPath
 from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import digest_of
 from harness.files.sums import SUMS
-from harness.files.whole_file import is_partial
+from harness.files.whole_file import files_in, is_partial
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, LOG, MANIFEST, POLICY, RANDOM, SCORES, TENSORBOARD, TRACE
 from harness.record.manifest import Ending, Manifest, read_manifest
@@ -68,15 +68,17 @@ def is_named(record: Ending, name: str) -> bool:
 
 def added_files(folder: Path, record: Ending) -> list[str]:
     """Files in `folder` that its record does not name, nor a command of the harness adds. No report reads them."""
-    there = [path for path in sorted(folder.rglob("*")) if record.files and path.is_file() and not is_partial(path)]
-    names = [path.relative_to(folder).as_posix() for path in there if path.name not in (MANIFEST, SUMS)]
-    return [name for name in names if name not in record.files and not PurePosixPath(name).name.startswith(PAID_LATER)]
+    if not record.files:
+        return []
+    there = [path for path in files_in(folder) if path.name not in (MANIFEST, SUMS) and not is_partial(path)]
+    names = [path.relative_to(folder).as_posix() for path in there if not path.name.startswith(PAID_LATER)]
+    return [name for name in names if name not in record.files]
 
 
 def _require_unmixed(folder: Path, record: Ending) -> None:
     """See that nothing was added to a recording: a reader takes all that lies in its folder."""
     recordings = {str(PurePosixPath(name).parent) for name in record.files} - {".", EVALUATIONS, POLICY}
-    for name in added_files(folder, record):
+    for name in added_files(folder, record) if recordings else ():
         if str(PurePosixPath(name).parent) in recordings:
             raise SchemaError(f"{folder / name} was added to what was recorded")
 

@@ -57,13 +57,18 @@ def evaluation_files(folder: Path, suffix: str = SUFFIX) -> dict[int, Path]:
     return dict(sorted((int(path.stem), path) for path in found if path.suffix == suffix))
 
 
-def publish(partial: Path, folder: Path) -> None:
-    """Give a complete folder its final name, in place of an earlier one, once the disk has all of it.
+def publish(partial: Path, folder: Path, *, is_lasting: bool = True) -> None:
+    """Give a complete folder its final name, in place of an earlier one.
+
+    Args:
+        partial: The folder.
+        folder: Its final name.
+        is_lasting: It also survives a machine that stops: the disk has all of it first.
 
     Raises:
         OSError: It cannot have it.
     """
-    for path in [*partial.rglob("*"), partial]:
+    for path in [*partial.rglob("*"), partial] if is_lasting else ():
         if not path.is_symlink():
             sync(path)
     if folder.is_symlink() or folder.is_file():
@@ -71,4 +76,5 @@ def publish(partial: Path, folder: Path) -> None:
     elif folder.exists():
         shutil.rmtree(folder)
     partial.rename(folder)
-    sync(folder.parent)
+    if is_lasting:
+        sync(folder.parent)

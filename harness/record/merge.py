@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import digest_of
-from harness.files.whole_file import is_partial
+from harness.files.whole_file import files_in, is_partial
 from harness.record.cell import Cell
 from harness.record.cell_folder import require_files
 from harness.record.file_forms import Status
@@ -89,7 +89,7 @@ def merge(folders: Sequence[Path], out: Path, is_temporary: bool = False) -> Mer
         merged.plan.write(out)
         for place, source in merged.taken.items():
             if source != out / place:
-                _copy(source, out / place, is_temporary)
+                _copy(source, out / place, is_temporary, is_lasting=not is_temporary and place.parts[0] != DERIVED)
     return merged
 
 
@@ -163,22 +163,19 @@ def _transfers_of(cell: Cell, store: Store, left_out: list[LeftOut]) -> Iterator
             yield folder, ending.status
 
 
-def _copy(source: Path, target: Path, is_temporary: bool) -> None:
+def _copy(source: Path, target: Path, may_share: bool, *, is_lasting: bool) -> None:
     """Copy the folder of a cell, of its kept results or of a transfer; it is there when it is whole."""
     partial = partial_folder(target)
     if partial.exists():
         shutil.rmtree(partial)
     partial.mkdir(parents=True)
-    for path in sorted(source.rglob("*")):
-        if path.is_symlink() or not path.is_file() or is_partial(path):
+    for path in files_in(source):
+        if path.is_symlink() or is_partial(path):
             continue
         copy = partial / path.relative_to(source)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        _put(path, copy, is_temporary)
-    if is_temporary:
-        partial.rename(target)
-    else:
-        publish(partial, target)
+        _put(path, copy, may_share)
+    publish(partial, target, is_lasting=is_lasting)
 
 
 def _put(path: Path, copy: Path, may_share: bool) -> None:

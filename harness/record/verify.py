@@ -12,7 +12,7 @@ from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import reading, require_regular
 from harness.files.keyed_file import is_whole
 from harness.files.sums import SUMS, changed_since_made, forget_made, read_sums
-from harness.files.whole_file import is_partial, write_whole
+from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.record import file_forms as forms
 from harness.record.cell import Cell
 from harness.record.cell_folder import REMEDY, added_files, examine, require_files
@@ -97,7 +97,8 @@ def repair(folder: Path) -> list[Action]:
 
 
 def _links(folder: Path) -> Iterator[Problem]:
-    for path in sorted(folder.rglob("*")):
+    inside = sorted(Path(place) / name for place, folders, files in os.walk(folder) for name in (*folders, *files))
+    for path in inside:
         if path.is_symlink():
             yield Problem(
                 path.relative_to(folder),
@@ -200,8 +201,8 @@ def _of_made(folder: Path) -> Iterator[Problem]:
     for parent in (folder, *_folders(folder / CELLS, "[!.]*")):
         for name in sorted(set(changed_since_made(parent)) - _not_made(parent)):
             yield Problem((parent / name).relative_to(folder), f"it is not what {SUMS} beside it says", MADE_REMEDY)
-    for path in sorted((folder / DERIVED).rglob("*")):
-        if not (path.is_dir() or is_partial(path)) and not is_whole(path, DERIVED_BYTES):
+    for path in files_in(folder / DERIVED):
+        if not is_partial(path) and not is_whole(path, DERIVED_BYTES):
             yield Problem(path.relative_to(folder), "it is not what was made", MADE_REMEDY)
 
 

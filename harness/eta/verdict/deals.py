@@ -45,7 +45,8 @@ def count_deals(strata: Strata) -> int:
 
 def smallest_p(seeds: int, places: int = 1) -> float:
     """The smallest two-sided p of so many seeds of each reward, in each of so many places that share none."""
-    return max(2.0 * float(math.comb(2 * seeds, seeds)) ** -places, 1.0 / MOST_DEALS)
+    ways = min(math.comb(2 * seeds, seeds), 2 * MOST_DEALS)  # of 1,000 seeds they are more than a float can say
+    return max(2.0 * float(ways) ** -places, 1.0 / MOST_DEALS)
 
 
 @lru_cache(maxsize=8)

@@ -64,6 +64,7 @@ def test_the_smallest_p_is_that_of_the_two_most_extreme_ways(seeds: int, p: floa
 def test_the_smallest_p_of_many_seeds_is_that_of_the_drawn_ways():
     """One of 20,000."""
     assert smallest_p(20) == 1 / MOST_DEALS
+    assert smallest_p(1000) == 1 / MOST_DEALS  # there are more ways than a float can say
 
 
 def test_places_with_seeds_of_their_own_make_it_smaller():
