@@ -288,7 +288,7 @@ def read_trace(path: Path, columns: list[str] | None = None) -> Trace:
         if columns is not None and OBSTACLE not in file.schema_arrow.names:
             columns = [name for name in columns if name != OBSTACLE]
         there = columns if version > 1 or columns is None else _columns_of_1(columns)
-        _require_columns(file.schema_arrow, there or [], path)
+        _require_columns(file.schema_arrow, there or (_columns_of_1([]) if version == 1 else []), path)
         _require_rows(file, path)
         table, facts = file.read(columns=there), _facts(file)
         arrays = {name: _to_numpy(table.column(name), f"{path}: {name}") for name in table.column_names}

@@ -290,6 +290,14 @@ def test_missing_file_is_refused(path: Path):
         read_trace(path)
 
 
+def test_format_1_without_its_flags_is_refused(path: Path):
+    """What such a file lacks follows from them, so they are needed whatever is asked for."""
+    table = pa.table({"reward": [1.0]}).replace_schema_metadata({b"harness.trace": b"1"})
+    pq.write_table(table, path)
+    with pytest.raises(SchemaError, match="no column ground, reached"):
+        read_trace(path)
+
+
 def test_missing_column_is_refused(path: Path):
     """A trace that lacks a column that is asked for is a SchemaError that names the file."""
     table = pa.table({"reward": [1.0]}).replace_schema_metadata({b"harness.trace": str(FORMAT).encode()})
