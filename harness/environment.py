@@ -1,6 +1,6 @@
 """The interface that an environment fills: any Gymnasium environment, with names for its rewards and its behaviour."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, TypeAlias
 
 import gymnasium
@@ -28,6 +28,7 @@ class Environment(Protocol):
     * ``bounds``: by name of a measure, the least and the greatest value that it can have, see `bounds_of`.
     * ``baseline``: the name of the reward that the others are compared with, see `baseline_of`.
     * ``examples()``: parameters to try it with, if some have no default, see `examples_of`.
+    * ``make_together(count)``: if one program moves several robots, see `envs_together`.
     * ``goal_rewards(env)``: if observations are dicts with achieved and desired goals, see `goal_rewards`.
     * ``sources``: the modules that it works in, see `harness.registry.sources.source_files`.
     """
@@ -53,6 +54,24 @@ class Environment(Protocol):
         A measure's value in the last step of an episode is its value for the episode. The measure ``success`` decides
         whether a robot behaves better. If there is none of this name, the first measure decides.
         """
+
+
+def envs_together(environment: Environment, count: int) -> list[AnyEnv]:
+    """So many envs for one training: what ``make_together(count)`` returns, else one of `make` after the other.
+
+    Envs that one program moves take their step at the same time. Such an env has a method ``announce(action)``. Before
+    they take a step, each is told its action, see `announce_all`.
+    """
+    ask = getattr(environment, "make_together", None)
+    return list(ask(count)) if ask else [environment.make() for _ in range(count)]
+
+
+def announce_all(envs: Sequence[AnyEnv], actions: Sequence[Any]) -> None:
+    """Tell envs of one program what each does in the step that all of them take next; others are told nothing."""
+    for env, action in zip(envs, actions, strict=True):
+        announce = getattr(env.unwrapped, "announce", None)
+        if announce is not None:
+            announce(action)
 
 
 def lower_is_better(environment: Environment) -> frozenset[str]:

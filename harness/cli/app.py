@@ -37,11 +37,11 @@ from harness.cli.verify import repair, verify
 from harness.cli.video import video
 from harness.cli.watch import watch
 from harness.errors import HarnessError, UsageError
-from harness.registry.allowed_imports import allow_imports, allow_typed
+from harness.registry.allowed import allow_imports, allow_programs, allow_typed
 from harness.registry.registry import load_registry
 
 FAILED, USAGE = 1, 2
-ALLOW = "--allow-import"
+ALLOW, ALLOW_PROGRAM = "--allow-import", "--allow-program"
 PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
     {
         "Run and read": {
@@ -90,6 +90,12 @@ def _root(
         ALLOW,
         metavar="MODULE",
         help="With any command: let the id of an environment in a file or folder, as MODULE:Name-v0, import MODULE.",
+    ),
+    allow_program: str = typer.Option(
+        "",
+        ALLOW_PROGRAM,
+        metavar="PATH",
+        help="With any command: let an environment in a file or folder start the program PATH.",
     ),
 ) -> None:
     """Tells whether a reward function makes a robot behave better, or only makes the numbers bigger."""
@@ -144,16 +150,17 @@ def _answer(args: list[str]) -> int:
 
 
 def _take_allowed(args: list[str]) -> list[str]:
-    """The arguments without ``--allow-import MODULE``, which every command takes; what is typed is allowed besides."""
-    rest, modules, words = list[str](), list[str](), iter(args)
+    """The arguments without what is allowed, which every command takes; what is typed is allowed besides."""
+    rest, words = list[str](), iter(args)
+    named: dict[str, list[str]] = {ALLOW: [], ALLOW_PROGRAM: []}
     for word in words:
-        if word == ALLOW:
-            modules.append(next(words, ""))
-        elif word.startswith(f"{ALLOW}="):
-            modules.append(word.removeprefix(f"{ALLOW}="))
+        flag, equals, value = word.partition("=")
+        if flag in named:
+            named[flag].append(value if equals else next(words, ""))
         else:
             rest.append(word)
-    allow_imports(modules)
+    allow_imports(named[ALLOW])
+    allow_programs(named[ALLOW_PROGRAM])
     allow_typed(rest)
     return rest
 

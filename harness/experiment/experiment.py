@@ -28,7 +28,7 @@ from harness.record.out_folder import storage_errors
 from harness.record.running import read_left
 from harness.record.store import Store
 from harness.record.united_plan import refuse_mixed
-from harness.registry.allowed_imports import allow_typed
+from harness.registry.allowed import allow_typed
 from harness.registry.given import Given as Plugins
 from harness.registry.given import read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry

@@ -36,3 +36,10 @@ def register_environments(register: harness.Register) -> None:
         requires=["metaworld", "mujoco"],
         extra="metaworld",
     )
+    register(
+        "unity",
+        f"{here}.unity:Unity",
+        summary="a program built with Unity's ML-Agents, or Unity's editor, paid by its own reward and by an arm's",
+        requires=["mlagents_envs"],
+        extra="unity",
+    )

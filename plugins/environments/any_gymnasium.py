@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from harness.arrays import Float
 from harness.environment import AnyEnv, GoalReward, Measure
 from harness.errors import UsageError
-from harness.registry.allowed_imports import require_allowed
+from harness.registry.allowed import require_allowed
 
 EXAMPLES = {
     "CartPole-v1": (),

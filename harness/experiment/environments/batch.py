@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 
 from harness.algorithm import Goals
 from harness.arrays import Float, Float32
-from harness.environment import SUCCESS, GoalReward
+from harness.environment import SUCCESS, GoalReward, announce_all
 from harness.errors import SchemaError, UsageError, one_line
 from harness.experiment.environments.spaces import (
     ACHIEVED,
@@ -93,8 +93,10 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         paid, success = np.empty(self.num_envs), np.zeros(self.num_envs, bool)
         terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         final = np.zeros_like(observations)
-        for k, (env, action) in enumerate(zip(self._envs, given, strict=True)):
-            told, reward, terminated[k], truncated[k], _ = env.step(int(action) if self._is_discrete else action)
+        chosen = [int(action) for action in given] if self._is_discrete else list(given)
+        announce_all(self._envs, chosen)
+        for k, (env, action) in enumerate(zip(self._envs, chosen, strict=True)):
+            told, reward, terminated[k], truncated[k], _ = env.step(action)
             observations[k], paid[k] = flat_observation(self._space, told), float(reward)
             if self.goals:
                 _require_paid_by_goals(self.goals, told, paid[k])

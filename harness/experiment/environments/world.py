@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from harness.algorithm import Algorithm, TrainingEnv, needs_goals
-from harness.environment import AnyEnv, Environment, goal_rewards
+from harness.environment import AnyEnv, Environment, envs_together, goal_rewards
 from harness.executor import NO_SCALARS, Word
 from harness.experiment.checkpoints.attempt import Attempt
 from harness.experiment.environments.acting import Acting
@@ -140,14 +140,15 @@ class EnvironmentWorld:
 
     def _open(self) -> EnvironmentBatch:
         """Envs that record, each under its number, and pay the cell's reward."""
-        envs = [self._recorded(number) for number in range(self._algorithm.num_envs)]
+        with self._blamed("envs were made"):
+            made = envs_together(self._environment, self._algorithm.num_envs)
+        envs = [self._recorded(env, number) for number, env in enumerate(made)]
         if not needs_goals(self._algorithm):
             return EnvironmentBatch(envs)
         with self._blamed("its rewards were named"):
             return EnvironmentBatch(envs, goal_rewards(self._environment, envs[0].env)[self._cell.reward.name])
 
-    def _recorded(self, number: int) -> RecordRewards[Any, Any]:
-        env = self._made()
+    def _recorded(self, env: AnyEnv, number: int) -> RecordRewards[Any, Any]:
         path = self._folder / TRAINING_RECORDING
         return RecordRewards(env, path, seed=self._cell.seed, pay=True, number=number, **self._columns(env))
 

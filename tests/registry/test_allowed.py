@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.allowed_imports import VARIABLE, allow_imports, allow_typed, allowed_imports, require_allowed
+from harness.registry.allowed import VARIABLE, allow_imports, allow_typed, allowed_imports, require_allowed
 
 ID = "evil:X-v0"
 EVIL = """

@@ -1,0 +1,67 @@
+"""A player that speaks Unity's protocol, for each test its own; the tests need the extra ``unity``."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from harness.registry.allowed import PROGRAMS, allow_programs
+
+Start = Callable[..., Any]
+
+
+@pytest.fixture(autouse=True)
+def nothing_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where nobody named a program."""
+    monkeypatch.setenv(PROGRAMS, "")
+
+
+@pytest.fixture
+def player(tmp_path: Path) -> Iterator[Callable[..., Path]]:
+    """Writes a player with options, which the user named; no process of it may be left."""
+    try:
+        import harness_plugins.unity_player.protocol  # noqa: F401
+    except (ImportError, TypeError):  # not installed, or protobuf is too new: make unity
+        pytest.skip("mlagents-envs and its protobuf are not installed here")
+    from harness.testing.unity_player import write_unity_player
+
+    def write(*options: str, name: str = "player") -> Path:
+        path = write_unity_player(tmp_path / name, options)
+        allow_programs([str(path)])
+        return path
+
+    yield write
+    assert players_of(tmp_path) == []
+
+
+def players_of(folder: Path) -> list[int]:
+    """Processes that were started for a program in a folder."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            is_ours = any(str(folder) in word for word in process.cmdline()) and process.pid != psutil.Process().pid
+        except psutil.Error:
+            continue
+        if is_ours and process.status() != psutil.STATUS_ZOMBIE:
+            found.append(process.pid)
+    return found
+
+
+@pytest.fixture
+def start(player: Callable[..., Path]) -> Iterator[Start]:
+    """Starts a player with options, and returns envs of it; all are closed at the end."""
+    from harness_plugins.environments.unity import Unity
+
+    made: list[Any] = []
+
+    def begin(*options: str, count: int = 1, patience: float = 10.0, **parameters: Any) -> Any:
+        unity = Unity(file=str(player(*options)), patience=patience, **parameters)
+        envs = unity.make_together(count)
+        made.extend(envs)
+        return envs[0] if count == 1 else envs
+
+    yield begin
+    for env in made:
+        env.close()

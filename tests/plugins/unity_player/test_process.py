@@ -1,0 +1,103 @@
+"""The process of a player."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from harness.errors import UsageError
+from harness_plugins.unity_player.process import PlayerProcess, find_program
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="the programs of these tests are shell scripts")
+
+
+def script(path: Path, text: str) -> Path:
+    """A program."""
+    path.write_text(f"#!/bin/sh\n{text}\n")
+    path.chmod(0o755)
+    return path
+
+
+def is_alive(pid: int) -> bool:
+    """Whether a process is there and does something."""
+    return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+
+
+def wait_for(condition, seconds: float = 10.0) -> bool:
+    """Whether it holds within some seconds."""
+    until = time.monotonic() + seconds
+    while not condition() and time.monotonic() < until:
+        time.sleep(0.02)
+    return bool(condition())
+
+
+def test_an_ending_tells_the_status_and_the_last_line(tmp_path: Path):
+    """What a player writes last says most often why it ended."""
+    process = PlayerProcess(script(tmp_path / "p", "echo first; echo 'the scene is missing'; exit 3"), [])
+    assert wait_for(process.ending)
+    assert process.ending() == "exit status 3; its last line: the scene is missing"
+    process.end()
+
+
+def test_a_signal_is_told_as_such(tmp_path: Path):
+    """The system may have ended it."""
+    process = PlayerProcess(script(tmp_path / "p", "kill -9 $$"), [])
+    assert wait_for(process.ending)
+    assert process.ending() == "signal 9"
+    process.end()
+
+
+def test_a_player_gets_its_arguments(tmp_path: Path):
+    """The port among them."""
+    process = PlayerProcess(script(tmp_path / "p", 'echo "$@"'), ["--mlagents-port", "5"])
+    assert wait_for(process.ending)
+    assert process.ending().endswith("--mlagents-port 5")
+    process.end()
+
+
+def test_a_player_that_goes_on_is_ended_with_what_it_started(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """It gets some seconds, then no more."""
+    monkeypatch.setattr("harness_plugins.unity_player.process.LONGEST", 0.1)
+    pids = tmp_path / "pids"
+    process = PlayerProcess(script(tmp_path / "p", f"sleep 600 & echo $$ $! > {pids}; wait"), [])
+    assert wait_for(lambda: pids.exists() and len(pids.read_text().split()) == 2)
+    process.end()
+    assert wait_for(lambda: not any(is_alive(int(pid)) for pid in pids.read_text().split()))
+
+
+def test_a_player_ends_with_a_killed_asker(tmp_path: Path):
+    """Whatever ends the process that started it, nothing is left."""
+    pids, program = tmp_path / "pids", script(tmp_path / "p", f"echo $$ > {tmp_path / 'pids'}; sleep 600")
+    code = (
+        "import time; from pathlib import Path; from harness_plugins.unity_player.process import PlayerProcess;"
+        f"PlayerProcess(Path({str(program)!r}), []); time.sleep(600)"
+    )
+    asker = subprocess.Popen([sys.executable, "-c", code])
+    assert wait_for(lambda: pids.exists() and pids.read_text().strip(), 30.0)
+    asker.kill()
+    asker.wait()
+    assert wait_for(lambda: not is_alive(int(pids.read_text())))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names end otherwise elsewhere")
+def test_a_program_is_found_without_its_ending(tmp_path: Path):
+    """Unity's builds for Linux end with .x86_64."""
+    script(tmp_path / "arm.x86_64", "")
+    assert find_program(str(tmp_path / "arm")) == tmp_path / "arm.x86_64"
+
+
+def test_a_program_that_is_not_there_is_refused(tmp_path: Path):
+    """The path stands in the message."""
+    with pytest.raises(UsageError, match="no such program"):
+        find_program(str(tmp_path / "arm"))
+
+
+def test_a_program_that_may_not_be_run_is_refused(tmp_path: Path):
+    """The message says what to do."""
+    (tmp_path / "arm").write_text("")
+    with pytest.raises(UsageError, match=r"chmod \+x .*arm"):
+        find_program(str(tmp_path / "arm"))
