@@ -16,7 +16,7 @@ INSTALL_LOCK := $(INSTALL) --no-deps --require-hashes --requirement
 RUN_EXTRAS := mujoco sb3 report
 DEV_EXTRAS := mujoco sb3 report pybullet dm-control tune tensorboard wandb ray slurm video dev docs
 
-.PHONY: install dev lock run reference test coverage slow plugins examples browser engines bench bench-record quick-bench check docs links wheel sbom \
+.PHONY: install dev lock run reference test coverage slow plugins examples browser engines unity bench bench-record quick-bench check docs links wheel sbom \
 	format clean
 
 install: $(VENV)/.installed
@@ -76,6 +76,12 @@ engines: ENGINES = build/experiments/engines/bin/python
 engines: build/experiments/engines/installed
 	$(ENGINES) -m harness check drake && $(ENGINES) -m harness check physx
 	OMP_NUM_THREADS=1 $(ENGINES) -m pytest tests/plugins/simulators -k "drake or physx or test_mjx" -n 2 --benchmark-disable
+
+# Unity's protocol, with a player that needs no Unity, and what experiments/unity/requirements.txt names.
+unity: UNITY = build/experiments/unity/bin/python
+unity: build/experiments/unity/installed
+	OMP_NUM_THREADS=1 $(UNITY) -m pytest tests/plugins/unity_player tests/bench/timings/test_unity.py -n 2 --benchmark-disable
+	OMP_NUM_THREADS=1 $(UNITY) -m pytest tests/bench/timings/test_unity.py -m bench -s
 
 # Every bound of speed. make bench-record keeps the ratios, and draws those of all releases: one for each release.
 bench: dev

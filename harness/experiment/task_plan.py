@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
@@ -131,8 +132,11 @@ def plan_tasks(asked: Asked, tasks: Sequence[Given], registry: Registry) -> list
     if len(kinds) > 1:
         named = ", ".join(map(str, tasks))
         raise UsageError(f"task={named}: some are tasks of an arm, some environments. Make an experiment of each kind")
-    look = _in_environment if kinds == {"environments"} else _with_arm
-    found = [look(asked, task, registry) for task in tasks]
+    load = cache(partial(load_robot, registry=registry))  # tasks mostly have one robot
+    if kinds == {"environments"}:
+        found = [_in_environment(asked, task, registry) for task in tasks]
+    else:
+        found = [_with_arm(asked, task, registry, load) for task in tasks]
     baselines = {it.baseline.label: it.task.label for it in found}
     if len(baselines) > 1:
         told = ", ".join(f"{name} ({task})" for name, task in baselines.items())
@@ -150,7 +154,7 @@ def choose_each(registry: Registry, kind: str, given: Sequence[Given]) -> tuple[
     return tuple(dict.fromkeys(choose(registry, kind, item) for item in given))
 
 
-def _with_arm(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
+def _with_arm(asked: Asked, given: Given, registry: Registry, load: Callable[[str], Robot]) -> TaskPlan:
     """A task of an arm."""
     if asked.measure:
         raise UsageError("--measure goes with an environment: an arm is judged by success and time to the target")
@@ -166,7 +170,7 @@ def _with_arm(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
     task = choose(registry, "tasks", given)
     built = task.build(registry, "tasks")
     robot = _locate(asked.robot or built.robot, registry)
-    arm = load_robot(robot, registry)
+    arm = load(robot)
     with blamed_on(registry.get("tasks", task.name), PLANNED):
         built.check(arm)
     for simulator in simulators:

@@ -19,6 +19,7 @@ from harness.registry.registry import load_registry
 from harness.reward import Reward
 
 OWN = "own"
+DISTANCES = ("begin_distance", "closest_distance", "final_distance")
 EDITOR_PORT = 5004
 """Where Unity's editor connects."""
 
@@ -84,7 +85,6 @@ class Unity:
     ] = 0
     patience: Annotated[float, Field(gt=0, le=3_600, description="time to wait for any answer [s]")] = 60.0
 
-    lower_is_better: ClassVar[frozenset[str]] = frozenset({"closest_distance", "final_distance"})
     baseline: ClassVar[str] = OWN
 
     @model_validator(mode="after")
@@ -103,10 +103,15 @@ class Unity:
         return {}
 
     @property
+    def lower_is_better(self) -> frozenset[str]:
+        """See `harness.environment.lower_is_better`."""
+        return frozenset(DISTANCES) if self.places else frozenset()
+
+    @property
     def bounds(self) -> Mapping[str, tuple[float, float]]:
         """See `harness.environment.bounds_of`."""
-        at_least_0 = (0.0, math.inf)
-        return dict.fromkeys(("closest_distance", "final_distance", "targets"), at_least_0) if self.places else {}
+        targets = ("targets",) if self.places and self._observed.renewed else ()
+        return dict.fromkeys((*DISTANCES, *targets) if self.places else (), (0.0, math.inf))
 
     def make(self) -> AnyEnv:
         """See `harness.environment.Environment`."""
@@ -151,6 +156,7 @@ class Unity:
         if self._observed.renewed:
             measures["targets"] = Followed(self._observed, lambda it: float(it.targets))
         measures["closest_distance"] = Followed(self._observed, lambda it: it.best)
+        measures["begin_distance"] = Followed(self._observed, lambda it: it.begin)
         measures["final_distance"] = Followed(self._observed, lambda it: it.last)
         return measures
 
@@ -183,6 +189,8 @@ class Followed:
     """A number of an episode's distances and targets so far.
 
     Attributes:
+        begin: The distance at the episode's start, or to the newest target when it was drawn, as seen before the step,
+            [m]. With it a recording has all that the rewards of an arm are functions of.
         best: The smallest distance, [m].
         last: The last one, to the target of that step, [m].
         targets: How many targets were touched, so that a new one was drawn.
@@ -194,11 +202,14 @@ class Followed:
 
     def reset(self) -> None:
         """An episode starts."""
-        self.best, self.last, self.targets = math.inf, math.inf, 0
+        self.begin, self.best, self.last, self.targets = math.inf, math.inf, math.inf, 0
+        self._is_new = True
 
     def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
         """The number after one more step."""
-        is_new = self._places.has_new_target(observation, next_observation)
+        if self._is_new:
+            self.begin = self._places.distance_in(observation)
+        is_new = self._is_new = self._places.has_new_target(observation, next_observation)
         self.last = self._places.distance_in(next_observation, target_of=observation if is_new else None)
         self.best, self.targets = min(self.best, self.last), self.targets + is_new
         return float(self._value(self))

@@ -10,6 +10,8 @@ import pytest
 from harness.registry.allowed import PROGRAMS, allow_programs
 
 Start = Callable[..., Any]
+MARK = "HARNESS_TEST_OF_PLAYERS"
+"""The environment variable with the folder of the test that started a process."""
 
 
 @pytest.fixture(autouse=True)
@@ -19,13 +21,15 @@ def nothing_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def player(tmp_path: Path) -> Iterator[Callable[..., Path]]:
+def player(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Path]]:
     """Writes a player with options, which the user named; no process of it may be left."""
     try:
         import harness_plugins.unity_player.protocol  # noqa: F401
     except (ImportError, TypeError):  # not installed, or protobuf is too new: make unity
         pytest.skip("mlagents-envs and its protobuf are not installed here")
     from harness.testing.unity_player import write_unity_player
+
+    monkeypatch.setenv(MARK, str(tmp_path))
 
     def write(*options: str, name: str = "player") -> Path:
         path = write_unity_player(tmp_path / name, options)
@@ -37,15 +41,16 @@ def player(tmp_path: Path) -> Iterator[Callable[..., Path]]:
 
 
 def players_of(folder: Path) -> list[int]:
-    """Processes that were started for a program in a folder."""
+    """Players that a test started, by the mark that they inherit, and what guards them."""
     found = []
     for process in psutil.process_iter():
         try:
-            is_ours = any(str(folder) in word for word in process.cmdline()) and process.pid != psutil.Process().pid
+            words = process.cmdline()
+            plays = "harness.testing.unity_player" in words or any(word.endswith("guard.py") for word in words)
+            if plays and process.environ().get(MARK) == str(folder) and process.status() != psutil.STATUS_ZOMBIE:
+                found.append(process.pid)
         except psutil.Error:
             continue
-        if is_ours and process.status() != psutil.STATUS_ZOMBIE:
-            found.append(process.pid)
     return found
 
 
