@@ -208,7 +208,7 @@ def pay_episode(reward: Reward, end_effector: Float, target: Float) -> Float:
 
 
 class _Rows(NamedTuple):
-    """As `harness.score.scorer.Rows`."""
+    """Rows that `harness.score.scorer.Scorer` takes."""
 
     start: Mask
     begin_distance: Float

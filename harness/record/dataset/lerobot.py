@@ -140,7 +140,7 @@ def _layout(folder: Path, info: Mapping[str, Any], features: Mapping[str, Any]) 
 
 
 def _shape(feature: Mapping[str, Any]) -> tuple[int, ...] | None:
-    """Of a column of numbers; None of a picture, a video, a text, or of one that is too large."""
+    """The shape of a column of numbers; None of a picture, a video, a text, or of one that is too large."""
     shape, kind = feature.get("shape"), str(feature.get("dtype"))
     if not re.fullmatch(r"float(16|32|64)|u?int(8|16|32|64)|bool", kind) or not isinstance(shape, list):
         return None
