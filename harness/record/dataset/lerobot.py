@@ -5,6 +5,7 @@ seen after the last frame of an episode is not recorded, so that the last step h
 `harness export` writes that too, as ``next.observation.state``, and then no step is lost.
 """
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -146,7 +147,7 @@ def _shape(feature: Mapping[str, Any]) -> tuple[int, ...] | None:
         return None
     if len(shape) > 8 or not all(isinstance(it, int) and 0 < it <= MOST_NUMBERS for it in shape):
         return None
-    return tuple(shape) if int(np.prod(shape, dtype=object)) <= MOST_NUMBERS else None
+    return tuple(shape) if math.prod(shape) <= MOST_NUMBERS else None
 
 
 def _keys(layout: _Layout) -> tuple[str, ...]:
@@ -158,7 +159,7 @@ def _names(features: Mapping[str, Any], column: str) -> tuple[str, ...]:
     names = features[column].get("names")
     if isinstance(names, dict) and len(names) == 1:
         (names,) = names.values()
-    size = int(np.prod(features[column]["shape"], dtype=object))
+    size = math.prod(features[column]["shape"])
     if not isinstance(names, list) or len(names) != size or not all(isinstance(it, str) for it in names):
         return ()
     return tuple(shortened(it, 100) for it in names)
@@ -181,7 +182,7 @@ class _Frames:
         self._waiting: dict[str, NDArray[Any]] = {}
         self._file = ""
         self._has_next = NEXT_STATE in layout.columns
-        width = 8 * sum(int(np.prod(shape)) for shape in layout.shapes.values())
+        width = 8 * sum(math.prod(shape) for shape in layout.shapes.values())
         self._rows = max(2, min(ROWS, PIECE_BYTES // width))
         self._seen = self._at = -1  # the episode, and its frame that waits
 
@@ -269,7 +270,7 @@ def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...])
         SchemaError: It has gaps, or rows of another shape.
     """
     column = batch.column(name)
-    size = int(np.prod(shape))
+    size = math.prod(shape)
     while (
         pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type) or pa.types.is_large_list(column.type)
     ):

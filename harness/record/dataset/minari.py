@@ -5,6 +5,7 @@ set; here all comes from the shapes in the file.
 """
 
 import json
+import math
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -171,7 +172,7 @@ def _member(path: Path, parent: Any, key: str) -> Any:
     if isinstance(found, h5py.Dataset):
         if found.external or found.is_virtual:
             raise SchemaError(f"{path}: {found.name} takes its numbers from other files, which is not followed")
-        if found.chunks and int(np.prod(found.chunks, dtype=object)) * found.dtype.itemsize > CHUNK_BYTES:
+        if found.chunks and math.prod(found.chunks) * found.dtype.itemsize > CHUNK_BYTES:
             raise SchemaError(f"{path}: {found.name} has chunks of more than {CHUNK_BYTES:,} bytes")
     elif len(found) > MOST_KEYS:
         raise SchemaError(f"{path}: {found.name} has {len(found):,} parts, {MOST_KEYS:,} are allowed")
@@ -198,7 +199,7 @@ def _walk(path: Path, group: Any, prefix: str = "", depth: int = 0) -> Iterator[
 
 
 def _size(found: Any) -> int:
-    return int(np.prod(found.shape[1:], dtype=object))
+    return math.prod(found.shape[1:])
 
 
 def _chosen(given: str, keys: Mapping[str, None], known: tuple[str, ...], flag: str, path: Path) -> str:
