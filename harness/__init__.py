@@ -8,6 +8,7 @@ import wrapt
 from harness.hookspecs import Register, hookimpl
 
 if TYPE_CHECKING:
+    from harness.audit.dataset.audit_dataset import audit_dataset
     from harness.audit.transitions.audit_rewards import audit_rewards
     from harness.env.make import make_env
     from harness.experiment.experiment import run
@@ -23,6 +24,7 @@ __all__ = [
     "RecordVectorRewards",
     "Register",
     "__version__",
+    "audit_dataset",
     "audit_rewards",
     "evaluate_policy",
     "hookimpl",
@@ -36,6 +38,7 @@ __all__ = [
 _HOMES = {
     "RecordRewards": "harness.recorder.record_rewards",
     "RecordVectorRewards": "harness.recorder.record_vector_rewards",
+    "audit_dataset": "harness.audit.dataset.audit_dataset",
     "audit_rewards": "harness.audit.transitions.audit_rewards",
     "evaluate_policy": "harness.recorder.evaluate_policy",
     "load_results": "harness.results.load",

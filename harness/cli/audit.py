@@ -1,9 +1,11 @@
-"""``harness audit``: what a reward pays for, or what the rewards of recorded trainings paid."""
+"""``harness audit``: what a reward pays for, what the rewards of recorded trainings paid, and rewards on data sets."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
+from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
 from harness.cli.flags import audit as flags
+from harness.cli.flags import dataset as of_dataset
 from harness.cli.flags.shared import AsJson, Names, PluginFiles, RecordedFolder, RobotName, TaskName
 from harness.cli.output import complain, say_json
 from harness.errors import UsageError
@@ -19,6 +21,11 @@ def audit(
     episodes: flags.Episodes = None,
     gamma: flags.Gamma = None,
     random: flags.RandomFolder = None,
+    places: of_dataset.Places = None,
+    success: of_dataset.Success = None,
+    cluster: of_dataset.Cluster = None,
+    beginner: of_dataset.Beginner = None,
+    html: of_dataset.HtmlFile = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
@@ -26,7 +33,33 @@ def audit(
 
     With a FOLDER of recorded trainings: say how far apart the rewards are on the recorded steps, and what each trained
     behaviour earned under each reward.
+
+    With a data set, minari:NAME or lerobot:FOLDER: say of each reward whether it ranks recorded behaviour as success
+    does. Rewards are the recorded ones and functions of --plugin, or those of --reward.
     """
+    if folder is not None and names_dataset(folder):
+        from harness.registry.choice import split_list
+
+        beside = {"--task": task, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma}
+        _refuse_beside(folder, {**beside, "--random": random}, "a data set")
+        names = split_list([reward] if reward else [])
+        found = audit_rewards_on(
+            folder,
+            names,
+            plugin,
+            places=places,
+            robot=robot,
+            success=success,
+            cluster=cluster,
+            beginner=beginner,
+        )
+        return show_answer(found, as_json, html)
+    of_datasets = {
+        "--places": places, "--success": success, "--cluster": cluster, "--beginner": beginner, "--html": html
+    }  # fmt: skip
+    for flag, given in of_datasets.items():
+        if given is not None:
+            raise UsageError(f"{flag} needs a data set: harness audit minari:NAME, or harness audit lerobot:FOLDER")
     if folder is not None:
         _refuse_beside(
             folder,
@@ -54,10 +87,10 @@ def audit(
     return 0
 
 
-def _refuse_beside(folder: Path, beside: Mapping[str, object]) -> None:
+def _refuse_beside(folder: Path, beside: Mapping[str, object], noun: str = "a folder of recorded trainings") -> None:
     for flag, given in beside.items():
         if given is not None:
-            raise UsageError(f"{flag} does not go with a folder of recorded trainings: leave out {flag} or '{folder}'")
+            raise UsageError(f"{flag} does not go with {noun}: leave out {flag} or '{folder}'")
 
 
 def _audit_folder(folder: Path, random: Path | None, as_json: bool) -> int:

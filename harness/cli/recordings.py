@@ -21,7 +21,7 @@ def holds_recordings(folders: Sequence[Path]) -> bool:
     return bool(found)
 
 
-def refuse_flags(flags: Mapping[str, object]) -> None:
+def refuse_flags(flags: Mapping[str, object], noun: str = "a folder of recorded trainings") -> None:
     """Say which flag cannot be used.
 
     Raises:
@@ -29,4 +29,4 @@ def refuse_flags(flags: Mapping[str, object]) -> None:
     """
     for flag, given in flags.items():
         if given:
-            raise UsageError(f"{flag} does not go with a folder of recorded trainings: leave it out")
+            raise UsageError(f"{flag} does not go with {noun}: leave it out")

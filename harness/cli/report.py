@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from harness.cli.datasets import audit_rewards_on, names_dataset, show_answer
 from harness.cli.flags import report as flags
 from harness.cli.flags.shared import AsJson, CurveKind, MetricNames, Names, PluginFiles
 from harness.cli.output import complain
 from harness.cli.recordings import holds_recordings, refuse_flags
 from harness.cli.results_shown import show_results
+from harness.errors import UsageError
 from harness.text import command_text
 
 if TYPE_CHECKING:
@@ -36,7 +38,16 @@ def report(
     """Show the results of an experiment. Trains nothing.
 
     DIR may also hold records that --summary wrote, or trainings that harness.RecordRewards recorded in any environment.
+    A data set, minari:NAME or lerobot:FOLDER, shows what its own rewards say; harness audit adds others.
     """
+    if any(map(names_dataset, folders)):
+        if len(folders) > 1:
+            raise UsageError("One data set is reported at a time: name it alone")
+        refuse_flags(
+            {"--details": details, "--summary": summary, "--metric": metric, "--pairs": pairs, "--plugin": plugin},
+            "a data set",
+        )
+        return show_answer(audit_rewards_on(folders[0], (), None), as_json, html)
     from harness.report.committed import is_committed
     from harness.results import load_results
 

@@ -4,8 +4,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from harness.cli.datasets import names_dataset, score_dataset
+from harness.cli.flags.dataset import Places
 from harness.cli.flags.score import Environment, Every, OutFolder, RewardNames, Targets
-from harness.cli.flags.shared import AsJson, PluginFiles
+from harness.cli.flags.shared import AsJson, PluginFiles, RobotName
 from harness.cli.output import complain, say, say_json
 from harness.cli.recordings import holds_recordings, refuse_flags
 from harness.errors import UsageError
@@ -27,6 +29,8 @@ def score(
     every: Every = False,
     task: Environment = None,
     out: OutFolder = None,
+    places: Places = None,
+    robot: RobotName = None,
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
@@ -35,6 +39,14 @@ def score(
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
+    if any(map(names_dataset, targets)):
+        if len(targets) > 1:
+            raise UsageError("One data set is scored at a time: name it alone")
+        refuse_flags({"--all": every, "--task": task}, "a data set")
+        return score_dataset(targets[0], split_list(reward or []), plugin, places, robot, out, as_json)
+    for flag, given in (("--places", places), ("--robot", robot)):
+        if given is not None:
+            raise UsageError(f"{flag} needs a data set: harness score minari:NAME, or harness score lerobot:FOLDER")
     folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None
     if folder is not None and _is_of_environments(folder):
         refuse_flags({"--out": out})

@@ -6,7 +6,7 @@ rewards would be paid for another training, so nothing is written.
 
 import tempfile
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -31,6 +31,7 @@ from harness.recorder.calls import NO_SEED, UNCHECKED, action_of, checksum
 from harness.recorder.column import OWN, Given
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import GivenUp
+from harness.recorder.walk import KeepWalks, Walk
 
 Columns = Mapping[str, NDArray[Any]]
 Tell = Callable[[int], None]
@@ -100,6 +101,38 @@ class Retake:
                 write_scores(path, scores)
         failures = dict.fromkeys(failure for scores in found.values() for failure in scores.failures)
         return tuple(f"{it.column} fails in episode {it.episode}, step {it.step}: {it.reason}" for it in failures)
+
+    def walks(self, folder: Path) -> Iterator[tuple[int, list[Walk]]]:
+        """What was seen and done in a recording: by number of the env, its episodes in order.
+
+        An env's walks are all in memory at once.
+
+        Raises:
+            UsageError: The recording does not tell all calls, or the new env answers otherwise.
+            SchemaError: The recording is damaged.
+        """
+        begin = 0
+        for number in recorder_numbers(folder):
+            facts = TrainingFacts.read(folder / facts_name(number))
+            actions = _require_calls(folder, facts)
+            columns = read_steps(folder, number, facts, with_calls=True)
+            numbers = np.stack([columns[name] for name in action_columns(facts)], axis=1)
+            for env in range(facts.num_envs):
+                rows = np.flatnonzero(columns["env"] == env)
+                calls = _Calls(actions, numbers[rows], {name: column[rows] for name, column in columns.items()})
+                yield begin + env, self._walks_of(folder, facts, calls)
+            begin += facts.num_envs
+
+    def _walks_of(self, folder: Path, facts: TrainingFacts, calls: "_Calls") -> list[Walk]:
+        with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, closing(KeepWalks(self.make())) as env:
+            again = RecordRewards(
+                env, Path(place) / "again", trained_with=OWN, rewards={}, horizon=facts.horizon or None
+            )
+            try:
+                calls.repeat(again, f"'{folder}'", self.tell)
+            finally:
+                again.finish()
+            return env.walks
 
     def _of_recorder(
         self, folder: Path, facts: TrainingFacts, actions: ActionFacts, columns: Columns, done: int

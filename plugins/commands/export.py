@@ -1,6 +1,7 @@
 """``harness export``: trained policies and their trainings for other programs."""
 
 import importlib
+import shutil
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -8,11 +9,12 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
+from harness.cli.flags.shared import PluginFiles
 from harness.errors import UsageError
 from harness.files.whole_file import write_whole
 from harness.policy import CARD, Network, load_policy
 from harness.policy.folder import read_folder
-from harness.record.folder import POLICY
+from harness.record.folder import POLICY, partial_folder, publish
 from harness.record.out_folder import make_folder, storage_errors
 from harness.record.store import Store
 from harness.text import command_text
@@ -31,11 +33,25 @@ ONNX = Form("harness_plugins.exporters.onnx_model", "onnx", "export")
 TORCHSCRIPT = Form("harness_plugins.exporters.torch_script", "torch", "sb3")
 
 
+class DatasetForm(NamedTuple):
+    """A format of data sets."""
+
+    module: str
+    function: str
+    library: str
+    """What it needs; empty if nothing is."""
+
+
+MINARI = DatasetForm("harness_plugins.exporters.minari_folder", "write_minari", "h5py")
+LEROBOT = DatasetForm("harness_plugins.exporters.lerobot_folder", "write_lerobot", "")
+
+
 def export(
     folder: Annotated[
         Path,
         typer.Argument(
-            help="A cell's folder, or that of a policy; for --csv an experiment's, or one with recordings.",
+            help="A cell's folder, or that of a policy; for --csv, --minari and --lerobot an experiment's, or one with "
+            "recordings.",
             metavar="DIR",
         ),
     ],
@@ -47,11 +63,28 @@ def export(
         bool, typer.Option("--csv", help="Write the trainings of all done cells as CSV files into the folder of --out.")
     ] = False,
     out: Annotated[Path | None, typer.Option(help="The folder for --csv.", metavar="DIR")] = None,
+    minari: Annotated[
+        Path | None,
+        typer.Option(help="Write trainings and evaluations as data sets of Minari into this folder.", metavar="DIR"),
+    ] = None,
+    lerobot: Annotated[
+        Path | None,
+        typer.Option(help="Write them as data sets of LeRobot into this folder; numbers are float32.", metavar="DIR"),
+    ] = None,
+    plugin: PluginFiles = None,
 ) -> int:
     """Write a cell's policy as a model: observations in, scaled actions out, without noise.
 
-    With --csv write what the trainings of an experiment recorded instead, as CSV files.
+    With --csv write what the trainings of an experiment recorded instead, as CSV files. With --minari or --lerobot
+    write the episodes of its trainings and evaluations, with what every reward pays for each step.
     """
+    places = [(place, form) for place, form in ((minari, MINARI), (lerobot, LEROBOT)) if place is not None]
+    if places:
+        if csv or out is not None or onnx is not None or torchscript is not None:
+            raise UsageError("--minari and --lerobot go without other forms: call the command twice for both")
+        return _write_datasets(folder, places, plugin)
+    if plugin:
+        raise UsageError("--plugin goes with --minari or --lerobot: leave it out")
     files = {file: form for file, form in ((onnx, ONNX), (torchscript, TORCHSCRIPT)) if file is not None}
     if csv != (out is not None) or (csv and files):
         raise UsageError("--csv and --out DIR go together, and without a model: call the command twice for both")
@@ -59,7 +92,8 @@ def export(
         return _write_runs(folder, out)
     if not files:
         raise UsageError(
-            "nothing to write: give --onnx FILE or --torchscript FILE, each a file of its own, or --csv --out DIR"
+            "nothing to write: give --onnx FILE or --torchscript FILE, each a file of its own, --csv --out DIR, "
+            "--minari DIR or --lerobot DIR"
         )
     _write_models(folder, files)
     return 0
@@ -94,6 +128,64 @@ def _write_runs(folder: Path, out: Path) -> int:
         verify = command_text("harness", "verify", folder)
         typer.echo(f"Left out, damaged: {len(results.damaged)} cells; {verify} names them", err=True)
     return 1 if results.damaged else 0
+
+
+def _write_datasets(folder: Path, places: list[tuple[Path, DatasetForm]], plugin: list[str] | None) -> int:
+    """Write data sets, each whole or not at all; the exit status, 1 if a cell is damaged or a reward is left out."""
+    from harness.registry.given import read_given
+    from harness.registry.registry import load_registry
+    from harness.results import load_results
+    from harness.results.recordings.read_runs import has_recordings
+
+    from ..exporters.episodes import source_of_recordings, sources_of_runs
+
+    for place, form in places:
+        _require_library(form)
+        if place.exists() and (not place.is_dir() or any(place.iterdir())):
+            raise UsageError(f"'{place}' is there already: name another folder")
+    registry = load_registry(given=read_given(plugin))
+    damaged = 0
+    if folder.is_dir() and not Store.is_experiment(folder) and has_recordings(folder):
+        sources = [source_of_recordings(folder, registry)]
+    else:
+        results = load_results(folder, plugins=plugin or ())
+        if not results.done:
+            raise UsageError(f"'{folder}' has no finished cell to export")
+        sources, damaged = list(sources_of_runs(results, registry)), len(results.damaged)
+    left_out: dict[str, None] = {}
+    for place, form in places:
+        write = getattr(importlib.import_module(form.module), form.function)
+        make_folder(place)
+        for source in sources:
+            whole = place / f"{source.name}-v0"
+            partial = partial_folder(whole)
+            with storage_errors(place):
+                partial.mkdir(parents=True)
+                try:
+                    count = write(source, partial)
+                    publish(partial, whole)
+                finally:
+                    shutil.rmtree(partial, ignore_errors=True)  # gone if it took its place
+            typer.echo(f"{place / source.name}-v0: {count:,} episodes", err=True)
+            left_out |= dict.fromkeys(source.left_out)
+    for line in left_out:
+        typer.echo(line, err=True)
+    if damaged:
+        typer.echo(
+            f"Left out, damaged: {damaged} cells; {command_text('harness', 'verify', folder)} names them", err=True
+        )
+    return 1 if damaged or left_out else 0
+
+
+def _require_library(form: DatasetForm) -> None:
+    if form.library:
+        try:
+            importlib.import_module(form.library)
+        except ImportError as error:
+            raise UsageError(
+                f"This export needs {form.library}, which cannot be imported ({error}): "
+                "pip install 'fd100-harness[minari]'"
+            ) from error
 
 
 def _written(out: Path, write: Callable[[Path], dict[Path, int]]) -> dict[Path, int]:

@@ -18,6 +18,7 @@ from harness.files.sealed import seal, unseal
 from harness.motion.limits import JointLimits
 from harness.policy import CARD, WEIGHTS, Greedy, Policy, SquashedGaussian, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import InverseKinematics
+from harness.record.dataset.open_dataset import open_dataset
 from harness.record.folder import SCENE
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.recording.facts import TrainingFacts
@@ -43,6 +44,7 @@ from tests.fuzz.mutate import (
     mutate_toml,
     mutate_xml,
 )
+from tests.record.dataset.written import episode, write_lerobot, write_minari
 
 Mutate = Callable[[bytes, Random], bytes]
 
@@ -170,6 +172,7 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
         "trace": Reader(
             {"a.parquet": _trace(folder)}, {"a.parquet": _mutate_parquet}, lambda at: read_trace(at / "a.parquet")
         ),
+        **_datasets(folder),
         "recorded training": _recorded_training(folder, "recording-0.json", _mutate_sealed),
         "steps of a recorded training": _recorded_training(folder, "steps-0-00000.parquet", _mutate_parquet),
         "scene": Reader({"scene.json": _scene(folder)}, {"scene.json": mutate_json}, read_scene),
@@ -185,6 +188,33 @@ def _sealed(name: str, path: str, content: bytes, read: Callable[[Path], Any]) -
         name: Reader({path: plain}, {path: mutate_json}, read),
         f"sealed {name}": Reader({path: content}, {path: mutate_json}, read),
     }
+
+
+def _datasets(folder: Path) -> dict[str, Reader]:
+    """A data set of each format; what its numbers lie in, and what it tells of itself, are made wrong."""
+    minari = write_minari(folder / "minari", [episode(6, success=True, operator="a"), episode(4, 1)])
+    lerobot = write_lerobot(folder / "lerobot", [episode(6, success=True), episode(4, 1)])
+
+    def reader(kind: str, place: Path, name: str, mutate: Mutate) -> Reader:
+        files = {
+            f"{kind}/{path.relative_to(place).as_posix()}": path.read_bytes()
+            for path in place.rglob("*")
+            if path.is_file()
+        }
+        return Reader(files, {f"{kind}/{name}": mutate}, lambda at: _exhaust_dataset(f"{kind}:{at / kind}"))
+
+    frames = "data/chunk-000/file-000.parquet"
+    return {
+        "minari": reader("minari", minari, "data/main_data.hdf5", mutate_bytes),
+        "facts of minari": reader("minari", minari, "data/metadata.json", mutate_json),
+        "lerobot": reader("lerobot", lerobot, frames, _mutate_parquet),
+        "facts of lerobot": reader("lerobot", lerobot, "meta/info.json", mutate_json),
+    }
+
+
+def _exhaust_dataset(name: str) -> None:
+    for _ in open_dataset(name).pieces():
+        pass
 
 
 def _recorded_training(folder: Path, name: str, mutate: Mutate) -> Reader:

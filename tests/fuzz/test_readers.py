@@ -22,6 +22,7 @@ NAMES = (
     *("text of rewards", "text of tasks", "text of algorithms", "text of executors"),
     *("recorded trace", "trace", "scene", "manifest", "sealed manifest", "plan", "sealed plan"),
     *("recorded training", "steps of a recorded training"),
+    *("minari", "facts of minari", "lerobot", "facts of lerobot"),
 )
 EACH = pytest.mark.parametrize("name", NAMES)
 SEEDS = st.integers(0, 2**63)

@@ -38,6 +38,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "doctor": ("doctor",),
     "audit": ("audit", "--reward", "arp"),
     "export": ("export", "first", "--csv", "--out", "runs"),
+    "export, a data set": ("export", "first", "--lerobot", "sets"),
     "eta": ("eta", "--baseline", "runs/**/baseline/*.csv", "--proposed", "runs/**/dense/*.csv", "--plot", "eta.html"),
     "score": ("score", "first", "--reward", "sparse"),
     "score, an environment": ("score", "carts", "--plugin", "later.py"),

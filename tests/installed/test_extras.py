@@ -38,6 +38,7 @@ USES: dict[str, Use] = {
     "ray": Use(((*KINEMATIC, "ik", "--executor", "ray"),)),
     "slurm": Use((("list", "executors"),), ""),
     "export": Use(((*KINEMATIC, "sac-fast"), ("export", "out/cells", "--onnx", "policy.onnx")), "policy.onnx"),
+    "minari": Use(((*KINEMATIC, "ik"), ("export", "out", "--minari", "sets")), "sets"),
     "report": Use(((*KINEMATIC, "ik"),)),
     "video": Use(((*KINEMATIC, "ik"), ("video", "out", "--episodes", "1", "--out", "film.gif")), "film.gif"),
     "tune": Use(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float
-from harness.audit.distance import centred_unit, distance_between
+from harness.audit.unit_vectors import centred_unit, distance_between
 from harness.record.recording.facts import REWARD
 from harness.record.recording.recorded_training import RecordedTraining
 from harness.results.recordings.episodes import Episodes

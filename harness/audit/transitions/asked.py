@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.audit.transitions.walk import Walk
 from harness.errors import one_line
 from harness.recorder.column import as_number
 from harness.recorder.recorder import differs
+from harness.recorder.walk import Walk
 
 Pay = Callable[[Any, Any, Any], float]
 """R(s, a, s')."""

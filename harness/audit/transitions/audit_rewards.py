@@ -17,13 +17,13 @@ from harness.audit.recorded.recordings import RANDOM
 from harness.audit.transitions.asked import pays_of
 from harness.audit.transitions.form_distances import FORMS, FormVector, draw_coverages, form_distance, form_vector
 from harness.audit.transitions.reward_audit import FormsOfPair, RewardAudit
-from harness.audit.transitions.walk import KeepWalks, Walk
 from harness.errors import UsageError
 from harness.eta.rescaling import line_of
 from harness.eta.seed_mean import mean_over_seeds
 from harness.record.recording.recorded_training import read_recording
 from harness.recorder.column import OWN, Given
 from harness.recorder.record_rewards import RecordRewards
+from harness.recorder.walk import KeepWalks, Walk
 from harness.results.recordings.episodes import episodes_of
 
 MEASUREMENTS = 5

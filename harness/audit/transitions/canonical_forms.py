@@ -24,7 +24,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.audit.transitions.asked import Pay
-from harness.audit.transitions.walk import Walk
+from harness.recorder.walk import Walk
 
 NEAR = 5
 """Steps that are at most so many before or after are near in time."""

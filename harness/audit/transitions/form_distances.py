@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.arrays import Float
-from harness.audit.distance import centred_unit, distance_between, unit
 from harness.audit.transitions.asked import NoTransitionReward, Pay
 from harness.audit.transitions.canonical_forms import Coverage, dard_form, epic_form, paid_by, starc_form
-from harness.audit.transitions.walk import Walk
+from harness.audit.unit_vectors import centred_unit, distance_between, unit
+from harness.recorder.walk import Walk
 
 TRANSITIONS = 500
 """So many of all recorded transitions are compared, evenly spread."""

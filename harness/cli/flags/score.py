@@ -9,7 +9,10 @@ from harness.cli.flags.shared import REWARDS, TASKS
 
 Targets = Annotated[
     list[str],
-    typer.Argument(help="An experiment's folder, a folder of recorded trainings, or files.", metavar="DIR|FILES"),
+    typer.Argument(
+        help="An experiment's folder, a folder of recorded trainings, a data set, or files.",
+        metavar="DIR|DATASET|FILES",
+    ),
 ]
 RewardNames = Annotated[
     list[str] | None,
@@ -32,5 +35,7 @@ Environment = Annotated[
 ]
 OutFolder = Annotated[
     Path | None,
-    typer.Option(help="Folder for the scores of files.", show_default="beside each file", metavar="DIR"),
+    typer.Option(
+        help="Folder for the scores of files or of a data set.", show_default="beside each file", metavar="DIR"
+    ),
 ]

@@ -18,7 +18,9 @@ ExperimentFolder = Annotated[Path, typer.Argument(help="The experiment's folder.
 RecordedFolder = Annotated[
     Path | None,
     typer.Argument(
-        help="A folder of trainings that harness.RecordRewards recorded.", metavar="[FOLDER]", show_default=False
+        help="A folder of trainings that harness.RecordRewards recorded; or a data set, minari:NAME or lerobot:FOLDER.",
+        metavar="[FOLDER|DATASET]",
+        show_default=False,
     ),
 ]
 SimulatorNames = Annotated[

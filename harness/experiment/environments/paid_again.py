@@ -22,6 +22,7 @@ from harness.record.store import Store
 from harness.recorder.column import source_of
 from harness.recorder.env_facts import env_facts
 from harness.recorder.retake import Later, Retake, Tell
+from harness.recorder.walk import Walk
 from harness.registry.choice import Choice, choose
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
@@ -99,6 +100,19 @@ class PayAgain:
                 yield Paid(path, refused=str(error))
             except OSError as error:
                 yield Paid(path, refused=f"'{path}' cannot be written: {error.strerror or error}")
+
+    def walks(self, path: Path, task: Choice | None) -> Iterator[tuple[int, list[Walk]]]:
+        """What was seen and done in a recording: see `harness.recorder.retake.Retake.walks`.
+
+        Args:
+            path: Its folder.
+            task: The environment in which it was made, if that is known.
+
+        Raises:
+            UsageError: An env cannot be made, or answers otherwise.
+        """
+        make, _ = self._made_by(read_recording(path).facts, task, path)
+        yield from Retake(make, lambda env: Later({}, {})).walks(path)
 
     def _places(self, folder: Path) -> Iterator[tuple[Path, Choice | None]]:
         """The recordings, each with the environment in which it was made, if that is known."""

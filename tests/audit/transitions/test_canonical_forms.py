@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.audit.distance import centred_unit, distance_between
 from harness.audit.transitions.canonical_forms import NEAR, Coverage, dard_form, epic_form, near, starc_form
 from harness.audit.transitions.form_distances import EPIC, FORMS, STARC, draw_coverages, form_distance, form_vector
-from harness.audit.transitions.walk import Walk
+from harness.audit.unit_vectors import centred_unit, distance_between
+from harness.recorder.walk import Walk
 
 STATES, ACTIONS = 4, 3
 FUNCTIONS = {"EPIC": epic_form, "DARD": dard_form, "STARC": starc_form}

@@ -1,0 +1,1 @@
+"""Does a reward rank behaviour that others recorded as success does? Trains nothing, and makes no env."""

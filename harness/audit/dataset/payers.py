@@ -1,0 +1,166 @@
+"""What pays the steps of a data set: its own columns, functions of plugin files, and an arm's rewards."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import UsageError
+from harness.record.dataset.dataset import Dataset, Piece, leaves, take_rows
+from harness.recorder.column import as_number
+from harness.registry.choice import choose
+from harness.registry.registry import Registry
+from harness.reward import Reward
+from harness.score.places import ArmPay, ArmPlaces, parse_places
+
+
+class Payer(Protocol):
+    """Pays the pieces of a data set in their order."""
+
+    def pay(self, piece: Piece) -> Float:
+        """What it pays the steps of a piece, (steps,)."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What was recorded.
+
+    Attributes:
+        name: Of the recorded reward.
+    """
+
+    name: str
+
+    def pay(self, piece: Piece) -> Float:
+        """The column."""
+        return piece.rewards[self.name]
+
+
+@dataclass(frozen=True)
+class Stepwise:
+    """A function of (observation, action, next_observation, info).
+
+    Attributes:
+        function: It; with ``reset()`` if it remembers something of the episode.
+    """
+
+    function: Any
+
+    def pay(self, piece: Piece) -> Float:
+        """One step after the other."""
+        if piece.first == 0 and callable(reset := getattr(self.function, "reset", None)):
+            reset()
+        for part in (*leaves(piece.observations), *leaves(piece.actions), *piece.infos.values()):
+            part.setflags(write=False)
+        count, paid = len(piece), np.empty(len(piece))
+        infos = piece.infos.items()
+        before = take_rows(piece.observations, 0)
+        for row in range(count):
+            after = take_rows(piece.observations, row + 1)
+            info = {key: values[row] for key, values in infos}
+            paid[row] = as_number(self.function(before, take_rows(piece.actions, row), after, info))
+            before = after
+        return paid
+
+
+@dataclass
+class OfArm:
+    """An arm's reward.
+
+    Attributes:
+        reward: It.
+        places: Where the end effector and the target stand in an observation.
+    """
+
+    reward: Reward
+    places: ArmPlaces
+    _pay: ArmPay = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._pay = ArmPay(self.reward)
+
+    def pay(self, piece: Piece) -> Float:
+        """All steps of the piece at once, unless the reward remembers something."""
+        far = self.places.distances(piece.observations)
+        if piece.first == 0:
+            self._pay.begin(far[0])
+        with np.errstate(all="ignore"):  # what is not finite is refused by whoever asked
+            return self._pay.pay(far[1:])
+
+
+def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPlaces | None:
+    """The map of places that a user typed; with a robot, its joints give the end effector.
+
+    Raises:
+        UsageError: A robot is named without a map, or one of the two is none.
+    """
+    if text is None:
+        if robot is not None:
+            raise UsageError(
+                "--robot says where the end effector is if --places says where its joints stand: --places "
+                "joints=0:6,target=6:9"
+            )
+        return None
+    if robot is None:
+        return parse_places(text)
+    from harness.robot.load import load_robot
+
+    return parse_places(text, load_robot(Path(robot) if Path(robot).exists() else robot, registry).end_effector)
+
+
+def payers_of(dataset: Dataset, registry: Registry, names: Sequence[str], places: ArmPlaces | None) -> dict[str, Payer]:
+    """What pays the data set, by name.
+
+    Args:
+        dataset: It.
+        registry: The plugins.
+        names: Of functions, of an arm's rewards, or of recorded ones; without any: all that are recorded and all
+            functions of plugin files.
+        places: Where an arm's end effector and target stand.
+
+    Raises:
+        UsageError: A name is not known, or an arm's reward has no map of places.
+    """
+    functions = registry.functions_of("reward")
+    recorded = dataset.facts.rewards
+    found: dict[str, Payer] = {}
+    for name in names or (*recorded, *functions):
+        if name in functions:
+            found[name] = Stepwise(functions[name].make())
+        elif name in recorded:
+            found[name] = Recorded(name)
+        else:
+            choice = choose(registry, "rewards", name)
+            if places is None:
+                raise UsageError(
+                    f"The reward {choice.label} is paid by the distance from the end effector to the target: say where "
+                    "they stand in the observation, --places end_effector=0:3,target=3:6"
+                )
+            found[choice.label] = OfArm(choice.build(registry, "rewards"), places)
+    if not found:
+        broken = " ".join(registry.broken_files())
+        raise UsageError(
+            f"{dataset.facts.name} has no recorded reward: give functions with --plugin FILE, or --reward NAME with "
+            f"--places MAP.{f' {broken}' if broken else ''}"
+        )
+    return found
+
+
+def given_payers(rewards: Mapping[str, Any], places: ArmPlaces | None) -> dict[str, Payer]:
+    """Rewards that Python gives: functions of a step, and rewards of an arm.
+
+    Raises:
+        UsageError: An arm's reward has no map of places.
+    """
+    found: dict[str, Payer] = {}
+    for name, given in rewards.items():
+        if not hasattr(given, "initial_carry"):
+            found[name] = Stepwise(given)
+        elif places is None:
+            raise UsageError(f"The reward {name!r} needs places='end_effector=0:3,target=3:6'")
+        else:
+            found[name] = OfArm(given, places)
+    return found

@@ -1,0 +1,95 @@
+"""Data sets of Minari and LeRobot, given to a command in the place of a folder."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.cli.output import complain, say, say_json
+
+if TYPE_CHECKING:
+    from harness.audit.dataset.dataset_audit import DatasetAudit
+
+
+def names_dataset(target: str | Path) -> bool:
+    """Whether a command got a data set, ``minari:NAME`` or ``lerobot:FOLDER``."""
+    from harness.record.dataset.open_dataset import is_dataset
+
+    return is_dataset(str(target))
+
+
+def audit_rewards_on(
+    dataset: str | Path,
+    rewards: Sequence[str],
+    plugin: Sequence[str] | None,
+    *,
+    places: str | None = None,
+    robot: str | None = None,
+    success: str | None = None,
+    cluster: str | None = None,
+    beginner: str | None = None,
+) -> "DatasetAudit":
+    """What rewards say of a data set."""
+    from harness.audit.dataset.audit_dataset import audit_dataset
+    from harness.registry.given import read_given
+    from harness.registry.registry import load_registry
+
+    return audit_dataset(
+        str(dataset),
+        rewards,
+        places=places,
+        robot=robot,
+        success=success or "",
+        cluster=cluster or "",
+        beginner=beginner,
+        registry=load_registry(given=read_given(plugin)),
+    )
+
+
+def show_answer(found: "DatasetAudit", as_json: bool, html: Path | None) -> int:
+    """Print what was found, and write its page; status 1 where a reward could not pay."""
+    if html is not None:
+        from harness.report.page.dataset import write_dataset_page
+
+        write_dataset_page(found, html)
+        say(f"Page: {html}", err=True)
+    if as_json:
+        say_json(found.to_json())
+    else:
+        from harness.audit.dataset.dataset_audit import answer_table
+        from harness.cli.terminal import show
+
+        show(answer_table(found))
+    for name, reason in found.failed.items():
+        complain(f"reward {name}: n/a ({reason})")
+    return 1 if found.failed else 0
+
+
+def score_dataset(
+    dataset: str,
+    rewards: Sequence[str],
+    plugin: Sequence[str] | None,
+    places: str | None,
+    robot: str | None,
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """Write what rewards pay each step of a data set; status 1 where one could not pay."""
+    from harness.audit.dataset.paid_dataset import pay_dataset
+    from harness.audit.dataset.payers import payers_of, places_of
+    from harness.audit.dataset.scores_file import scores_place, write_dataset_scores
+    from harness.record.dataset.open_dataset import open_dataset
+    from harness.registry.given import read_given
+    from harness.registry.registry import load_registry
+
+    registry = load_registry(given=read_given(plugin))
+    arm, opened = places_of(places, robot, registry), open_dataset(dataset)
+    paid = pay_dataset(opened, payers_of(opened, registry, rewards, arm), arm)
+    into = scores_place(opened.facts.path, out)
+    write_dataset_scores(paid, into)
+    if as_json:
+        say_json({"files": [{"file": dataset, "scores": str(into), "rewards": list(paid.paid)}]})
+    else:
+        say(f"{dataset} -> {into}")
+    for name, reason in paid.failed.items():
+        complain(f"reward {name}: n/a ({reason})")
+    return 1 if paid.failed else 0

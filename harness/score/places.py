@@ -1,0 +1,237 @@
+"""Where an arm's end effector and its target stand in a vector of numbers, and what an arm's reward pays from that.
+
+The rewards of this project are functions of the distance from the end effector to the target. A log, or an environment
+of anybody, has that distance only inside its observations. A map says where::
+
+    end_effector=0:3,target=3:6                       numbers 0 to 2 and 3 to 5 of the observation, in metres
+    end_effector=achieved_goal,target=desired_goal    parts of an observation that is a table
+    end_effector=state[7:10],target=0.3/0.1/0.2       a stretch of a part, and a target that always is the same
+    joints=0:6,target=6:9                             joint positions [rad]; `joints_deg` has them in degrees
+
+Of joints a function gives the end effector, such as the forward kinematics of a robot. This module knows no files, no
+robots and no environments.
+"""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from harness.arrays import Float, Mask
+from harness.errors import UsageError
+from harness.reward import Reward
+from harness.score.scorer import Scorer
+
+END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"
+NAMES = (END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG)
+MOST_PLACE = 1_000_000
+EXAMPLE = "end_effector=0:3,target=3:6"
+_PLACE = re.compile(r"(?:(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d+):(?P<b>\d+)\])?|(?P<c>\d+):(?P<d>\d+))")
+
+Forward = Callable[[Float], Float]
+"""From joint positions, (n, joints), [rad], to the end effector, (n, 3), [m]."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Some numbers of a vector.
+
+    Attributes:
+        key: The part that they stand in, of a vector that is a table of parts; empty if it is none.
+        start: The first of them, counted from 0.
+        stop: Behind the last; None for all that follow.
+        constant: Numbers that stand in no vector; empty if they do.
+    """
+
+    key: str = ""
+    start: int = 0
+    stop: int | None = None
+    constant: tuple[float, ...] = ()
+
+    def rows(self, vectors: Any, count: int | None = None) -> Float:
+        """These numbers of each vector, (n, size).
+
+        Args:
+            vectors: (n, width), or a table of such by key.
+            count: n, which a constant needs; found out from `vectors` if None.
+
+        Raises:
+            UsageError: The vectors have no such part, or too few numbers.
+        """
+        if self.constant:
+            size = len(_any_part(vectors)) if count is None else count
+            return np.broadcast_to(np.asarray(self.constant), (size, len(self.constant)))
+        part = self._part(vectors)
+        flat = np.asarray(part, np.float64).reshape(len(part), -1)
+        stop = flat.shape[1] if self.stop is None else self.stop
+        if stop > flat.shape[1] or self.start >= stop:
+            raise UsageError(f"{self} is beyond the {flat.shape[1]} numbers that there are")
+        return flat[:, self.start : stop]
+
+    def __str__(self) -> str:
+        if self.constant:
+            return "/".join(f"{it:g}" for it in self.constant)
+        numbers = "" if self.stop is None else f"{self.start}:{self.stop}"
+        return f"{self.key}[{numbers}]" if self.key and numbers else self.key or numbers
+
+    def _part(self, vectors: Any) -> Any:
+        if isinstance(vectors, Mapping):
+            if self.key not in vectors:
+                raise UsageError(f"{self} names no part of a vector that has {', '.join(map(str, vectors))}")
+            return vectors[self.key]
+        if self.key:
+            raise UsageError(f"{self} names a part of a vector that has none: write numbers, such as 0:3")
+        return vectors
+
+
+@dataclass(frozen=True)
+class ArmPlaces:
+    """Where the end effector and the target stand.
+
+    Attributes:
+        places: `Place` by name: ``target`` and one of the others.
+        forward: Where the end effector is if joints are given.
+    """
+
+    places: Mapping[str, Place]
+    forward: Forward | None = None
+
+    def end_effector(self, vectors: Any) -> Float:
+        """Positions, (n, 3), [m].
+
+        Raises:
+            UsageError: As `Place.rows`; or there are other than three numbers.
+        """
+        if END_EFFECTOR in self.places:
+            return _three(self.places[END_EFFECTOR].rows(vectors), END_EFFECTOR)
+        name = JOINTS if JOINTS in self.places else JOINTS_DEG
+        joints = self.places[name].rows(vectors)
+        if self.forward is None:
+            raise UsageError(f"{name} says where joints stand; name the robot that they belong to")
+        return _three(self.forward(np.deg2rad(joints) if name == JOINTS_DEG else joints), "the robot's end effector")
+
+    def target(self, vectors: Any) -> Float:
+        """The same of the target."""
+        return _three(self.places[TARGET].rows(vectors), TARGET)
+
+    def distances(self, vectors: Any) -> Float:
+        """From end effector to target, (n,), [m]."""
+        return distances(self.end_effector(vectors), self.target(vectors))
+
+
+def parse_places(text: str, forward: Forward | None = None) -> ArmPlaces:
+    """What a user typed, such as ``end_effector=0:3,target=3:6``.
+
+    Args:
+        text: Names and places, separated by commas.
+        forward: From joints to the end effector, if the map names joints.
+
+    Raises:
+        UsageError: A name or a place is none, stands twice or is missing.
+    """
+    found: dict[str, Place] = {}
+    for item in filter(None, (part.strip() for part in text.split(","))):
+        name, _, where = (part.strip() for part in item.partition("="))
+        if name not in NAMES or name in found or not where:
+            raise UsageError(f"'{item}' in '{text}': give each of {', '.join(NAMES)} once at most, as in {EXAMPLE}")
+        found[name] = parse_place(where)
+    arms = [name for name in NAMES if name in found and name != TARGET]
+    if TARGET not in found or len(arms) != 1:
+        raise UsageError(f"'{text}': name target and one of end_effector, joints and joints_deg, as in {EXAMPLE}")
+    return ArmPlaces(found, forward)
+
+
+def parse_place(text: str) -> Place:
+    """One place: ``0:3``, ``achieved_goal``, ``state[7:10]``, or a constant ``0.3/0.1/0.2``.
+
+    Raises:
+        UsageError: It is none.
+    """
+    if "/" in text:
+        return Place(constant=_constant(text))
+    match = _PLACE.fullmatch(text)
+    if match is None:
+        raise UsageError(f"'{text}' is no place: write 0:3, a part's name, name[0:3], or three numbers 0.3/0.1/0.2")
+    start, stop = match["a"] or match["c"], match["b"] or match["d"]
+    key = match["key"] or ""
+    if start is None:
+        return Place(key)
+    if len(start) > 9 or len(stop) > 9 or not int(start) < int(stop) <= MOST_PLACE:
+        raise UsageError(f"'{text}' is no place: the first number is below the second, which is {MOST_PLACE:,} at most")
+    return Place(key, int(start), int(stop))
+
+
+def distances(end_effector: Float, target: Float) -> Float:
+    """From each end effector to its target, (n,), of two arrays (n, 3), all in [m]."""
+    far: Float = np.linalg.norm(np.asarray(end_effector) - np.asarray(target), axis=1)
+    return far
+
+
+class ArmPay:
+    """Pays one episode after another by an arm's reward, as many steps at a time as one likes."""
+
+    def __init__(self, reward: Reward) -> None:
+        self._reward = reward
+        self._scorer = Scorer(reward)
+        self._begin = self._best = float("nan")
+
+    def begin(self, distance: float) -> None:
+        """Start an episode at this distance, [m]."""
+        self._scorer = Scorer(self._reward)
+        self._begin = self._best = float(distance)
+        start = np.full(1, self._begin)
+        self._scorer.score(_Rows(np.ones(1, bool), start, start, start))
+
+    def pay(self, after: Float) -> Float:
+        """What the next steps of the episode pay, (n,), by the distances after them, (n,), [m]."""
+        after = np.asarray(after, np.float64)
+        best = np.minimum.accumulate(np.concatenate([[self._best], after]))
+        self._best = float(best[-1])
+        rows = _Rows(np.zeros(len(after), bool), np.full(len(after), self._begin), best[:-1], after)
+        return self._scorer.score(rows)
+
+
+def pay_episode(reward: Reward, end_effector: Float, target: Float) -> Float:
+    """What an arm's reward pays each step of an episode, (steps,).
+
+    Args:
+        reward: The reward.
+        end_effector: Its positions, before each step and after the last, (steps + 1, 3), [m].
+        target: Likewise.
+    """
+    far = distances(end_effector, target)
+    pay = ArmPay(reward)
+    pay.begin(far[0])
+    return pay.pay(far[1:])
+
+
+class _Rows(NamedTuple):
+    """Rows that `harness.score.scorer.Scorer` takes."""
+
+    start: Mask
+    begin_distance: Float
+    previous_best: Float
+    distance: Float
+    touched: Mask | None = None
+
+
+def _constant(text: str) -> tuple[float, ...]:
+    try:
+        numbers = tuple(float(part) for part in text.split("/"))
+    except ValueError:
+        numbers = ()
+    if len(numbers) != 3 or not np.isfinite(numbers).all():
+        raise UsageError(f"'{text}' is no position: write three numbers in metres, as in 0.3/0.1/0.2")
+    return numbers
+
+
+def _three(positions: Float, name: str) -> Float:
+    if positions.shape[1] != 3:
+        raise UsageError(f"{name} has {positions.shape[1]} numbers: a position has three, in metres")
+    return positions
+
+
+def _any_part(vectors: Any) -> Any:
+    return next(iter(vectors.values())) if isinstance(vectors, Mapping) else vectors

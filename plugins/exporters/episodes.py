@@ -1,0 +1,231 @@
+"""Episodes of an experiment, or of recorded trainings, as data sets of other programs take them."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.arrays import Float, Mask
+from harness.errors import HarnessError, UsageError
+from harness.experiment.environments.paid_again import PayAgain
+from harness.record.cell import Cell
+from harness.record.dataset.dataset import Nested
+from harness.record.folder import EVALUATION, EVALUATION_RECORDING, TRACE, TRAINING_RECORDING
+from harness.record.recording.recorded_training import RecordedTraining, read_recording, recordings_in
+from harness.record.trace import Trace, read_trace
+from harness.recorder.walk import Walk
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
+from harness.results import Results
+from harness.results.comparison import Group
+from harness.score.scorer import score_trace
+from harness.text import file_stems
+
+TRAINING, EVALUATED = "training", "evaluation"
+PERIOD = 0.1
+"""What the time between two steps is taken for where nobody tells it, [s]."""
+AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """One episode.
+
+    Attributes:
+        observations: Before each step and after the last: `Nested` of steps + 1 rows.
+        actions: (steps, ...).
+        rewards: What the learner was paid, (steps,).
+        paid: By label, what rewards pay, (steps,).
+        infos: By key, what was measured after each step, (steps,).
+        success: Whether each step was a success, (steps,); None where nothing says it.
+        terminated: Whether each step ended the episode, (steps,).
+        truncated: Whether it was cut there, (steps,).
+        operator: The training whose policy acted.
+    """
+
+    observations: Nested
+    actions: NDArray[Any]
+    rewards: Float
+    paid: Mapping[str, Float]
+    infos: Mapping[str, Float]
+    success: Mask | None
+    terminated: Mask
+    truncated: Mask
+    operator: str
+
+
+@dataclass(frozen=True)
+class Source:
+    """The episodes of one data set.
+
+    Attributes:
+        name: What it is called, without the version.
+        rewards: Labels of all rewards whose columns its episodes have, in order.
+        robot: The robot, or the environment.
+        names: By column, ``observation`` and ``action``, what its numbers are called; empty if nobody says it.
+        period: Time between two steps, [s].
+        left_out: Why rewards are missing, a line each; filled while episodes are read.
+    """
+
+    name: str
+    rewards: tuple[str, ...]
+    robot: str
+    names: Mapping[str, tuple[str, ...]]
+    period: float
+    _episodes: Any
+    left_out: list[str] = field(default_factory=list)
+
+    def episodes(self) -> Iterator[Exported]:
+        """All of them; a training is read at a time."""
+        yield from self._episodes()
+
+
+def sources_of_runs(results: Results, registry: Registry) -> Iterator[Source]:
+    """A data set of trainings and one of evaluations for each group of cells that are done."""
+    for stem, (group, cells) in zip(file_stems(map(_text, results.groups)), results.groups.items(), strict=True):
+        labels = dict.fromkeys(cell.reward for cell in cells)
+        if cells[0].is_in_environment:
+            again = PayAgain(registry)
+            for kind, inner in ((TRAINING, TRAINING_RECORDING), (EVALUATED, EVALUATION_RECORDING)):
+                places = [(results.store.cell_folder(cell) / inner, cell) for cell in cells]
+                yield _of_recordings(f"{stem}/{kind}", places, again, cells[0].task.label)
+            continue
+        left_out: list[str] = []
+        rewards = dict(_built(labels, registry, left_out))
+        first = results.store.cell_folder(cells[0])
+        for kind, file in ((TRAINING, TRACE), (EVALUATED, EVALUATION)):
+            facts = read_trace(first / file, ["step"]).facts
+            yield Source(
+                f"{stem}/{kind}",
+                tuple(rewards),
+                group.labels["robot"].rsplit("/")[-1],
+                _names_of_arm(read_trace(first / file, ["qpos", "action"])),
+                facts.control_period or PERIOD,
+                lambda file=file, cells=cells, rewards=rewards: (
+                    episode
+                    for cell in cells
+                    for episode in _of_trace(results.store.cell_folder(cell) / file, cell, rewards)
+                ),
+                left_out,
+            )
+
+
+def source_of_recordings(folder: Path, registry: Registry) -> Source:
+    """All recordings in a folder that is no experiment's as one data set."""
+    again = PayAgain(registry)
+    found: list[tuple[Path, Cell | None]] = [(path, None) for path in sorted(recordings_in(folder))]
+    return _of_recordings(file_stems([folder.resolve().name])[0], found, again, "")
+
+
+def _text(group: Group) -> str:
+    return " ".join(label.rsplit("/")[-1] if kind == "robot" else label for kind, label in group.labels.items())
+
+
+def _built(choices: Mapping[Choice, None], registry: Registry, left_out: list[str]) -> Iterator[tuple[str, Any]]:
+    for choice in choices:
+        try:
+            yield choice.label, choice.build(registry, "rewards")
+        except HarnessError as error:  # one that is not installed any more
+            left_out.append(f"reward {choice.label} is left out: {error}")
+
+
+def _names_of_arm(trace: Trace) -> dict[str, tuple[str, ...]]:
+    joints = tuple(f"joint_{number}" for number in range(trace["qpos"].shape[1]))
+    places = tuple(f"{what}_{axis}" for what in ("end_effector", "target") for axis in AXES)
+    actions = tuple(f"action_{number}" for number in range(trace["action"].shape[1]))
+    return {"observation": (*joints, *places), "action": actions}
+
+
+def _of_trace(path: Path, cell: Cell, rewards: Mapping[str, Any]) -> Iterator[Exported]:
+    """Episodes of an arm: joints [rad], end effector and target [m]; an episode that was not finished counts too."""
+    trace = read_trace(path)
+    positions = [trace[f"{what}_{axis}"][:, None] for what in ("end_effector", "target") for axis in AXES]
+    seen = np.hstack([trace["qpos"], *positions])
+    paid = {label: score_trace(reward, trace) for label, reward in rewards.items()}
+    events = trace["reward_ground"] + trace["reward_target"] + trace["reward_step"]
+    whole = trace["reward"] + events
+    for rows in _episodes_of(trace["env"], trace["episode"]):
+        steps = rows[1:]
+        if not len(steps) or trace["step"][rows[0]] != 0:
+            continue
+        yield Exported(
+            seen[rows],
+            trace["action"][steps],
+            whole[steps],
+            {label: values[steps] for label, values in paid.items()},
+            {"reward_events": events[steps], "distance": trace["distance"][steps]},
+            trace["reached"][steps],
+            trace["terminated"][steps],
+            trace["truncated"][steps],
+            f"{cell.reward.label} seed {cell.seed}",
+        )
+
+
+def _episodes_of(env: NDArray[Any], episode: NDArray[Any]) -> list[NDArray[np.int64]]:
+    """Rows of each episode, by env and in order."""
+    key = env.astype(np.int64) << 32 | episode
+    order = np.argsort(key, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(key[order])) + 1) if len(order) else []
+
+
+def _of_recordings(name: str, places: Sequence[tuple[Path, Cell | None]], again: PayAgain, env: str) -> Source:
+    recordings = [read_recording(path) for path, _ in places]
+    rewards = tuple(dict.fromkeys(label for it in recordings for label in it.rewards if _is_known(recordings, label)))
+    unknown = {label for it in recordings for label in it.rewards} - {*rewards}
+    left_out = [f"reward {label} is left out: it is not known in every step" for label in sorted(unknown)]
+
+    def episodes() -> Iterator[Exported]:
+        for path, cell in places:
+            recording = read_recording(path)
+            task = None if cell is None else cell.task
+            who = path.name if cell is None else f"{cell.reward.label} seed {cell.seed}"
+            for env_number, walks in again.walks(path, task):
+                yield from _of_walks(recording, env_number, walks, rewards, who)
+
+    robot = env or str(recordings[0].facts.env.get("id", ""))
+    return Source(name, rewards, robot, {}, PERIOD, episodes, left_out)
+
+
+def _is_known(recordings: list[RecordedTraining], label: str) -> bool:
+    return all(label in it.rewards and not np.isnan(it.rewards[label]).any() for it in recordings)
+
+
+def _of_walks(
+    recording: RecordedTraining, env: int, walks: list[Walk], rewards: tuple[str, ...], who: str
+) -> Iterator[Exported]:
+    of_env = np.flatnonzero(recording.env == env)
+    parts = np.split(of_env, np.flatnonzero(np.diff(recording.episode[of_env])) + 1) if len(of_env) else []
+    known = {name: values for name, values in recording.behaviour.items() if not np.isnan(values).any()}
+    for rows, walk in zip(parts, walks, strict=True):
+        success = next((known[name] for name in ("success", "is_success") if name in known), None)
+        yield Exported(
+            stacked(walk.states),
+            np.asarray(walk.actions),
+            recording.rewards[recording.facts.trained_with][rows],
+            {label: recording.rewards[label][rows] for label in rewards},
+            {name: values[rows] for name, values in known.items()},
+            None if success is None else success[rows] > 0.0,
+            recording.terminated[rows],
+            recording.truncated[rows],
+            who,
+        )
+
+
+def stacked(states: Any) -> Nested:
+    """Observations, one after the other, as rows.
+
+    Raises:
+        UsageError: They are no numbers.
+    """
+    first = states[0]
+    if isinstance(first, Mapping):
+        return {key: stacked([state[key] for state in states]) for key in first}
+    if isinstance(first, tuple):
+        return tuple(stacked([state[place] for state in states]) for place in range(len(first)))
+    rows = np.asarray(states)
+    if rows.dtype.kind not in "biuf":
+        raise UsageError(f"Observations of {rows.dtype} are no numbers: they cannot be written as a data set")
+    return rows

@@ -1,0 +1,304 @@
+"""Rewards on recorded behaviour: what they pay, how they rank it, and what is said of that."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.audit.dataset import paid_dataset
+from harness.audit.dataset.audit_dataset import audit_dataset
+from harness.audit.dataset.paid_dataset import FAILURE, SUCCESS, UNKNOWN, pay_dataset
+from harness.audit.dataset.payers import OfArm, Recorded, Stepwise
+from harness.errors import UsageError
+from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS
+from harness.record.dataset import lerobot, minari
+from harness.record.dataset.open_dataset import open_dataset
+from harness.registry.choice import choose
+from harness.registry.registry import load_registry
+from harness.score.places import parse_places, pay_episode
+from tests.record.dataset.written import episode, write_lerobot, write_minari
+
+PLACES = "end_effector=0:3,target=3:6"
+STEPS = 12
+
+
+def reaching(number: int, success: bool, waits: int = 0, **attrs):
+    """An end effector that comes near its target, or stays away; it stands still for the first steps."""
+    one = dict(episode(STEPS, number, success, **attrs))
+    way = np.concatenate([np.ones(waits), np.linspace(1.0, 0.01 if success else 0.6, STEPS + 1 - waits)])
+    one["observations"] = np.zeros((STEPS + 1, 6))
+    one["observations"][:, 0] = way + 0.01 * number
+    one["rewards"] = np.where(success, 1.0, -1.0) * np.ones(STEPS)
+    return one
+
+
+@pytest.fixture
+def reached(tmp_path: Path) -> str:
+    """Ten successes and ten failures."""
+    return f"minari:{write_minari(tmp_path / 'reach', [reaching(number, number % 2 == 1) for number in range(20)])}"
+
+
+def near(observation, action, next_observation, info):
+    """The nearer the better."""
+    return -float(next_observation[0])
+
+
+def far(observation, action, next_observation, info):
+    """The farther the better."""
+    return float(next_observation[0])
+
+
+def test_a_reward_that_ranks_as_success_does_is_told(reached: str):
+    """And one against it, and one that pays all the same."""
+    rewards = {"near": near, "far": far, "flat": lambda o, a, n, i: 1.0}
+    found = {reward.name: reward for reward in audit_dataset(reached, rewards).rewards}
+    assert {name: it.by_success.answer for name, it in found.items()} == {
+        "near": RANKS,
+        "far": AGAINST,
+        "flat": CANNOT_TELL,
+    }
+    assert found["near"].by_success.value == pytest.approx(1.0)
+
+
+def test_the_arm_s_rewards_are_paid_by_a_map(reached: str):
+    """As an episode by itself is."""
+    registry = load_registry()
+    arp = choose(registry, "rewards", "arp").build(registry, "rewards")
+    places = parse_places(PLACES)
+    paid = pay_dataset(open_dataset(reached), {"arp": OfArm(arp, places)}, places)
+    piece = next(iter(open_dataset(reached).pieces()))
+    expected = pay_episode(arp, places.end_effector(piece.observations), places.target(piece.observations))
+    assert paid.paid["arp"][:STEPS] == pytest.approx(expected)
+    assert audit_dataset(reached, ["arp"], places=PLACES).rewards[0].by_success.answer == RANKS
+
+
+@pytest.mark.parametrize("name", ["baseline", "arp", "aarp"])
+def test_pieces_do_not_change_the_pay(reached: str, monkeypatch: pytest.MonkeyPatch, name: str):
+    """A reward with a memory keeps it from one piece to the next."""
+    registry = load_registry()
+
+    def paid():
+        places = parse_places(PLACES)
+        reward = choose(registry, "rewards", name).build(registry, "rewards")
+        return pay_dataset(open_dataset(reached), {"it": OfArm(reward, places), "near": Stepwise(near)}, places)
+
+    whole = paid()
+    monkeypatch.setattr(minari, "ROWS", 5)
+    pieces = paid()
+    assert np.array_equal(whole.paid["it"], pieces.paid["it"])
+    assert np.array_equal(whole.paid["near"], pieces.paid["near"])
+    assert np.array_equal(whole.begins, pieces.begins)
+    assert np.array_equal(whole.told, pieces.told)
+
+
+def test_a_function_with_a_memory_starts_anew_with_each_episode(reached: str):
+    """It is told by ``reset``."""
+
+    class Count:
+        steps = 0
+
+        def reset(self):
+            self.steps = 0
+
+        def __call__(self, observation, action, next_observation, info):
+            self.steps += 1
+            return self.steps
+
+    paid = pay_dataset(open_dataset(reached), {"count": Stepwise(Count())})
+    assert paid.paid["count"][: 2 * STEPS].tolist() == [*range(1, STEPS + 1)] * 2
+
+
+def test_a_function_gets_what_was_recorded(tmp_path: Path):
+    """The info after the step among it."""
+    folder = write_minari(tmp_path / "d", [episode(3, 1, success=True)])
+    seen = []
+    pay_dataset(open_dataset(f"minari:{folder}"), {"see": Stepwise(lambda *step: seen.append(step) or 0.0)})
+    one = episode(3, 1, success=True)
+    assert np.array_equal(seen[2][0], one["observations"][2])
+    assert np.array_equal(seen[2][1], one["actions"][2])
+    assert np.array_equal(seen[2][2], one["observations"][3])
+    assert [step[3]["success"] for step in seen] == [False, False, True]
+
+
+def test_a_reward_that_writes_into_a_step_fails_alone(reached: str):
+    """The others go on, and the reason is told."""
+
+    def write(observation, action, next_observation, info):
+        observation[0] = 1.0
+        return 0.0
+
+    found = audit_dataset(reached, {"write": write, "near": near})
+    assert [reward.name for reward in found.rewards] == ["near"]
+    assert "read-only" in found.failed["write"]
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "x", [1.0, 2.0]])
+def test_a_reward_that_pays_no_number_fails_alone(reached: str, value: object):
+    """In whatever step."""
+    found = audit_dataset(reached, {"odd": lambda o, a, n, i: value, "near": near})
+    assert [reward.name for reward in found.rewards] == ["near"]
+    assert found.failed["odd"].startswith("episode 0: ")
+
+
+def test_wrongly_ranked_pairs_are_told_with_their_curves(tmp_path: Path):
+    """The worst paid success beside the best paid failure."""
+    episodes = [reaching(number, number % 2 == 1) for number in range(8)]
+    episodes[3]["rewards"] = np.full(STEPS, -5.0)
+    episodes[4]["rewards"] = np.full(STEPS, 5.0)
+    (reward,) = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}").rewards
+    assert reward.wrong == 7
+    (pair, *_) = reward.pairs
+    assert (pair.success, pair.failure, pair.paid) == (3, 4, (-5.0 * STEPS, 5.0 * STEPS))
+    assert pair.curves[0].tolist() == (-5.0 * np.arange(1, STEPS + 1)).tolist()
+
+
+def test_pay_while_nothing_happens_is_told(tmp_path: Path):
+    """A reward for being there pays it as any other step; one for progress does not."""
+    episodes = [reaching(number, number % 2 == 1, waits=6) for number in range(8)]
+    folder = write_minari(tmp_path / "d", episodes)
+
+    def progress(observation, action, next_observation, info):
+        return float(observation[0] - next_observation[0])
+
+    found = audit_dataset(f"minari:{folder}", {"there": lambda o, a, n, i: 1.0, "progress": progress})
+    there, progressed = (reward.still.mean for reward in found.rewards)
+    assert found.still.mean == pytest.approx(5 / 12, abs=0.09)
+    assert there == pytest.approx(found.still.mean)
+    assert progressed < 0.01
+
+
+def test_the_steps_paid_most_are_named(tmp_path: Path):
+    """One of an episode."""
+    episodes = [reaching(number, number % 2 == 1) for number in range(8)]
+    episodes[5]["rewards"] = np.arange(STEPS) * 100.0
+    (reward,) = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}").rewards
+    assert (reward.most[0].episode, reward.most[0].step, reward.most[0].paid) == (5, 11, 1100.0)
+
+
+def test_operators_are_what_intervals_are_over(tmp_path: Path):
+    """If the data set names them."""
+    episodes = [reaching(number, number % 2 == 1, operator=f"o{number // 4}") for number in range(24)]
+    found = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}")
+    assert found.clusters == ("operators", 6)
+    assert found.rewards[0].by_success.clusters == 6
+
+
+def test_files_are_what_intervals_are_over_if_asked(tmp_path: Path):
+    """LeRobot's first layout has a file for each episode."""
+    folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(8)], "v2.1")
+    assert audit_dataset(f"lerobot:{folder}", cluster="file").clusters == ("files", 8)
+
+
+def test_a_beginner_should_be_paid_less(tmp_path: Path):
+    """Whatever succeeded."""
+    expert = write_minari(tmp_path / "expert", [reaching(number, True) for number in range(6)])
+    beginner = write_minari(tmp_path / "beginner", [reaching(number, False) for number in range(6)])
+    (reward,) = audit_dataset(f"minari:{expert}", {"near": near}, beginner=f"minari:{beginner}").rewards
+    assert reward.by_level is not None
+    assert (reward.by_level.value, reward.by_level.answer) == (1.0, RANKS)
+    assert reward.by_success.answer == CANNOT_TELL
+
+
+def test_two_rewards_are_compared(reached: str):
+    """A reward and its negative are opposite."""
+    (pair,) = audit_dataset(reached, {"near": near, "far": far}).pairs
+    assert pair.steps.mean == pytest.approx(1.0)
+    assert pair.discordant.mean == pytest.approx(1.0)
+    assert pair.steps.low is not None
+
+
+def test_episodes_without_a_word_are_left_out(tmp_path: Path):
+    """Of success; their steps count elsewhere."""
+    episodes = [{**reaching(number, False), "infos": {}} for number in range(4)]
+    found = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}")
+    assert (found.successes, found.failures) == (0, 0)
+    assert "Nothing says which episodes succeeded; name the column with --success" in found.notes
+
+
+def test_lerobot_s_last_frame_tells_a_success(tmp_path: Path):
+    """Though the step after it cannot be paid."""
+    folder = write_lerobot(tmp_path / "d", [reaching(0, True), reaching(1, False)])
+    paid = pay_dataset(open_dataset(f"lerobot:{folder}"), {"recorded": Recorded("recorded")})
+    assert paid.told.tolist() == [SUCCESS, FAILURE]
+    assert paid.steps == 2 * (STEPS - 1)
+
+
+@pytest.mark.parametrize("rows", [2, 5])
+def test_lerobot_s_batches_do_not_change_the_pay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int):
+    """Nor the successes."""
+    folder = write_lerobot(tmp_path / "d", [reaching(number, number % 2 == 1) for number in range(5)])
+
+    def paid():
+        return pay_dataset(open_dataset(f"lerobot:{folder}"), {"near": Stepwise(near)})
+
+    whole = paid()
+    monkeypatch.setattr(lerobot, "ROWS", rows)
+    pieces = paid()
+    assert np.array_equal(whole.paid["near"], pieces.paid["near"])
+    assert np.array_equal(whole.told, pieces.told)
+
+
+def test_joints_of_a_robot_give_the_end_effector(tmp_path: Path):
+    """By its forward kinematics, so that ARP is paid to an arm's log."""
+    from harness.robot.load import load_robot
+
+    robot = load_robot("fd100")
+    rng = np.random.default_rng(0)
+    joints = rng.uniform(robot.lower, robot.upper, (STEPS + 1, len(robot.lower)))
+    one = {**episode(STEPS), "observations": np.hstack([joints, np.tile([0.2, 0.1, 0.3], (STEPS + 1, 1))])}
+    dof = len(robot.lower)
+    folder = write_minari(tmp_path / "d", [one])
+    found = pay_dataset(
+        open_dataset(f"minari:{folder}"),
+        {
+            "arp": OfArm(
+                choose(load_registry(), "rewards", "arp").build(load_registry(), "rewards"),
+                parse_places(f"joints=0:{dof},target={dof}:{dof + 3}", robot.end_effector),
+            )
+        },
+    )
+    arp = choose(load_registry(), "rewards", "arp").build(load_registry(), "rewards")
+    expected = pay_episode(arp, robot.end_effector(joints), np.tile([0.2, 0.1, 0.3], (STEPS + 1, 1)))
+    assert found.paid["arp"] == pytest.approx(expected)
+
+
+def test_an_arm_s_reward_without_a_map_is_refused(reached: str):
+    """The message shows one."""
+    with pytest.raises(UsageError, match="--places end_effector=0:3,target=3:6"):
+        audit_dataset(reached, ["arp"])
+
+
+def test_a_robot_without_a_map_is_refused(reached: str):
+    """It would not be used."""
+    with pytest.raises(UsageError, match="--places joints=0:6"):
+        audit_dataset(reached, ["arp"], robot="fd100")
+
+
+def test_too_many_steps_are_refused(reached: str, monkeypatch: pytest.MonkeyPatch):
+    """What is kept of them would not fit into memory."""
+    monkeypatch.setattr(paid_dataset, "MOST_STEPS", 100)
+    with pytest.raises(Exception, match="more than 100 steps"):
+        audit_dataset(reached)
+
+
+def test_nothing_is_known_of_an_episode_without_success(tmp_path: Path):
+    """It is no failure."""
+    folder = write_minari(tmp_path / "d", [{**reaching(0, True), "infos": {}}])
+    assert pay_dataset(open_dataset(f"minari:{folder}"), {"near": Stepwise(near)}).told.tolist() == [UNKNOWN]
+
+
+def test_json_has_finite_numbers_only(reached: str):
+    """And all that the terminal tells."""
+    import json
+
+    told = audit_dataset(reached, {"near": near, "far": far}).to_json()
+    assert json.loads(json.dumps(told, allow_nan=False)) == told
+    assert [it["success"]["answer"] for it in told["rewards"]] == [RANKS, AGAINST]
+
+
+def test_the_text_tells_the_answers(reached: str):
+    """In the words of the table."""
+    text = str(audit_dataset(reached, {"near": near, "far": far}))
+    assert "RANKS AS SUCCESS DOES: a success is paid more than a failure with a chance of 1.000" in text
+    assert "RANKS AGAINST IT" in text
+    assert "shown, never run" in text

@@ -1,0 +1,42 @@
+"""What it costs to pay a data set, beside a loop over the same arrays that h5py reads."""
+
+import h5py
+import numpy as np
+import pytest
+
+from harness.audit.dataset.paid_dataset import pay_dataset
+from harness.audit.dataset.payers import Stepwise
+from harness.record.dataset.open_dataset import open_dataset
+from tests.record.dataset.written import episode, write_minari
+
+pytestmark = pytest.mark.bench
+STEPS = 200
+
+
+def _far(observation, action, next_observation, info):
+    return -float(np.abs(next_observation).max())
+
+
+def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
+    """Reading in pieces, with every bound and how far each step moves, takes about twice the time."""
+    count = amount(200, 3)
+    folder = write_minari(tmp_path / "d", [episode(STEPS, number) for number in range(count)])
+    paid: list[float] = []
+
+    def bare() -> None:
+        paid.clear()
+        with h5py.File(folder / "data" / "main_data.hdf5") as file:
+            for number in range(count):
+                group = file[f"episode_{number}"]
+                observations, actions = group["observations"][:], group["actions"][:]
+                success = group["infos/success"][1:]
+                for row in range(STEPS):
+                    info = {"success": success[row]}
+                    paid.append(_far(observations[row], actions[row], observations[row + 1], info))
+
+    def through_the_harness() -> None:
+        found = pay_dataset(open_dataset(f"minari:{folder}"), {"far": Stepwise(_far)})
+        assert found.paid["far"].tolist() == paid
+
+    bare()
+    require_speed(bare, through_the_harness, at_least=0.4, rounds=5)

@@ -1,0 +1,108 @@
+"""Data sets as commands take them."""
+
+import json
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from harness.cli import main
+from tests.record.dataset.written import episode, write_lerobot, write_minari
+
+PLACES = ("--places", "end_effector=0:3,target=3:6")
+
+
+@pytest.fixture
+def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    """Run ``harness`` in a folder with the data sets ``m`` and ``l``: status, output and errors."""
+    monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
+    monkeypatch.chdir(tmp_path)
+    episodes = [episode(6, number, number % 2 == 1) for number in range(12)]
+    write_minari(tmp_path / "m", episodes)
+    write_lerobot(tmp_path / "l", episodes)
+    (tmp_path / "near.py").write_text(
+        "def near(observation, action, next_observation, info):\n    return -abs(float(next_observation[0]))\n"
+    )
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as stopped:
+            main(list(arguments))
+        told = capsys.readouterr()
+        return stopped.value.code or 0, told.out, told.err
+
+    return run
+
+
+@pytest.mark.parametrize("dataset", ["minari:m", "lerobot:l"])
+def test_audit_tells_an_answer_for_each_reward(call, dataset: str):
+    """Recorded, a function, and an arm's."""
+    status, out, _ = call("audit", dataset, "--plugin", "near.py", "--reward", "recorded,near,arp", *PLACES)
+    assert status == 0
+    assert out.count("CANNOT TELL") + out.count("RANKS ") >= 3
+
+
+def test_audit_without_names_takes_what_is_there(call):
+    """The recorded reward, and the functions of the file."""
+    _, out, _ = call("audit", "minari:m", "--plugin", "near.py", "--json")
+    assert [it["reward"] for it in json.loads(out)["rewards"]] == ["recorded", "near"]
+
+
+def test_audit_writes_a_page(call, tmp_path: Path):
+    """With the flag alone."""
+    status, _, err = call("audit", "minari:m", "--html", "page.html")
+    assert (status, err) == (0, "Page: page.html\n")
+    assert "pair-0-0" in (tmp_path / "page.html").read_text()
+
+
+def test_report_shows_the_recorded_reward(call):
+    """And takes no others."""
+    status, out, _ = call("report", "lerobot:l", "--json")
+    assert status == 0
+    assert [it["reward"] for it in json.loads(out)["rewards"]] == ["recorded"]
+
+
+@pytest.mark.parametrize(("dataset", "steps"), [("minari:m", 72), ("lerobot:l", 60)])
+def test_score_writes_what_each_step_is_paid(call, tmp_path: Path, dataset: str, steps: int):
+    """Beside the data set, which stays as it is."""
+    before = sorted(tmp_path.rglob("*"))
+    status, _, _ = call("score", dataset, "--plugin", "near.py", "--reward", "near,arp", *PLACES)
+    assert status == 0
+    name = f"{dataset[-1]}.scores.parquet"
+    assert sorted(tmp_path.rglob("*")) == sorted([*before, tmp_path / name])
+    table = pq.read_table(tmp_path / name)
+    assert table.column_names == ["episode", "step", "near", "arp"]
+    assert table.num_rows == steps
+
+
+def test_a_reward_that_fails_is_told_and_the_others_go_on(call, tmp_path: Path):
+    """Status 1."""
+    (tmp_path / "bad.py").write_text("def bad(observation, action, next_observation, info):\n    return 1 / 0\n")
+    status, out, err = call("audit", "minari:m", "--plugin", "bad.py", "--plugin", "near.py", "--json")
+    assert status == 1
+    assert [it["reward"] for it in json.loads(out)["rewards"]] == ["recorded", "near"]
+    assert "reward bad: n/a (episode 0: ZeroDivisionError" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("audit", "minari:none"), "No Minari data set at 'none'"),
+        (("audit", "lerobot:none"), "No LeRobot data set at 'none'"),
+        (("audit", "minari:m", "--reward", "arp"), "--places end_effector=0:3,target=3:6"),
+        (("audit", "minari:m", "--reward", "arp", "--places", "end_effector=0:3,target=4:7"), "beyond the 6 numbers"),
+        (("audit", "minari:m", "--sim", "mujoco"), "--sim does not go with a data set"),
+        (("audit", "minari:m", "--success", "won"), "it has success"),
+        (("audit", "--reward", "arp", "--places", "end_effector=0:3,target=3:6"), "--places needs a data set"),
+        (("score", "minari:m", "--all"), "--all does not go with a data set"),
+        (("score", "m.csv", *PLACES), "--places needs a data set"),
+        (("score", "minari:m", "lerobot:l"), "One data set is scored at a time"),
+        (("report", "minari:m", "lerobot:l"), "One data set is reported at a time"),
+        (("report", "minari:m", "--pairs"), "--pairs does not go with a data set"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line(call, arguments: tuple[str, ...], told: str):
+    """Status 2."""
+    status, out, err = call(*arguments)
+    assert (status, out) == (2, "")
+    assert told in err
+    assert "Traceback" not in err

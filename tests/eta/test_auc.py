@@ -1,0 +1,224 @@
+"""The chance that a success is paid more: its value, its interval and its answer.
+
+What the interval and the answer promise is simulated, `make slow`; the table of it stands in docs/statistics-tables.md.
+"""
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.special import ndtri
+from scipy.stats import mannwhitneyu
+
+from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, auc_of
+from harness.eta.clustered_share import share_of
+
+PAID = st.lists(st.tuples(st.integers(-9, 9), st.booleans()), min_size=2, max_size=40)
+
+
+@given(PAID)
+def test_the_value_is_that_of_mann_and_whitney(drawn):
+    """Ties count half."""
+    paid, above = np.array([it for it, _ in drawn], float), np.array([it for _, it in drawn])
+    found = auc_of(paid, above)
+    if above.all() or not above.any():
+        assert found.value is None
+    else:
+        expected = mannwhitneyu(paid[above], paid[~above]).statistic / (above.sum() * (~above).sum())
+        assert found.value == pytest.approx(expected)
+
+
+@given(PAID)
+def test_the_other_way_round_is_the_mirror(drawn):
+    """Failures for successes: 1 - AUC, the ends swapped, the answer turned round."""
+    paid, above = np.array([it for it, _ in drawn], float), np.array([it for _, it in drawn])
+    one, other = auc_of(paid, above), auc_of(paid, ~above)
+    assert (one.low is None) == (other.low is None)
+    if one.low is not None and one.value not in (0.0, 1.0):
+        assert (other.low, other.high) == pytest.approx((1.0 - one.high, 1.0 - one.low))
+        assert {RANKS: AGAINST, AGAINST: RANKS, CANNOT_TELL: CANNOT_TELL}[one.answer] == other.answer
+
+
+@given(PAID)
+def test_the_interval_holds_the_value(drawn):
+    """And stays between 0 and 1."""
+    found = auc_of(np.array([it for it, _ in drawn], float), np.array([it for _, it in drawn]))
+    if found.low is not None:
+        assert 0.0 <= found.low <= found.value <= found.high <= 1.0
+
+
+@given(PAID, st.floats(0.01, 100.0))
+def test_scale_does_not_matter(drawn, factor):
+    """Nor does an offset."""
+    paid, above = np.array([it for it, _ in drawn], float), np.array([it for _, it in drawn])
+    assert auc_of(paid, above).value == pytest.approx(auc_of(paid * factor + 7.0, above).value)
+
+
+def test_rounding_of_sums_makes_no_order():
+    """0.1 + 0.2 is 0.3."""
+    assert auc_of(np.array([0.1 + 0.2, 0.3]), np.array([True, False])).value == 0.5
+
+
+def test_one_kind_alone_cannot_tell():
+    """And says why."""
+    found = auc_of(np.arange(5.0), np.ones(5, bool))
+    assert (found.value, found.answer, found.reason) == (None, CANNOT_TELL, "there are no episodes of both kinds")
+
+
+def test_few_episodes_have_no_interval():
+    """Two failures tell nothing."""
+    found = auc_of(np.arange(8.0), np.arange(8) > 1)
+    assert (found.value, found.low, found.answer) == (1.0, None, CANNOT_TELL)
+    assert found.reason == "no interval below 3 episodes of each kind"
+
+
+def test_few_operators_have_no_interval():
+    """However many episodes each has."""
+    found = auc_of(np.arange(40.0), np.arange(40) > 19, np.arange(40) // 20)
+    assert found.reason == "no interval below 3 operators or files of each kind"
+
+
+def test_episodes_of_an_operator_widen_the_interval():
+    """Where they are paid alike."""
+    rng = np.random.default_rng(0)
+    operator = np.repeat(np.arange(12), 5)
+    above = operator % 2 == 0
+    paid = rng.normal(size=12)[operator] + 0.1 * rng.normal(size=60) + above
+    alone, together = auc_of(paid, above), auc_of(paid, above, operator)
+    assert together.high - together.low > 1.5 * (alone.high - alone.low)
+
+
+def test_an_order_without_exception_is_told_of_operators():
+    """Also where the data show no variance at all."""
+    above = np.arange(40) % 2 == 0
+    found = auc_of(above + np.arange(40) / 100, above, np.arange(40) // 4)
+    assert (found.value, found.answer) == (1.0, RANKS)
+    assert 0.5 < found.low < auc_of(above + np.arange(40) / 100, above).low
+
+
+def test_a_clear_order_is_told():
+    """Both ways."""
+    above = np.arange(20) % 2 == 0
+    assert auc_of(above * 1.0 + np.arange(20) / 100, above).answer == RANKS
+    assert auc_of(above * -1.0 + np.arange(20) / 100, above).answer == AGAINST
+
+
+def test_pay_of_no_meaning_cannot_tell():
+    """The interval holds one half."""
+    found = auc_of(np.arange(20.0), np.arange(20) % 2 == 0)
+    assert found.answer == CANNOT_TELL
+    assert found.low < 0.5 < found.high
+
+
+def test_a_share_is_that_of_the_sums():
+    """With an interval over clusters."""
+    found = share_of(np.array([1.0, 0.0, 2.0]), np.array([2.0, 2.0, 4.0]), np.arange(3))
+    assert found.mean == pytest.approx(3 / 8)
+    assert found.low < 3 / 8 < found.high
+
+
+def test_a_share_of_nothing_is_none():
+    """Nothing was paid."""
+    assert share_of(np.zeros(3), np.zeros(3), np.arange(3)).mean is None
+
+
+class Population(NamedTuple):
+    """Where data sets are drawn from: of each cluster a number of its own is added to what its episodes are paid.
+
+    ``labels`` says what shares a success: nothing (``episode``), partly the cluster (``mixed``), or all of it.
+    """
+
+    episodes: int
+    size: int
+    successes: float
+    labels: str
+    alike: float
+    spread: float
+    chance: float
+
+    def draw(self, rng):
+        """What is paid, what succeeds, and the clusters."""
+        count = self.episodes // self.size
+        cluster = np.repeat(np.arange(count), self.size)
+        while True:
+            share = np.full(count, self.successes)
+            if self.labels == "mixed":
+                share = np.clip(share + 0.25 * rng.normal(size=count), 0.05, 0.95)
+            above = rng.random(self.episodes) < share[cluster]
+            if self.labels == "cluster":
+                above = (rng.random(count) < share)[cluster]
+            kinds = [len(np.unique(cluster[kind])) for kind in (above, ~above)]
+            if min(kinds) >= 3:
+                break
+        common = np.sqrt(self.alike) * rng.normal(size=count)[cluster]
+        paid = common + np.sqrt(1.0 - self.alike) * rng.normal(size=self.episodes)
+        apart = ndtri(self.chance) * np.sqrt(1.0 + self.spread**2)
+        return np.where(above, self.spread * paid + apart, paid), above, cluster
+
+
+def coverage(population, times, seed=0):
+    """How often the interval holds the chance; how often the answer says more than is true."""
+    rng = np.random.default_rng(seed)
+    held = wrong = 0
+    for _ in range(times):
+        found = auc_of(*population.draw(rng))
+        held += found.low <= population.chance <= found.high
+        wrong += found.answer != CANNOT_TELL if population.chance == 0.5 else found.answer == AGAINST
+    return held / times, wrong / times
+
+
+TIMES = 2_000
+CHANCES = (0.5, 0.7, 0.8, 0.9)
+ALONE = [
+    Population(episodes, 1, successes, "episode", 0.0, spread, chance)
+    for episodes, successes, spread, chance in product((10, 30, 100), (0.5, 0.3), (1.0, 2.0), CHANCES)
+]
+TOGETHER = [
+    Population(episodes, size, successes, labels, alike, 1.0, chance)
+    for (episodes, size), successes, labels, alike, chance in product(
+        ((30, 3), (100, 5), (100, 10)), (0.5, 0.3), ("episode", "mixed", "cluster"), (0.2, 0.5), CHANCES
+    )
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("episodes", [10, 30, 100])
+def test_the_interval_holds_the_chance_as_often_as_it_says(episodes):
+    """Of episodes that stand alone: 0.93 to 0.97 on average, and nowhere far from it; errors in 5 % at most."""
+    found = [coverage(one, TIMES) for one in ALONE if one.episodes == episodes]
+    assert 0.93 <= np.mean([held for held, _ in found]) <= 0.97
+    assert min(held for held, _ in found) >= 0.925
+    assert max(held for held, _ in found) <= 0.99
+    assert max(wrong for _, wrong in found) <= 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", [(30, 3), (100, 5), (100, 10)])
+@pytest.mark.parametrize("labels", ["episode", "mixed", "cluster"])
+def test_the_interval_over_operators_holds_the_chance(shape, labels):
+    """It is wider than it would have to be where operators differ little, and never much too narrow."""
+    found = [coverage(one, TIMES // 2) for one in TOGETHER if (one[:2], one.labels) == (shape, labels)]
+    assert np.mean([held for held, _ in found]) >= 0.93
+    assert max(wrong for _, wrong in found) <= 0.05 + 0.015  # of 1,000 data sets
+
+
+def table() -> str:
+    """What docs/statistics-tables.md shows."""
+    lines = ["| episodes | operators | successes | coverage, mean | least | most | wrong answers, most |"]
+    lines.append("| --- | --- | --- | --- | --- | --- | --- |")
+    groups = {}
+    for one in (*ALONE, *TOGETHER):
+        groups.setdefault((one.episodes, one.size, one.labels), []).append(one)
+    told = {"episode": "by chance", "mixed": "partly the operator's", "cluster": "the operator's"}
+    for (episodes, size, labels), members in groups.items():
+        found = [coverage(one, TIMES) for one in members]
+        held, wrong = [it for it, _ in found], [it for _, it in found]
+        operators = "each its own" if size == 1 else f"{episodes // size} of {size}"
+        lines.append(
+            f"| {episodes} | {operators} | {told[labels]} | {np.mean(held):.3f} | {min(held):.3f} | {max(held):.3f} | "
+            f"{max(wrong):.3f} |"
+        )
+    return "\n".join(lines)
