@@ -60,7 +60,7 @@ def demo(
         typer.Option(help="Leave the experiment in this folder.", show_default="a temporary one", metavar="DIR"),
     ] = None,
 ) -> None:
-    """Show in a few seconds how a number gets better while the robot does the same. Needs no optional library."""
+    """Show how a number gets better while the robot does the same. Takes seconds, and needs no optional library."""
     import tempfile
 
     from rich.text import Text

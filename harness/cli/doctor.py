@@ -30,7 +30,7 @@ BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 
 
 def doctor(context: typer.Context) -> int:
-    """Show versions, plugins and missing libraries, and try what is installed: simulators, environments, pictures.
+    """Show what is installed, what is missing, and what works here. Simulators and environments take a step each.
 
     Ends with status 1 if a plugin is broken, a file of the installation is missing, or something installed fails.
     """

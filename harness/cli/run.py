@@ -24,8 +24,10 @@ from harness.cli.flags.shared import (
     RobotName,
     SimulatorNames,
 )
+from harness.cli.help import HelpAll
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.output import complain, say, say_json
+from harness.cli.retired import Mlflow, Tensorboard, Wandb, old_trackers
 from harness.errors import UsageError
 from harness.text import command_text
 
@@ -38,13 +40,15 @@ if TYPE_CHECKING:
 
 ExperimentFile = Annotated[
     Path | None,
-    typer.Argument(help="Experiment file (TOML). Its keys are named like the flags; a flag overrides its key."),
+    typer.Argument(
+        help="An experiment file (TOML). Its keys are named like the flags, which override them.", metavar="FILE"
+    ),
 ]
 TaskNames = Annotated[
     Names,
     typer.Option(
         "--task",
-        help="Tasks, such as fd100-reach:epsilon=0.02, or environments, such as fetch-reach.",
+        help="Tasks or environments, such as fetch-reach.",
         show_default="fd100-reach",
         metavar="NAME,...",
         autocompletion=TASKS,
@@ -57,18 +61,16 @@ AlgorithmNames = Annotated[
 Baseline = Annotated[
     str | None,
     typer.Option(
-        help="The reward that the others are compared with.",
+        help="The reward to compare with.",
         show_default="baseline",
         metavar="NAME",
         autocompletion=REWARDS,
     ),
 ]
-Seeds = Annotated[
-    str | None, typer.Option(help="How many seeds, or a list of them (3,7,11).", show_default="6", metavar="N")
-]
+Seeds = Annotated[str | None, typer.Option(help="How many seeds, or a list: 3,7,11.", show_default="6", metavar="N")]
 Until = Annotated[
     Literal["decided"] | None,
-    typer.Option(help="Train in looks, and stop where the answer stands.", show_default="train all seeds at once"),
+    typer.Option(help="Train in looks until the answer stands.", show_default="all seeds at once", metavar="decided"),
 ]
 Looks = Annotated[
     str | None,
@@ -96,7 +98,7 @@ BudgetTime = Annotated[
     ),
 ]
 Steps = Annotated[
-    int | None, typer.Option(help="Environment steps of training per cell.", show_default="5000", metavar="N")
+    int | None, typer.Option(help="Environment steps of each training.", show_default="5000", metavar="N")
 ]
 EvaluateEvery = Annotated[
     int | None,
@@ -135,15 +137,12 @@ CheckpointEvery = Annotated[
 TrackerNames = Annotated[
     Names,
     typer.Option(
-        help="Also send the learning curves to a tracker, such as wandb:mode=offline.",
+        help="Also send the learning curves to these: tensorboard, mlflow, wandb:mode=offline.",
         show_default="nowhere",
         metavar="NAME,...",
         autocompletion=TRACKERS,
     ),
 ]
-Tensorboard = Annotated[bool, typer.Option("--tensorboard", help="Short for --tracker tensorboard.")]
-Wandb = Annotated[bool, typer.Option("--wandb", help="Short for --tracker wandb.")]
-Mlflow = Annotated[bool, typer.Option("--mlflow", help="Short for --tracker mlflow.")]
 Wait = Annotated[
     bool, typer.Option("--wait/--no-wait", help="If another run is using the folder: wait for it, or give up.")
 ]
@@ -180,9 +179,7 @@ Screen = Annotated[
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")]
-DryRun = Annotated[
-    bool, typer.Option("--dry-run", help="Say what would be run, and how long it would take. Writes nothing.")
-]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would be run, and for how long. Writes nothing.")]
 
 
 def run(
@@ -228,18 +225,24 @@ def run(
     quiet: Quiet = False,
     as_json: AsJson = False,
     dry_run: DryRun = False,
+    help_all: HelpAll = False,
 ) -> int:
-    """Train with every combination of reward, simulator, algorithm and seed, then compare the rewards.
+    """Train with each reward, then compare what the robots do.
 
-    One such training is called a cell. A cell that is done is not run again: the same command goes on where it stopped.
+    It trains with every combination of reward, simulator, algorithm and seed. One such training is called a cell. A
+    cell that is done is not run again: the same command goes on where it stopped.
     """
     given = locals()  # every flag by its name, which is that of the option or of the key that it sets
     from harness.experiment.run_options import RunOptions
     from harness.registry.given import read_given, split_measures
 
     measures, files = split_measures(measure or ())
-    trackers = _all_trackers(tracker, {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow})
-    given |= {"tracker": trackers, "metrics": metric, "measure": measures or None, "seeds": _parse_seeds(seeds)}
+    given |= {
+        "tracker": [*(tracker or ()), *old_trackers(given)],
+        "metrics": metric,
+        "measure": measures or None,
+        "seeds": _parse_seeds(seeds),
+    }
     given |= {"looks": None if looks is None else parse_looks(looks), "budget": parse_time(budget)}
     options = RunOptions(**{field.name: given[field.name] for field in fields(RunOptions)})
     asked, plugins = read_asked(experiment, given), read_given(plugin, files)
@@ -265,11 +268,6 @@ def read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
     if not told:
         raise UsageError(_what_to_type())
     return check_experiment(told)
-
-
-def _all_trackers(named: Names, short: Mapping[str, bool]) -> list[str]:
-    """Those that are named, and those whose short flag is given."""
-    return [*(named or ()), *(name for name, is_on in short.items() if is_on)]
 
 
 def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", as_json: bool) -> int:
