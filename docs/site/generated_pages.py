@@ -102,9 +102,9 @@ def _lead_to_pages(app: Sphinx, page: str, content: list[str]) -> None:
 
 
 def commands_page() -> str:
-    """Every command with its help, arguments and options, as ``harness COMMAND --help`` tells them."""
+    """Every command with its help, arguments and options."""
     group = typer.main.get_command(build_app())
-    parts = ["# Commands", "What `harness COMMAND --help` tells, for every command."]
+    parts = ["# Commands", "Every command with all of its options."]
     for panel, names in PANELS.items():
         parts.append(f"## {panel}")
         for name in names:
@@ -117,7 +117,8 @@ def _command(name: str, command: Any) -> Iterator[str]:
     yield f"### harness {name}"
     yield f"```text\n{command.get_usage(context)}\n```"
     yield inspect.cleandoc(command.help or "")
-    rows = [(_declared(it, context), _cell(getattr(it, "help", None) or "")) for it in command.get_params(context)]
+    shown = [it for it in command.get_params(context) if not getattr(it, "hidden", False)]
+    rows = [(_declared(it, context), _cell(getattr(it, "help", None) or "")) for it in shown]
     yield _table(("argument or option", "what it is"), rows)
 
 

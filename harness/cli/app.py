@@ -21,19 +21,21 @@ from harness.cli.describe import describe
 from harness.cli.doctor import doctor
 from harness.cli.eta import eta
 from harness.cli.examples import EXAMPLES, FIRST_STEPS, epilog_of
+from harness.cli.help import PLAIN, All, Command, Commands, LongCommand
 from harness.cli.merge import merge
 from harness.cli.names import list_names
 from harness.cli.new_plugin import new_plugin
 from harness.cli.output import complain
 from harness.cli.plugins import plugins
 from harness.cli.report import report
+from harness.cli.retired import repair
 from harness.cli.run import run
 from harness.cli.score import score
 from harness.cli.status import status
 from harness.cli.transfer import transfer
 from harness.cli.tune import tune
 from harness.cli.unexpected import describe_unexpected
-from harness.cli.verify import repair, verify
+from harness.cli.verify import verify
 from harness.cli.video import video
 from harness.cli.watch import watch
 from harness.errors import HarnessError, UsageError
@@ -58,7 +60,7 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
             "doctor": doctor,
         },
         "Ask more": {"audit": audit, "eta": eta, "score": score, "transfer": transfer, "tune": tune},
-        "Keep results": {"merge": merge, "verify": verify, "repair": repair},
+        "Keep results": {"merge": merge, "verify": verify},
         "For plugin authors": {
             "new-plugin": new_plugin,
             "check": check,
@@ -67,7 +69,11 @@ PANELS: Mapping[str, Mapping[str, Callable[..., Any]]] = MappingProxyType(
         },
     }
 )
-"""Every command by the heading that it stands under in the help: what one needs first comes first."""
+"""Every command by the heading that it stands under in ``harness --all``: what one needs first comes first."""
+RETIRED: Mapping[str, Callable[..., Any]] = MappingProxyType({"repair": repair})
+"""Old names that still work in this version, and warn. No help shows them."""
+LONG = ("run", "choose")
+"""The commands that show the options which people type, and all with ``--help-all``."""
 UNFORESEEN = 70
 """The exit status after an error that nobody foresaw, EX_SOFTWARE of sysexits.h."""
 LONG_NAME = (
@@ -97,8 +103,9 @@ def _root(
         metavar="PATH",
         help="With any command: let an environment in a file or folder start the program PATH.",
     ),
+    whole: All = False,
 ) -> None:
-    """Tells whether a reward function makes a robot behave better, or only makes the numbers bigger."""
+    """Does a reward make a robot behave better, or only the numbers bigger?"""
 
 
 def build_app(only: str | None = None) -> typer.Typer:
@@ -107,16 +114,19 @@ def build_app(only: str | None = None) -> typer.Typer:
     Args:
         only: The command that is called: the options of the others are not put together. None: all commands.
     """
-    app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-    app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"))(_root)
+    app = typer.Typer(cls=Commands, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app.callback(epilog=epilog_of(FIRST_STEPS, "First steps:"), context_settings=dict(PLAIN))(_root)
     for panel, commands in PANELS.items():
         for name, command in commands.items():
             if only not in {None, name}:
                 continue
             # eta takes more arguments, to say what a pattern without quotes becomes
-            settings = {"allow_extra_args": name == "eta"}
-            examples = epilog_of(EXAMPLES[name])
-            app.command(name, rich_help_panel=panel, epilog=examples, context_settings=settings)(command)
+            settings = {"allow_extra_args": name == "eta", **PLAIN}
+            kind, examples = LongCommand if name in LONG else Command, epilog_of(EXAMPLES[name])
+            app.command(name, cls=kind, rich_help_panel=panel, epilog=examples, context_settings=settings)(command)
+    for name, command in RETIRED.items():
+        if only in {None, name}:
+            app.command(name, cls=Command, hidden=True)(command)
     return app
 
 
@@ -133,8 +143,7 @@ def _answer(args: list[str]) -> int:
     try:
         return _run(args)
     except TyperException as error:  # what typer refuses: an unknown option, a missing argument
-        if error.format_message():  # none where there is no argument at all, which shows the help
-            complain(_with_help(error))
+        complain(_with_help(error))
         return error.exit_code
     except UsageError as error:
         complain(str(error))
@@ -192,11 +201,12 @@ def _with_help(error: TyperException) -> str:
 
 def _run(args: list[str]) -> int:
     args = _take_allowed(args)
-    own = [name for commands in PANELS.values() for name in commands]
+    own = [name for commands in (*PANELS.values(), RETIRED) for name in commands]
     if args and args[0] in own:  # it waits for no plugin
         app = build_app(args[0])
     else:
         app = build_app()
         add_plugin_commands(app, load_registry())
     command = typer.main.get_command(app)
-    return command.main(args, prog_name="harness", standalone_mode=False, obj=own) or 0  # 130 when interrupted
+    status = 0 if args else USAGE  # nothing was asked for: the help says what there is
+    return command.main(args or ["--help"], prog_name="harness", standalone_mode=False, obj=own) or status

@@ -18,6 +18,7 @@ from harness.cli.flags.shared import (
     RobotName,
     SimulatorNames,
 )
+from harness.cli.help import HelpAll
 from harness.cli.output import say
 from harness.errors import UsageError
 
@@ -69,8 +70,9 @@ def choose(
     quiet: flags.Quiet = False,
     as_json: flags.AsJson = False,
     dry_run: flags.DryRun = False,
+    help_all: HelpAll = False,
 ) -> int:
-    """Find the best of several rewards: train all of them, and drop those that are beaten.
+    """Find the best of several rewards. It trains all of them, and drops those that are beaten.
 
     The candidates are the rewards of the files, or those that are named; the baseline takes part too.
     """

@@ -8,6 +8,7 @@ import typer
 from typer.exceptions import TyperException
 
 from harness.cli.examples import epilog_of
+from harness.cli.help import PLAIN, Command
 from harness.cli.unexpected import describe_fault
 from harness.errors import HarnessError, PluginError
 from harness.registry.registry import Registry
@@ -76,11 +77,12 @@ def _called(registry: Registry, name: str) -> Callable[[typer.Context], Any]:
     """A command that imports the one of that name when it is called, and hands it all arguments."""
 
     def command(context: typer.Context) -> Any:
-        one = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+        one = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
         spec = registry.get(KIND, name)
         function = spec.load()
         examples: tuple[str, ...] = getattr(function, EXAMPLES, ())
-        one.command(name, epilog=epilog_of(examples) if examples else None)(function)
+        epilog = epilog_of(examples) if examples else None
+        one.command(name, cls=Command, epilog=epilog, context_settings=dict(PLAIN))(function)
         try:
             loaded = typer.main.get_command(one)
             return loaded.main(context.args, prog_name=f"harness {name}", standalone_mode=False)

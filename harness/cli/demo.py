@@ -36,8 +36,8 @@ AFTER = (
     "movements with larger numbers. The harness keeps the two apart.\n"
 )
 ANSWER = (
-    "CANNOT TELL stands there because {seeds} repetitions prove nothing to a test. With "
-    "more of them the answer can be HELPS, HURTS or NO DIFFERENCE.\n"
+    "NO DIFFERENCE stands there because every step is the same. Where robots learn, steps differ, and a test decides: "
+    "the answer can be HELPS, HURTS, NO DIFFERENCE or CANNOT TELL.\n"
 )
 ONWARD = """
 Where to go on:
@@ -60,7 +60,7 @@ def demo(
         typer.Option(help="Leave the experiment in this folder.", show_default="a temporary one", metavar="DIR"),
     ] = None,
 ) -> None:
-    """Show in a few seconds how a number gets better while the robot does the same. Needs no optional library."""
+    """Show how a number gets better while the robot does the same. Takes seconds, and needs no optional library."""
     import tempfile
 
     from rich.text import Text
@@ -110,7 +110,7 @@ def _show(results: "Results") -> None:
     same, recorded = _same_steps(results)
     eta = format_number(combination.eta_p.value)
     show(Text(AFTER.format(same=f"{same:,}", all=f"{recorded:,}", eta=eta)))
-    show(Text(ANSWER.format(seeds=SEEDS)))
+    show(Text(ANSWER))
     make_table_and_page(results)
     details = command_text("harness", "report", results.folder, "--details")
     say(ONWARD.format(page=command_text(results.folder / REPORT), details=details))

@@ -30,7 +30,7 @@ def describe(
     ] = None,
     plugin: PluginFiles = None,
 ) -> None:
-    """Explain a reward, task, simulator, algorithm, metric, robot or environment, with its parameters."""
+    """Explain a reward, a task, an algorithm or any other plugin. It shows the parameters too."""
     from harness.describe import describe_name
     from harness.registry.choice import parse
     from harness.registry.given import read_given

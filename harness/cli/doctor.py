@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from harness.doctor.trials import Trial
 
+OPTIONAL = "Optional, and not installed. You need a line only if you want to use what it names:"
 RENDER = """
 import numpy, harness
 env = harness.make_env()
@@ -30,7 +31,7 @@ BACKENDS = {"": "libegl1", "egl": "libegl1", "osmesa": "libosmesa6"}
 
 
 def doctor(context: typer.Context) -> int:
-    """Show versions, plugins and missing libraries, and try what is installed: simulators, environments, pictures.
+    """Show what is installed, what is missing, and what works here. Simulators and environments take a step each.
 
     Ends with status 1 if a plugin is broken, a file of the installation is missing, or something installed fails.
     """
@@ -53,24 +54,27 @@ def doctor(context: typer.Context) -> int:
         say(line)
     files, trials = file_lines(), list(try_all(registry))
     for line in [
-        *files,
-        *_missing_libraries(registry),
-        *half_installed(registry),
-        *_tried(trials),
-        *_rendering(registry),
+        *_group("Broken:", [*files, *(trial.line for trial in trials if trial.problem)]),
+        *_group("Works here:", [*_tried(trials), *_rendering(registry)]),
+        *_group(OPTIONAL, [*_missing_libraries(registry), *half_installed(registry)]),
+        "",
         *_what_runs(registry),
     ]:
         say(line)
     return 1 if at_fault or files or any(trial.problem for trial in trials) else 0
 
 
+def _group(heading: str, lines: "Sequence[str]") -> list[str]:
+    """The lines below a heading, with an empty line before it; nothing where there is no line."""
+    return ["", heading, *(f"  {line}" for line in lines)] if lines else []
+
+
 def _tried(trials: "Sequence[Trial]") -> list[str]:
-    """One line for all of a kind that took a step, and one for each that did not."""
+    """One line for all of a kind that took a step."""
     worked: dict[str, list[str]] = {trial.kind: [] for trial in trials}
     for trial in trials:
         worked[trial.kind] += [] if trial.problem else [trial.name]
-    lines = [f"tried {kind}, a step in each: {', '.join(names)}" for kind, names in worked.items() if names]
-    return [*lines, *(trial.line for trial in trials if trial.problem)]
+    return [f"tried {kind}, a step in each: {', '.join(names)}" for kind, names in worked.items() if names]
 
 
 def _what_runs(registry: Registry) -> list[str]:

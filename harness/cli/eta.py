@@ -30,11 +30,11 @@ def eta(
     as_json: AsJson = False,
     plot: flags.PlotFile = None,
 ) -> int:
-    """Compare recorded trainings: anybody's CSV files with a column 'reward', or traces of this harness.
+    """Compare recorded trainings, such as anybody's CSV files.
 
-    If the files have distances too, each eta is split into ruler and behaviour. Put patterns in quotes. --baseline and
-    --proposed may be given several times. In a FOLDER of recorded trainings, each reward that a policy was trained with
-    is compared with every other one.
+    A file has a column 'reward', or is a trace of this harness. If the files have distances too, each eta is split into
+    ruler and behaviour. Put patterns in quotes. --baseline and --proposed may be given several times. In a FOLDER of
+    recorded trainings, each reward that a policy was trained with is compared with every other one.
     """
     groups = {"--baseline": baseline, "--proposed": proposed}
     loose = [*([] if folder is None or not any(groups.values()) else [str(folder)]), *context.args]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-FIRST_STEPS = ("harness demo", "harness doctor", "harness run --sim mujoco --algo sac-fast", "harness run --help")
+FIRST_STEPS = ("harness demo", "harness run --sim mujoco --algo sac-fast")
 
 EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -11,10 +11,8 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "run": (
             "harness run --sim mujoco --algo sac-fast",
             "harness run --sim kinematic --algo ik --reward arp,scaled:factor=3 --seeds 3",
-            "harness run --sim mujoco,pybullet --algo sac:learning_rate=3e-4,td3 --reward arp:k1=1,k2=2",
-            "harness run experiment.toml --seeds 20 --out my-results",
-            "harness run experiment.toml --out my-results --dry-run",
             "harness run --sim mujoco --algo sac-fast --reward dense --until decided",
+            "harness run experiment.toml --seeds 20 --out my-results --dry-run",
         ),
         "choose": (
             "harness choose --reward arp,dense,relative --sim mujoco --algo sac-fast",
@@ -45,8 +43,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "harness bench simulators algorithms --json > before.json",
             "harness bench --compare before.json",
         ),
-        "verify": ("harness verify my-results",),
-        "repair": ("harness repair my-results",),
+        "verify": ("harness verify my-results", "harness verify my-results --repair"),
         "merge": ("harness merge from-one from-another --out all",),
         "list": ("harness list", "harness list rewards"),
         "describe": ("harness describe arp", "harness describe sac:gamma=0.9", "harness describe fd100-reach"),
@@ -65,5 +62,5 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
 
 
 def epilog_of(examples: tuple[str, ...], title: str = "Examples:") -> str:
-    """The lines as typer takes them: an empty line between two keeps them apart."""
-    return "\n\n".join([title, *(f"  {example}" for example in examples)])
+    """The lines at the end of a help."""
+    return "\n".join([title, *(f"  {example}" for example in examples)])

@@ -1,5 +1,7 @@
 """``harness list``: what can be named."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Annotated
 
 import typer
@@ -12,6 +14,26 @@ from harness.registry.given import read_given
 from harness.registry.names import unknown_name
 from harness.registry.registry import load_registry
 
+EXPLAINED: Mapping[str, str] = MappingProxyType(
+    {
+        "simulators": "what moves the arm (--sim)",
+        "algorithms": "what learns (--algo)",
+        "rewards": "what a step is paid (--reward, --baseline)",
+        "metrics": "what is measured of the trained robots (--metric)",
+        "robots": "the arms (--robot)",
+        "tasks": "what an arm has to do (--task)",
+        "environments": "worlds of other libraries, in place of simulator, robot and task (--task)",
+        "executors": "where trainings run (--executor)",
+        "trackers": "where learning curves are sent (--tracker)",
+        "commands": "commands that plugins add: harness NAME",
+    }
+)
+"""What each kind is, and the flag that takes its names."""
+READING = (
+    "Every name that you can type, and what it is. Some have parameters, as arp:k2=2: harness describe NAME tells.\n"
+    "What is not installed says so in brackets."
+)
+
 
 def list_names(
     kind: Annotated[
@@ -19,12 +41,13 @@ def list_names(
     ] = None,
     plugin: PluginFiles = None,
 ) -> None:
-    """List all simulators, algorithms, rewards, metrics, robots, tasks and other plugins."""
+    """List every name that can be typed: simulators, algorithms, rewards, tasks and so on."""
     if kind is not None and kind not in KINDS:
         raise UsageError(unknown_name("kind", kind, KINDS))
     registry = load_registry(given=read_given(plugin))
+    say(READING)
     for shown in KINDS if kind is None else (kind,):
-        say(f"{shown}:")
+        say(f"\n{shown}: {EXPLAINED[shown]}")
         width = max(16, *map(len, registry.names(shown)), 0) + 2
         for name in registry.names(shown):
             spec = registry.get(shown, name)

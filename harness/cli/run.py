@@ -24,12 +24,15 @@ from harness.cli.flags.shared import (
     RobotName,
     SimulatorNames,
 )
+from harness.cli.help import HelpAll
 from harness.cli.interrupted import kept_when_interrupted
 from harness.cli.output import complain, say, say_json
+from harness.cli.retired import Mlflow, Tensorboard, Wandb, old_trackers
 from harness.errors import UsageError
 from harness.text import command_text
 
 if TYPE_CHECKING:
+    from harness.experiment.experiment import ExperimentRun
     from harness.experiment.plan import Experiment
     from harness.experiment.run_options import RunOptions
     from harness.registry.given import Given
@@ -38,13 +41,15 @@ if TYPE_CHECKING:
 
 ExperimentFile = Annotated[
     Path | None,
-    typer.Argument(help="Experiment file (TOML). Its keys are named like the flags; a flag overrides its key."),
+    typer.Argument(
+        help="An experiment file (TOML). Its keys are named like the flags, which override them.", metavar="FILE"
+    ),
 ]
 TaskNames = Annotated[
     Names,
     typer.Option(
         "--task",
-        help="Tasks, such as fd100-reach:epsilon=0.02, or environments, such as fetch-reach.",
+        help="Tasks or environments, such as fetch-reach.",
         show_default="fd100-reach",
         metavar="NAME,...",
         autocompletion=TASKS,
@@ -57,18 +62,16 @@ AlgorithmNames = Annotated[
 Baseline = Annotated[
     str | None,
     typer.Option(
-        help="The reward that the others are compared with.",
+        help="The reward to compare with.",
         show_default="baseline",
         metavar="NAME",
         autocompletion=REWARDS,
     ),
 ]
-Seeds = Annotated[
-    str | None, typer.Option(help="How many seeds, or a list of them (3,7,11).", show_default="6", metavar="N")
-]
+Seeds = Annotated[str | None, typer.Option(help="How many seeds, or a list: 3,7,11.", show_default="6", metavar="N")]
 Until = Annotated[
     Literal["decided"] | None,
-    typer.Option(help="Train in looks, and stop where the answer stands.", show_default="train all seeds at once"),
+    typer.Option(help="Train in looks until the answer stands.", show_default="all seeds at once", metavar="decided"),
 ]
 Looks = Annotated[
     str | None,
@@ -96,7 +99,7 @@ BudgetTime = Annotated[
     ),
 ]
 Steps = Annotated[
-    int | None, typer.Option(help="Environment steps of training per cell.", show_default="5000", metavar="N")
+    int | None, typer.Option(help="Environment steps of each training.", show_default="5000", metavar="N")
 ]
 EvaluateEvery = Annotated[
     int | None,
@@ -135,15 +138,12 @@ CheckpointEvery = Annotated[
 TrackerNames = Annotated[
     Names,
     typer.Option(
-        help="Also send the learning curves to a tracker, such as wandb:mode=offline.",
+        help="Also send the learning curves to these: tensorboard, mlflow, wandb:mode=offline.",
         show_default="nowhere",
         metavar="NAME,...",
         autocompletion=TRACKERS,
     ),
 ]
-Tensorboard = Annotated[bool, typer.Option("--tensorboard", help="Short for --tracker tensorboard.")]
-Wandb = Annotated[bool, typer.Option("--wandb", help="Short for --tracker wandb.")]
-Mlflow = Annotated[bool, typer.Option("--mlflow", help="Short for --tracker mlflow.")]
 Wait = Annotated[
     bool, typer.Option("--wait/--no-wait", help="If another run is using the folder: wait for it, or give up.")
 ]
@@ -180,9 +180,7 @@ Screen = Annotated[
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress, only the results.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the results as JSON on standard output.")]
-DryRun = Annotated[
-    bool, typer.Option("--dry-run", help="Say what would be run, and how long it would take. Writes nothing.")
-]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would be run, and for how long. Writes nothing.")]
 
 
 def run(
@@ -228,18 +226,24 @@ def run(
     quiet: Quiet = False,
     as_json: AsJson = False,
     dry_run: DryRun = False,
+    help_all: HelpAll = False,
 ) -> int:
-    """Train with every combination of reward, simulator, algorithm and seed, then compare the rewards.
+    """Train with each reward, then compare what the robots do.
 
-    One such training is called a cell. A cell that is done is not run again: the same command goes on where it stopped.
+    It trains with every combination of reward, simulator, algorithm and seed. One such training is called a cell. A
+    cell that is done is not run again: the same command goes on where it stopped.
     """
     given = locals()  # every flag by its name, which is that of the option or of the key that it sets
     from harness.experiment.run_options import RunOptions
     from harness.registry.given import read_given, split_measures
 
     measures, files = split_measures(measure or ())
-    trackers = _all_trackers(tracker, {"tensorboard": tensorboard, "wandb": wandb, "mlflow": mlflow})
-    given |= {"tracker": trackers, "metrics": metric, "measure": measures or None, "seeds": _parse_seeds(seeds)}
+    given |= {
+        "tracker": [*(tracker or ()), *old_trackers(given)],
+        "metrics": metric,
+        "measure": measures or None,
+        "seeds": _parse_seeds(seeds),
+    }
     given |= {"looks": None if looks is None else parse_looks(looks), "budget": parse_time(budget)}
     options = RunOptions(**{field.name: given[field.name] for field in fields(RunOptions)})
     asked, plugins = read_asked(experiment, given), read_given(plugin, files)
@@ -267,18 +271,12 @@ def read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
     return check_experiment(told)
 
 
-def _all_trackers(named: Names, short: Mapping[str, bool]) -> list[str]:
-    """Those that are named, and those whose short flag is given."""
-    return [*(named or ()), *(name for name, is_on in short.items() if is_on)]
-
-
 def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", as_json: bool) -> int:
     """Say what would be run."""
     from harness.cli.foreseen import foreseen_lines
-    from harness.experiment.experiment import check
     from harness.experiment.foresee import foresee
 
-    ready = check(asked, options, plugins)
+    ready = _checked(asked, options, plugins)
     found = foresee(ready)
     for line in ready.plan.warnings:
         complain(line)
@@ -290,16 +288,26 @@ def foresee_run(asked: "Experiment", options: "RunOptions", plugins: "Sequence[G
     return 0
 
 
+def _checked(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]") -> "ExperimentRun":
+    """What would be run, if there is something to compare; nothing is written."""
+    from harness.experiment.experiment import check
+
+    ready = check(asked, options, plugins)
+    ready.require_comparison()
+    return ready
+
+
 def train(asked: "Experiment", options: "RunOptions", plugins: "Sequence[Given]", quiet: bool) -> "tuple[Results, int]":
     """Run what is not done; what came of it, and status 1 where a cell failed."""
     from harness.cli.progress import LiveProgress
     from harness.cli.terminal import Terminal
-    from harness.experiment.experiment import prepare
+    from harness.record.store import Store
 
-    ready = prepare(asked, options, plugins)
+    ready = _checked(asked, options, plugins)
+    folder = ready.store.folder
+    Store.claim(folder)
     for line in ready.plan.warnings:
         complain(line)
-    folder = ready.store.folder
     console = Terminal(stderr=True, quiet=quiet)
     with (
         kept_when_interrupted("finished cells are kept", folder),

@@ -34,7 +34,7 @@ def score(
     plugin: PluginFiles = None,
     as_json: AsJson = False,
 ) -> int:
-    """Compute exactly what other rewards would have paid for recorded runs. The recordings stay as they are."""
+    """Compute what other rewards would have paid for recorded runs. The recordings stay as they are."""
     from harness.registry.choice import choose, split_list
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry

@@ -8,6 +8,9 @@ from rich.text import Text
 
 from harness.text import visible
 
+WIDEST = 100
+"""Characters of a line: a wider window does not make longer ones."""
+
 
 class Terminal(Console):
     """A console that shows hidden characters as escapes, whoever made the text; its own colours stay."""
@@ -28,4 +31,6 @@ def _visible(text: Text) -> Text:
 
 def show(table: RenderableType, err: bool = False) -> None:
     """Print a table, on standard output or on standard error."""
-    Terminal(stderr=err).print(table)
+    console = Terminal(stderr=err)
+    console.width = min(console.width, WIDEST)
+    console.print(table)

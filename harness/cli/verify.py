@@ -1,14 +1,33 @@
-"""``harness verify`` and ``harness repair``: whether a folder still is what was written, and making it so."""
+"""``harness verify``: whether a folder still is what was written, and with ``--repair`` making it so."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
 from harness.cli.output import say, say_json
+from harness.errors import UsageError
 from harness.text import command_text
 
 UNSOUND = 1
+Repair = Annotated[
+    bool,
+    typer.Option(
+        "--repair", help="Set aside what is damaged, and repair the plan. harness run then trains what is missing."
+    ),
+]
 
 
-def verify(folder: ExperimentFolder, as_json: AsJson = False) -> int:
-    """Name every file in an experiment's folder that was damaged or changed since it was written. Changes nothing."""
+def verify(folder: ExperimentFolder, repair: Repair = False, as_json: AsJson = False) -> int:
+    """Name every damaged file of an experiment. Such a file has changed since it was written.
+
+    Without --repair it changes nothing.
+    """
+    if repair:
+        if as_json:
+            raise UsageError("--repair and --json: a repair prints no JSON. Repair first, then verify with --json")
+        return set_aside(folder)
     from harness.record.verify import missing_cells
     from harness.record.verify import verify as find_problems
 
@@ -22,14 +41,19 @@ def verify(folder: ExperimentFolder, as_json: AsJson = False) -> int:
     if problems:
         for problem in problems:
             say(f"{problem.path}: {problem.what}. What to do: {problem.remedy}.")
-        say(f"{command_text('harness', 'repair', folder)} sets aside what is damaged")
+        say(f"{command_text('harness', 'verify', folder, '--repair')} sets aside what is damaged")
     else:
         say(f"No file of '{folder}' is damaged")
     return UNSOUND if problems else 0
 
 
-def repair(folder: ExperimentFolder) -> None:
-    """Set aside the damaged files of an experiment, and repair its plan. `harness run` then trains what is missing."""
+def set_aside(folder: Path) -> int:
+    """Set aside the damaged files of an experiment, repair its plan, and say what was done.
+
+    Raises:
+        UsageError: The folder is no experiment's, or another run is using it.
+        SchemaError: The plan is damaged, and the cells do not tell what it was.
+    """
     from harness.record.verify import repair as mend
 
     actions = mend(folder)
@@ -37,3 +61,4 @@ def repair(folder: ExperimentFolder) -> None:
         say(f"{action.path}: {action.what}")
     if not actions:
         say(f"No file of '{folder}' is damaged: there is nothing to repair")
+    return 0

@@ -29,6 +29,8 @@ TIME_MARGIN = 0.10
 """A difference of the time to the target below this, as a share of the baseline's, counts as none."""
 LEARNED = 0.10
 """Where both rewards teach success in less than this share of the episodes, neither teaches the task."""
+PLANNABLE = 10
+"""A number of seeds that is known only to a larger factor is no plan."""
 FAILED = 0.5
 """A seed failed if its policy succeeds in less than this share of its episodes."""
 
@@ -135,6 +137,8 @@ def judge(
     ruling: Ruling | None = None,
     unmeasured: str = UNMEASURED,
     where: str = "",
+    *,
+    same_steps: bool = False,
 ) -> Headline:
     """Both answers from the measures that decide.
 
@@ -145,6 +149,7 @@ def judge(
         ruling: What the test says of them; its measures are these, in their order.
         unmeasured: The sentence for the case that there is no measure.
         where: Where this is so, in words, such as ``over 8 places``; empty for a single place.
+        same_steps: Whether the policies of both rewards take the same steps, bit for bit: then no test is needed.
     """
     ruling = ruling or Ruling()
     if not deciding:
@@ -156,7 +161,10 @@ def judge(
         answer = Answer.HELPS if ruling.sign > 0 else Answer.HURTS
         told = _decided(names, deciding, ruling, where)
         return Headline(answer, told, number, deciding[ruling.decider].name)
-    return _equal(names, deciding, number, ruling, where) or _cannot_tell(names, deciding, number, ruling, where)
+    equal = _equal(names, deciding, number, ruling, where)
+    if same_steps and (equal is None or equal.answer is not Answer.NEITHER_LEARNS):
+        return Headline(Answer.NO_DIFFERENCE, _same(names, deciding), number)
+    return equal or _cannot_tell(names, deciding, number, ruling, where)
 
 
 def _equal(names: Names, deciding: Sequence[Compared], number: str, ruling: Ruling, where: str) -> Headline | None:
@@ -221,6 +229,14 @@ def _too_little(names: Names, change: Compared, where: str) -> str:
     )
 
 
+def _same(names: Names, deciding: Sequence[Compared]) -> str:
+    told = "; ".join(f"{it.name.replace('_', ' ')} {_amount_text(it, it.baseline)}" for it in deciding)
+    return (
+        f"{names.proposed} changes nothing: with {count_seeds(deciding[0].seeds)}, every step of every evaluation is "
+        f"the same as with {names.baseline}, bit for bit; {told} with both."
+    )
+
+
 def _small(names: Names, change: Compared, margin: float, where: str) -> str:
     told = f"{100 * margin:g} points" if _is_share(change) else f"{margin:.0%}"
     return (
@@ -259,13 +275,21 @@ def _cannot_tell(names: Names, deciding: Sequence[Compared], number: str, ruling
     at_most = "; ".join(text for change in deciding if (text := _at_most(change)))
     lines = [told, f"The difference is at most {at_most} (90%)." if at_most else "", _yet(deciding, ruling)]
     seen, small = _seeds_needed(deciding, ruling, "seen"), _seeds_needed(deciding, ruling, "margin")
+    margins = " or of ".join(map(_margin_text, deciding))
     if seen:
-        lines.append(f"{seen[0]} to {seen[1]} seeds would tell the difference that was seen.")
-    if small:
-        margins = " or of ".join(map(_margin_text, deciding))
-        lines.append(f"{small[0]} to {small[1]} seeds would tell one of {margins}.")
+        lines.append(_plan_text(seen, seeds, "the difference that was seen"))
+    elif small:
+        lines.append(_plan_text(small, seeds, f"a difference of {margins}"))
     robot = " ".join(line for line in lines if line)
     return Headline(Answer.CANNOT_TELL, robot, number, seeds_to_decide=seen or small, lead=lead)
+
+
+def _plan_text(needed: Range, seeds: int, what: str) -> str:
+    """How many seeds would tell a difference, unless so few seeds say next to nothing about that."""
+    low, high = needed
+    if high > PLANNABLE * low:
+        return f"{count_seeds(seeds).capitalize()} are too few to plan how many would tell {what}."
+    return f"{low:,} to {high:,} seeds would tell {what}."
 
 
 def _at_most(change: Compared) -> str:

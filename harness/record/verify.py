@@ -24,8 +24,8 @@ from harness.record.store import CELLS, LOCK, RESULTS, Store
 DERIVED_BYTES, TABLE_BYTES = 2**32, 2**30
 DAMAGED = "damaged"
 """Where `repair` puts what is damaged: nothing is thrown away."""
-ADDED_REMEDY = "harness repair sets it aside"
-PLAN_REMEDY = "harness repair puts it together from the cells; the same harness run asks for the rest"
+ADDED_REMEDY = "harness verify --repair sets it aside"
+PLAN_REMEDY = "harness verify --repair puts it together from the cells; the same harness run asks for the rest"
 MADE_REMEDY = "harness report or harness score makes it again"
 
 
@@ -103,7 +103,7 @@ def _links(folder: Path) -> Iterator[Problem]:
             yield Problem(
                 path.relative_to(folder),
                 "it is a link, and leads anywhere",
-                "harness repair removes it, and notes where it led",
+                "harness verify --repair removes it, and notes where it led",
             )
 
 
@@ -116,7 +116,9 @@ def _of_plan(folder: Path) -> Iterator[Problem]:
         yield Problem(Path(PLAN), str(error), PLAN_REMEDY)
         return
     if not is_experiment_of_plan(folder):
-        yield Problem(Path(EXPERIMENT), f"it is not what was written beside {PLAN}", "harness repair writes it again")
+        yield Problem(
+            Path(EXPERIMENT), f"it is not what was written beside {PLAN}", "harness verify --repair writes it again"
+        )
 
 
 def _of_cells(folder: Path) -> Iterator[Problem]:

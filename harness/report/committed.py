@@ -18,7 +18,7 @@ from harness.report.rows.comparison import Grid, format_number
 from harness.report.summary.summary import RECORD, SUMMARY
 from harness.report.tables.overview import WideOrNarrow
 from harness.results.comparison import deciding_manner
-from harness.results.overview import NOTHING
+from harness.results.overview import ARROW, NOTHING
 from harness.text import command_text
 
 MOST_BYTES = 64 * 2**20
@@ -26,7 +26,7 @@ NUMBERS = ("seeds", "eta_N", "eta_P", "ruler")
 SIDES = ("baseline", "proposed")
 PLACES = ("simulator", "algorithm", "robot", "task")
 READING = (
-    "{measure}: baseline > proposed. eta: the proposed reward's number divided by the baseline's. eta_N below 1 and "
+    "{measure}: baseline -> proposed. eta: the proposed reward's number divided by the baseline's. eta_N below 1 and "
     "eta_P above 1 count as better. ruler: the part of eta_P that comes from counting the same runs differently. "
     "In brackets, if the window is wide enough: the 95% interval. *: see the remarks below."
 )
@@ -311,5 +311,5 @@ def _success(comparison: ComparisonForm) -> str:
         if (change["name"], change["manner"]) == (name, decided) and len(values) == len(SIDES):
             is_share = name == SUCCESS or change.get("episodes") is not None
             one, other = (f"{100 * value:.0f}" if is_share else format_number(value) for value in values)
-            return f"{one}>{other}%" if is_share else f"{one}>{other}"
+            return f"{one}{ARROW}{other}{' %' if is_share else ''}"
     return NOTHING

@@ -62,6 +62,7 @@ def _comparison(told: Mapping[str, Any]) -> Comparison:
         episodes=told["episodes"],
         deciding=tuple(told.get("deciding") or _deciding(told)),
         decided_in=told.get("decided_in") or "",
+        same_steps=told.get("same_steps", False),
     )
 
 

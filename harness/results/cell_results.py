@@ -1,5 +1,6 @@
 """What follows from the files of one done cell, each thing computed once; see `harness.results.kept`."""
 
+import hashlib
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -150,6 +151,15 @@ class CellResults:
         """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
         what, made_of = f"{EVALUATION} events", [self._kept.digest(EVALUATION)]
         return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION, whole=False), EVENTS))
+
+    def motion(self) -> str:
+        """A digest of every joint position in the final evaluation: equal where policies take the same steps."""
+
+        def make() -> str:
+            positions = self._trace(EVALUATION)["qpos"]
+            return hashlib.sha256(repr(positions.shape).encode() + positions.tobytes()).hexdigest()
+
+        return str(self._kept.told(f"{EVALUATION} motion", [self._kept.digest(EVALUATION)], make))
 
     def _measure(self, file: str) -> Values:
         """Every metric of a trace. The reason of a failure is noted but not kept, because the metric may be mended."""

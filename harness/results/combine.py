@@ -146,6 +146,19 @@ class _Cells:
             found.append(value)
         return found
 
+    def same_steps(self, match: Match[Cell]) -> bool:
+        """See `Trainings`; evaluations are read only if every measure of every seed is the same."""
+        pairs = list(zip(*match.sides, strict=True))
+        if any(self.measured(one).manners != self.measured(other).manners for one, other in pairs):
+            return False
+        return all(self._motion(one) == self._motion(other) for one, other in pairs)
+
+    def _motion(self, cell: Cell) -> str:
+        found = self._records.of(cell)
+        motion = found.motion()
+        found.finish()
+        return motion
+
     def mixtures(self, match: Match[Cell]) -> tuple[Mixture, ...]:
         """See `Trainings`."""
         cells = dict.fromkeys([*match.of_baseline, *match.of_proposed, *match.control])

@@ -118,6 +118,9 @@ class Trainings(Protocol[Training]):
             Unscored: It is not known.
         """
 
+    def same_steps(self, match: Match[Training]) -> bool:
+        """Whether both rewards taught the same steps: every step of each evaluation of every seed, bit for bit."""
+
     def mixtures(self, match: Match[Training]) -> tuple[Mixture, ...]:
         """Plugins of which several versions were used."""
 
@@ -155,6 +158,7 @@ def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps
         curves=_CurvesOnDemand(pairs, lambda pair: trainings.curve(match, pair)),
         along=comparer.along(),
         mixtures=trainings.mixtures(match),
+        same_steps=trainings.same_steps(match),
         returns=returns,
         missing=missing,
     )

@@ -135,6 +135,7 @@ class Comparison:
         ruling: What the test says of the measures that decide, in this place; None before it was asked.
         pool: The answer over all places; None where there is one place.
         speed_ruling: What the test says of how fast the robot learns; None where that was not asked.
+        same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
     """
 
     group: Group
@@ -156,6 +157,7 @@ class Comparison:
     ruling: Ruling | None = None
     pool: Pool | None = None
     speed_ruling: Ruling | None = None
+    same_steps: bool = False
 
     @property
     def place_key(self) -> tuple[Group, str, str]:
@@ -316,7 +318,7 @@ class Comparison:
         if self.decisive is not None:
             name = self.decisive.name.replace("_", " ")
             told = f"{name} is not known: {self.decisive.reason or 'no episode ended'}."
-        found = judge(self.names, self.decisive_changes, self.number, self.ruling, told)
+        found = judge(self.names, self.decisive_changes, self.number, self.ruling, told, same_steps=self.same_steps)
         if self.pool is None or found.decided_by or not self.pool.ruling.is_decided:
             return found
         over_all = f"{self.pool.where.capitalize()} together {self.proposed} {self.pool.headline.answer.value}."
@@ -365,6 +367,7 @@ class Comparison:
             "learns": self.speed_text,
             "deciding": list(self.deciding),
             "decided_in": self.answered_in,
+            "same_steps": self.same_steps,
             "returns": {manner: split.to_json() for manner, split in self.returns.items()},
             "returns_missing": dict(self.missing),
             **splits_to_json(self.splits),

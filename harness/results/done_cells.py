@@ -98,6 +98,7 @@ class DoneCells:
         found.recorded()
         found.rows()
         found.evaluation_events()
+        found.motion()
         jobs: list[Callable[[], object]] = [
             *(partial(found.pays_recorded, self.payer(cell.reward), file) for file in (TRACE, EVALUATION)),
             *(partial(found.paid_by, self.payer(choice)) for choice in compared),

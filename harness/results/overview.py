@@ -10,10 +10,15 @@ from harness.eta.index import Ratio
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.results.comparison import Comparison
+from harness.results.measured import TRAINING, WHOLE
 from harness.text import visible
 
 NOTHING = "n/a"
 NEAR_ZERO = "near zero"
+NO_DECIDER = "-"
+"""What stands where no measure decided."""
+ARROW = " -> "
+"""Between what is measured of the baseline and of the proposed reward."""
 Numbers: TypeAlias = Literal["indices", "ratio", "difference"]
 OF_NUMBERS: Mapping[Numbers, tuple[str, ...]] = {
     "indices": ("eta_N", "eta_P", "ruler"),
@@ -27,11 +32,11 @@ READING: Mapping[Numbers, str] = {
         "the same runs differently; no {subject} moved differently for it."
     ),
     "ratio": (
-        "return: baseline > proposed, each training paid by its own reward. eta = ruler x behaviour is the ratio of "
+        "return: baseline -> proposed, each training paid by its own reward. eta = ruler x behaviour is the ratio of "
         "both; the ruler is what comes from counting the same episodes differently."
     ),
     "difference": (
-        "return: baseline > proposed, each training paid by its own reward. difference = ruler + behaviour, because a "
+        "return: baseline -> proposed, each training paid by its own reward. difference = ruler + behaviour, because a "
         "ratio needs returns above 0; the ruler is what comes from counting the same episodes differently."
     ),
 }
@@ -50,12 +55,12 @@ class Overview(NamedTuple):
     @property
     def headings(self) -> tuple[str, ...]:
         """The headings of `overview_row`."""
-        return ("", f"the {self.subject}", self.measure, *OF_NUMBERS[self.numbers])
+        return ("", f"the {self.subject}", "decided by", self.measure, *OF_NUMBERS[self.numbers])
 
     @property
     def reading(self) -> str:
         """How to read the table."""
-        return f"{self.measure}: baseline > proposed. {READING[self.numbers].format(subject=self.subject)}"
+        return f"{self.measure}: baseline -> proposed. {READING[self.numbers].format(subject=self.subject)}"
 
 
 def overview_of(combinations: Sequence[Comparison]) -> Overview:
@@ -64,8 +69,9 @@ def overview_of(combinations: Sequence[Comparison]) -> Overview:
     mains = [it.main for it in combinations if it.main is not None]
     is_ratio = all(it.ratio.eta.value is not None for it in mains)
     numbers: Numbers = "indices" if not mains else "ratio" if is_ratio else "difference"
-    measure = " / ".join(SHORT.get(name, name.replace("_", " ")) for name in names) or "behaviour"
-    return Overview(combinations[0].group.subject, measure, numbers)
+    measure = " / ".join(map(_short_name, names)) or "behaviour"
+    trained = f" {TRAINING}" if names and all(it.manner in (WHOLE, TRAINING) for it in combinations) else ""
+    return Overview(combinations[0].group.subject, f"{measure}{trained}", numbers)
 
 
 def shared_text(combinations: Sequence[Comparison], *, with_seeds: bool = True) -> str:
@@ -113,7 +119,8 @@ def group_name(combination: Comparison, varying: Sequence[str]) -> str:
 
 def overview_row(name: str, combination: Comparison, with_intervals: bool, overview: Overview) -> tuple[str, ...]:
     """The values under the headings of an overview."""
-    measured = (name, combination.headline.answer.value.upper(), measure_text(combination.decisive))
+    answer = combination.headline.answer.value.upper()
+    measured = (name, answer, decider_text(combination), measure_text(combination.decisive))
     if overview.numbers != "indices":
         return (*measured, *_returned(combination.main, overview.numbers == "ratio"))
     splits = combination.splits
@@ -125,7 +132,7 @@ def overview_row(name: str, combination: Comparison, with_intervals: bool, overv
 def _returned(main: ReturnSplit | None, is_ratio: bool) -> tuple[str, ...]:
     if main is None:
         return (NOTHING,) * 4
-    own = ">".join(short_number(main.returns[pair].mean) for pair in (BB, KK))
+    own = ARROW.join(short_number(main.returns[pair].mean) for pair in (BB, KK))
     if is_ratio:
         return (own, *map(short_value, (main.ratio.eta, main.ratio.ruler, main.ratio.behaviour)))
     return (own, *(short_number(it.mean) for it in (main.total.change, main.total.ruler, main.total.behaviour)))
@@ -136,8 +143,24 @@ def measure_text(change: Change | None) -> str:
     if change is None or change.baseline is None or change.proposed is None:
         return NOTHING
     if change.measure.episodes is None:
-        return f"{short_number(change.baseline)}>{short_number(change.proposed)}"
-    return f"{100 * change.baseline:.0f}>{100 * change.proposed:.0f}%"
+        unit = f" {change.measure.unit}" if change.measure.unit else ""
+        return f"{short_number(change.baseline)}{ARROW}{short_number(change.proposed)}{unit}"
+    return f"{100 * change.baseline:.0f}{ARROW}{100 * change.proposed:.0f} %"
+
+
+def decider_text(combination: Comparison) -> str:
+    """The measure that decided, with its values if the overview has no column for it."""
+    name = combination.headline.decided_by
+    if name is None:
+        return NO_DECIDER
+    if name in combination.deciding[:1]:
+        return _short_name(name)
+    change = next((it for it in combination.changes_of(combination.manner) if it.name == name), None)
+    return f"{_short_name(name)}, {measure_text(change)}"
+
+
+def _short_name(name: str) -> str:
+    return SHORT.get(name, name.replace("_", " "))
 
 
 def short_number(value: float | None) -> str:

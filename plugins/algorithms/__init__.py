@@ -31,7 +31,7 @@ def register_algorithms(register: harness.Register) -> None:
     register(
         "spg",
         "harness_plugins.algorithms.spg:Spg",
-        summary="the note's stochastic policy gradient, on the CPU",
+        summary="stochastic policy gradient as the ARP paper has it, on the CPU",
         requires=("torch",),
         extra="sb3",
     )

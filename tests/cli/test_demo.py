@@ -44,3 +44,10 @@ def test_python_m_harness_is_the_command_line():
     """For who has no scripts on the path."""
     told = subprocess.run([sys.executable, "-m", "harness", "--version"], capture_output=True, text=True, check=True)
     assert told.stdout.count(".") == 2
+
+
+def test_the_demo_says_no_difference(harness):
+    """All steps are the same: that is known, and not for chance to tell."""
+    out = harness("demo", "--out", "mine").out
+    assert "arp  NO DIFFERENCE" in out
+    assert "CANNOT TELL " not in out.partition("NO DIFFERENCE stands there")[0]

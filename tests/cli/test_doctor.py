@@ -1,3 +1,6 @@
+from harness.cli.doctor import OPTIONAL
+
+
 def test_versions_machine_and_rendering_are_told(harness, rendering):
     """The doctor says what is installed, on what machine, and how each way of rendering goes."""
     rendering("true")
@@ -62,3 +65,14 @@ def test_what_can_be_run_is_told_last(harness, rendering):
     assert "ideal" in simulators
     assert "wander" in algorithms
     assert last.startswith("you can run: harness run --sim ")
+
+
+def test_what_is_optional_stands_apart(harness, rendering, distant):
+    """Below its heading, behind what works: nobody reads a missing extra as a fault."""
+    rendering("true")
+    out = harness("doctor").out
+    places = [
+        out.index(it)
+        for it in ("Works here:", "MUJOCO_GL=egl: works", OPTIONAL, "missing no_such_engine", "you can run")
+    ]
+    assert places == sorted(places)

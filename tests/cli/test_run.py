@@ -58,7 +58,7 @@ def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, tmp_path, arg
 def test_missing_tensorboard_is_told_before_anything_runs(harness, quick, tmp_path, monkeypatch):
     """One line that says what to install, and an empty folder."""
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    answer = harness("run", *quick, "--tensorboard")
+    answer = harness("run", *quick, "--tracker", "tensorboard")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "pip install 'fd100-harness[tensorboard]'" in answer.err
     assert list(tmp_path.iterdir()) == []
@@ -66,7 +66,7 @@ def test_missing_tensorboard_is_told_before_anything_runs(harness, quick, tmp_pa
 
 def test_tensorboard_leaves_event_files(harness, quick, tmp_path):
     """A folder for every cell, beside the cells; the next run finds nothing to do."""
-    harness("run", *quick, "--seeds", "1", "--tensorboard", "--out", "watched")
+    harness("run", *quick, "--seeds", "1", "--tracker", "tensorboard", "--out", "watched")
     cells = sorted(folder.name for folder in (tmp_path / "watched" / "cells").iterdir())
     events = sorted((tmp_path / "watched" / "tensorboard").iterdir())
     assert sorted(folder.name.split("-")[-2] for folder in events) == cells

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.cli.progress import LiveProgress
-from harness.cli.terminal import Terminal
+from harness.cli.terminal import Terminal, show
 from harness.executor import Event
 
 EVIL = "\x1b]0;title\x07[/b]\u202e"
@@ -52,3 +52,11 @@ def test_a_bar_shows_a_title_as_it_is(make_cell):
         progress(Event("started", cell))
         progress(Event("progress", cell, steps=1))
     assert "a[/b]c" in output.getvalue()
+
+
+@pytest.mark.parametrize(("columns", "widest"), [("240", 100), ("60", 60)])
+def test_no_line_is_longer_than_100_characters(monkeypatch, capsys, columns, widest):
+    """However wide the window is; a narrow one stays as it is."""
+    monkeypatch.setenv("COLUMNS", columns)
+    show(Text("word " * 100))
+    assert max(map(len, capsys.readouterr().out.splitlines())) in range(widest - 5, widest + 1)

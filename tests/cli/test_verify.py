@@ -1,4 +1,4 @@
-"""``harness verify`` and ``harness repair``."""
+"""``harness verify``, with and without ``--repair``."""
 
 import json
 import re
@@ -16,7 +16,8 @@ def experiment(finished):
 def test_sound_folder_ends_with_0(harness, experiment):
     """One line says so, and that there is nothing to repair."""
     assert harness("verify", experiment)[:2] == (0, "No file of 'mine' is damaged\n")
-    assert harness("repair", experiment)[:2] == (0, "No file of 'mine' is damaged: there is nothing to repair\n")
+    told = "No file of 'mine' is damaged: there is nothing to repair\n"
+    assert harness("verify", experiment, "--repair")[:2] == (0, told)
 
 
 def test_damage_is_named_set_aside_and_done_again(harness, experiment, quick, tmp_path):
@@ -29,7 +30,7 @@ def test_damage_is_named_set_aside_and_done_again(harness, experiment, quick, tm
     assert (
         "trace.parquet is not what was written: its SHA-256 differs. What to do: run again to replace it." in answer.out
     )
-    assert "moved to damaged/" in harness("repair", experiment).out
+    assert "moved to damaged/" in harness("verify", experiment, "--repair").out
     harness("run", *quick, "--seeds", "1", "--out", "mine")
     assert trace.read_bytes() == before
     assert harness("verify", experiment).status == 0
@@ -52,10 +53,10 @@ def test_problems_as_json(harness, experiment, tmp_path):
     assert set(problem) == {"path", "problem", "remedy"}
 
 
-@pytest.mark.parametrize("command", ["verify", "repair"])
-def test_other_folder_is_a_usage_error(harness, command, tmp_path):
+@pytest.mark.parametrize("flags", [(), ("--repair",)])
+def test_other_folder_is_a_usage_error(harness, flags, tmp_path):
     """One line, exit status 2."""
-    answer = harness(command, str(tmp_path))
+    answer = harness("verify", str(tmp_path), *flags)
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "is no experiment" in answer.err
 
@@ -84,3 +85,12 @@ def test_cells_that_are_not_there_are_counted(harness, experiment, tmp_path):
         r"^Cells of the plan that are not here: 1 of \d+, not run yet or taken away$", answer.out, re.MULTILINE
     )
     assert json.loads(harness("verify", experiment, "--json").out)["missing"] == 1
+
+
+def test_repair_prints_no_json(harness, experiment, tmp_path):
+    """It is refused before anything is set aside."""
+    (tmp_path / experiment / "plan.json").write_text("{")
+    answer = harness("verify", experiment, "--repair", "--json")
+    assert (answer.status, answer.out) == (2, "")
+    assert "--repair and --json" in answer.err
+    assert (tmp_path / experiment / "plan.json").read_text() == "{"

@@ -196,17 +196,35 @@ def test_margins(measure: Measure, baseline: float, margin: float):
 
 
 def test_cannot_tell_says_how_many_seeds_would():
-    """For the difference that was seen first, then for one as large as the margin."""
+    """For the difference that was seen."""
     success = change(about(0.5, width=0.1), about(0.52, width=0.2), p=0.4)
     found = told(success, asked=28)
-    seen, margin = (seeds_to_tell(size, (success.variance / 2) ** 0.5, SEEDS, 28, 0.05) for size in (0.02, 0.05))
+    seen = seeds_to_tell(0.02, (success.variance / 2) ** 0.5, SEEDS, 28, 0.05)
     assert (found.answer, found.seeds_to_decide) == (Answer.CANNOT_TELL, seen)
     assert found.robot == (
         "Cannot tell from 10 seeds whether mine helps or hurts: success rate 52.0% with mine, 50.0% with base "
         "(difference -5.4 to +9.4 points). The difference is at most 8.0 points of success (90%). "
-        f"{seen[0]} to {seen[1]} seeds would tell the difference that was seen. {margin[0]} to {margin[1]} seeds "
-        "would tell one of 5 points of success."
+        f"{seen[0]} to {seen[1]} seeds would tell the difference that was seen."
     )
+
+
+def test_a_number_of_seeds_that_nobody_knows_is_no_plan():
+    """Above a factor of ten between its ends; `seeds_to_decide` keeps the range."""
+    few = told(change([0.5, 0.7, 0.52], [0.58, 0.66, 0.71], p=0.7), asked=28)
+    low, high = few.seeds_to_decide
+    assert high > 10 * low
+    assert few.robot.endswith("3 seeds are too few to plan how many would tell the difference that was seen.")
+
+
+def test_the_same_steps_need_no_test():
+    """Three seeds are no statistics, but what is equal bit for bit is no difference; nobody who fails is told so."""
+    equal = [change([1.0] * 3, [1.0] * 3)]
+    found = judge(NAMES, equal, "number", same_steps=True)
+    assert (found.answer, found.decided_by) == (Answer.NO_DIFFERENCE, None)
+    assert found.robot.startswith("mine changes nothing: with 3 seeds, every step of every evaluation is the same as")
+    assert judge(NAMES, equal, "number").answer == Answer.CANNOT_TELL
+    lost = [change([0.0] * 3, [0.0] * 3)]
+    assert judge(NAMES, lost, "number", same_steps=True).answer == Answer.NEITHER_LEARNS
 
 
 def test_an_interval_without_zero_that_is_no_answer_is_explained():
@@ -223,11 +241,13 @@ def test_an_interval_without_zero_that_is_no_answer_is_explained():
 
 def test_seeds_that_would_tell_are_for_both_measures():
     """The one that takes more decides; the high end is more than there are."""
-    success = change(about(0.5), about(0.52))
+    success = change(about(0.5), about(0.5))
     time = change(about(7.0, width=2.0), about(7.0, width=2.0)[::-1], TIME)
     found = told(success, time)
     expected = seeds_to_tell(0.7, (time.variance / 2) ** 0.5, SEEDS, 1, 0.05)
-    assert f" to {expected[1]} seeds would tell one of 5 points of success or of 10% of the time." in found.robot
+    assert (
+        f" to {expected[1]} seeds would tell a difference of 5 points of success or of 10% of the time." in found.robot
+    )
     few = told(change([1.0] * 8, [0.98] * 8))
     assert few.seeds_to_decide is None or few.seeds_to_decide[1] > 8
 
@@ -396,7 +416,9 @@ def test_any_measure_decides_by_its_own_name():
     assert "points); 10 seeds" in decided.robot
     open_ = judge(NAMES, [change(about(5.0, width=3.0), about(6.0, width=-3.0), height)], "number")
     assert "end height 6 with mine, 5 with base (difference -" in open_.robot
-    assert open_.robot.endswith("would tell one of 10% of end height.")
+    assert open_.robot.endswith("would tell the difference that was seen.")
+    same = judge(NAMES, [change(about(5.0, width=3.0), about(5.0, width=-3.0), height)], "number")
+    assert same.robot.endswith("would tell a difference of 10% of end height.")
 
 
 def test_without_a_measure_the_reason_is_told():

@@ -45,7 +45,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "transfer": ("transfer", "first", "--to", "kinematic"),
     "merge": ("merge", "first", "learned", "--out", "merged"),
     "verify": ("verify", "first"),
-    "repair": ("repair", "first"),
+    "verify, repairing": ("verify", "first", "--repair"),
     "new-plugin": ("new-plugin", "reward", "my-reward"),
     "check": ("check", "arp"),
     "plugins": ("plugins",),
@@ -120,9 +120,9 @@ def test_command_says_which_extra_it_needs(core: Environment, answers: dict[str,
 
 
 def test_every_command_is_tried(core: Environment, place: Path):
-    """Each that the help shows; the others are hidden on purpose."""
-    told = core.harness("--help", cwd=place).out
-    shown = set(re.findall(r"^│ ([a-z][a-z-]+) {2,}", told, re.MULTILINE))
+    """Each that `harness --all` shows; the others are hidden on purpose."""
+    told = core.harness("--all", cwd=place).out
+    shown = set(re.findall(r"^  ([a-z][a-z-]+)  +[A-Z]", told, re.MULTILINE))
     assert len(shown) > 20
     assert shown == {name.partition(",")[0] for name in (*COMMANDS, *NEEDS_AN_EXTRA)} | {SERVES}
 

@@ -50,9 +50,9 @@ USES: dict[str, Use] = {
         ),
         "tuned/tuned.toml",
     ),
-    "tensorboard": Use(((*KINEMATIC, "ik", "--tensorboard"),), "out/tensorboard"),
+    "tensorboard": Use(((*KINEMATIC, "ik", "--tracker", "tensorboard"),), "out/tensorboard"),
     "wandb": Use(((*KINEMATIC, "ik", "--tracker", "wandb:mode=offline"),), "wandb"),
-    "mlflow": Use(((*KINEMATIC, "ik", "--mlflow"),)),
+    "mlflow": Use(((*KINEMATIC, "ik", "--tracker", "mlflow"),)),
 }
 """By extra."""
 ELSEWHERE = {

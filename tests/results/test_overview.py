@@ -4,11 +4,13 @@ from types import SimpleNamespace
 
 import pytest
 
+from harness.eta.behaviour_change import Change, Measure
 from harness.eta.index import Ratio
 from harness.results.overview import (
     NEAR_ZERO,
     NOTHING,
     Overview,
+    decider_text,
     measure_text,
     overview_html,
     overview_row,
@@ -39,16 +41,42 @@ def _intervals(*ratios: Ratio) -> list[str]:
         name: SimpleNamespace(eta=ratio, ruler=Ratio(1.0))
         for name, ratio in zip(("eta_N", "eta_P"), ratios, strict=True)
     }
-    told = SimpleNamespace(
-        splits=splits, decisive=None, headline=SimpleNamespace(answer=SimpleNamespace(value="helps"))
-    )
-    return list(overview_row("arp", told, True, Overview("robot", "success", "indices"))[3:5])
+    headline = SimpleNamespace(answer=SimpleNamespace(value="helps"), decided_by=None)
+    told = SimpleNamespace(splits=splits, decisive=None, headline=headline)
+    return list(overview_row("arp", told, True, Overview("robot", "success", "indices"))[4:6])
 
 
 def test_an_interval_has_two_digits():
     """Without the zero before a point; none where there is none, or where the ratio says little."""
     assert _intervals(Ratio(0.5, 0.25, 12.3), Ratio(-0.5, -0.75, 0.0)) == ["0.500 [.25, 12]", "-0.500 [-.75, .0]"]
     assert _intervals(Ratio(0.5), Ratio(1.0, 0.0, 2.0, near_zero="I_P")) == ["0.500", NEAR_ZERO]
+
+
+def test_two_values_stand_beside_an_arrow():
+    """A share in whole percent, another measure in its unit: no sign that reads as an inequality."""
+    share = Measure("success_rate", "", "higher", "deterministic", 100)
+    time = Measure("time_to_target", "s", "lower", "deterministic")
+    assert measure_text(Change(share, 0.99, 1.0, None, 6)) == "99 -> 100 %"
+    assert measure_text(Change(time, -1140.0, -78.9, None, 6)) == "-1140 -> -78.9 s"
+
+
+def _decided(name: str | None) -> SimpleNamespace:
+    time = Change(Measure("time_to_target", "s", "lower", "deterministic"), 0.861, 0.37, None, 6)
+    return SimpleNamespace(
+        headline=SimpleNamespace(decided_by=name),
+        deciding=("success_rate", "time_to_target"),
+        manner="deterministic",
+        changes_of=lambda manner: [time],
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [(None, "-"), ("success_rate", "success"), ("time_to_target", "the time, 0.861 -> 0.370 s")],
+)
+def test_what_decided_is_named(name: str | None, told: str):
+    """With its values where the table has no column for it."""
+    assert decider_text(_decided(name)) == told
 
 
 def test_success_that_nobody_knows_is_none():

@@ -24,12 +24,12 @@ RecordedFolder = Annotated[
     ),
 ]
 SimulatorNames = Annotated[
-    Names, typer.Option(help="Simulators to use.", metavar="NAME,...", autocompletion=SIMULATORS)
+    Names, typer.Option(help="Simulators, such as mujoco.", metavar="NAME,...", autocompletion=SIMULATORS)
 ]
 RewardNames = Annotated[
     Names,
     typer.Option(
-        help="Proposed rewards, such as arp:k1=1,k2=2.", show_default="arp", metavar="NAME,...", autocompletion=REWARDS
+        help="Proposed rewards, such as arp:k2=2.", show_default="arp", metavar="NAME,...", autocompletion=REWARDS
     ),
 ]
 TaskName = Annotated[
@@ -55,8 +55,7 @@ PluginFiles = Annotated[
     list[str] | None,
     typer.Option(
         "--plugin",
-        help="A Python file with plugins or reward functions, or a pattern in quotes, such as 'rewards/*.py'. May be "
-        "given several times.",
+        help="A Python file of reward functions or plugins, or a pattern: 'rewards/*.py'. Can be repeated.",
         metavar="FILE",
         show_default=False,
     ),
@@ -82,7 +81,7 @@ EvaluationEpisodes = Annotated[
     int | None, typer.Option(help="Episodes of each evaluation.", show_default="100", metavar="N")
 ]
 Jobs = Annotated[
-    int | None, typer.Option(help="How many cells run at once.", show_default="as many as cores", metavar="N")
+    int | None, typer.Option(help="How many trainings run at once.", show_default="one per core", metavar="N")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
 Measures = Annotated[

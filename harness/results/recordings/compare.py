@@ -112,6 +112,10 @@ class _Recorded:
             found.append(value)
         return found
 
+    def same_steps(self, match: Match[Run]) -> bool:
+        """See `Trainings`: a recording need not hold the actions."""
+        return False
+
     def mixtures(self, match: Match[Run]) -> tuple[Mixture, ...]:
         """See `Trainings`: notes on the code of rewards and measures say it, see `read_runs`."""
         return ()

@@ -1,0 +1,148 @@
+"""The help of the commands: what people type first, and on demand the rest, in groups."""
+
+import inspect
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import takewhile
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+if TYPE_CHECKING:
+    from typer.core import TyperArgument, TyperOption
+
+DEFAULT = re.compile(r"  \[default: \((.+)\)\]")
+"""A default that is told in words, as typer writes it."""
+ALL, HELP_ALL = "--all", "--help-all"
+PLAIN = MappingProxyType({"max_content_width": 100})
+"""Settings of every command: a wider terminal does not make longer lines."""
+FIRST = ("demo", "run", "report", "choose", "watch", "audit", "eta", "score", "describe", "doctor")
+"""The commands that the short help shows, in this order."""
+TYPED = ("sim", "algo", "reward", "baseline", "task", "plugin", "seeds", "until", "steps", "out", "jobs", "dry_run")
+"""The parameters of ``harness run`` and ``harness choose`` that people type: their short help shows these."""
+GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
+    {
+        "How the answer is found": ("looks", "margin", "measure", "metric", "curve", "screen"),
+        "How policies are evaluated": (
+            *("evaluation_episodes", "evaluate_every", "deterministic", "evaluation_horizon"),
+        ),
+        "What is trained": ("robot", "only", "limit", "budget", "retry_failed", "fail_fast", "changed", "wait"),
+        "Where they run, and within which limits": (
+            *("executor", "fresh", "checkpoint_every", "stall_after", "cell_time", "cell_memory"),
+        ),
+        "What is shown": ("tracker", "quiet", "as_json"),
+    }
+)
+"""All other parameters of these two, by the heading that they stand under with ``--help-all``."""
+
+
+class Command(TyperCommand):
+    """A command whose help keeps the lines of its examples."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Called when the help is written."""
+        parameters = self.get_params(ctx)
+        arguments = [it for it in parameters if it.param_type_name == "argument"]
+        _write_section(ctx, formatter, "Arguments", arguments)
+        _write_section(ctx, formatter, "Options", [it for it in parameters if it not in arguments])
+
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:
+        """Called when the help is written."""
+        _write_lines(formatter, self.epilog)
+
+
+class LongCommand(Command):
+    """A command with so many options that its help shows those that people type, and all with ``--help-all``."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Called when the help is written."""
+        shown = {it.name: it for it in self.get_params(ctx) if not getattr(it, "hidden", False)}
+        grouped = {name for names in (TYPED, *GROUPS.values()) for name in names}
+        arguments = [it for it in shown.values() if it.param_type_name == "argument"]
+        options = [it for it in shown.values() if it not in arguments]
+        rest = [it for it in options if it.name not in grouped]  # --help and --help-all
+        typed = [shown[name] for name in TYPED if name in shown]
+        _write_section(ctx, formatter, "Arguments", arguments)
+        _write_section(ctx, formatter, "Options", [*typed, *rest])
+        for heading, names in GROUPS.items() if ctx.meta.get(HELP_ALL) else ():
+            _write_section(ctx, formatter, heading, [shown[name] for name in names if name in shown])
+
+
+class Commands(TyperGroup):
+    """All commands: the help shows `FIRST`, and every one with ``--all``."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Called with what was typed: ``--help --all`` is ``--all``, which an earlier ``--help`` would hide."""
+        asked = list(takewhile(lambda word: word.startswith("-"), args))
+        return super().parse_args(ctx, [ALL] if ALL in asked else args)
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Called when the help is written: the commands first."""
+        commands = {name: it for name, it in self.commands.items() if not it.hidden}
+        if ctx.meta.get(ALL):
+            headings = dict.fromkeys(getattr(it, "rich_help_panel", None) for it in commands.values())
+            for heading in headings:
+                names = [name for name, it in commands.items() if getattr(it, "rich_help_panel", None) == heading]
+                _write_rows(
+                    formatter, heading or "Commands", [(name, _first_sentence(commands[name])) for name in names]
+                )
+        else:
+            named = [(name, _first_sentence(commands[name])) for name in FIRST if name in commands]
+            _write_rows(formatter, "Commands", named)
+        wanted = None if ctx.meta.get(ALL) else ("version", "whole", "help")
+        options = [it for it in self.get_params(ctx) if wanted is None or it.name in wanted]
+        _write_section(ctx, formatter, "Options", options)
+
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:
+        """Called when the help is written."""
+        _write_lines(formatter, self.epilog)
+
+
+def _show_whole(context: typer.Context, parameter: Any, wanted: bool) -> None:
+    """Show the help with everything in it, and end."""
+    if wanted:
+        context.meta[parameter.opts[0]] = True
+        typer.echo(context.get_help())
+        raise typer.Exit
+
+
+def whole_help(name: str, text: str) -> Any:
+    """The option of this name, which shows all of the help."""
+    return typer.Option(name, help=text, callback=_show_whole, is_eager=True, expose_value=False)
+
+
+HelpAll = Annotated[bool, whole_help(HELP_ALL, "Show every option, in groups.")]
+All = Annotated[bool, whole_help(ALL, "Show every command and option.")]
+
+
+def _write_section(ctx: Any, formatter: Any, heading: str, parameters: Sequence[Any]) -> None:
+    _write_rows(formatter, heading, list(_records(ctx, parameters)))
+
+
+def _records(ctx: Any, parameters: "Sequence[TyperOption | TyperArgument]") -> Iterator[tuple[str, str]]:
+    for parameter in parameters:
+        record = parameter.get_help_record(ctx)
+        if record is not None:
+            name, text = record
+            yield name.replace(" <path>", ""), DEFAULT.sub(r" [default: \1]", text)
+
+
+def _write_rows(formatter: Any, heading: str, rows: Sequence[tuple[str, str]]) -> None:
+    if rows:
+        with formatter.section(heading):
+            formatter.write_dl(rows)
+
+
+def _write_lines(formatter: Any, text: str | None) -> None:
+    """The text behind an empty line, each of its lines as it is: an example that is broken cannot be copied."""
+    if text:
+        formatter.write(f"\n{text}\n")
+
+
+def _first_sentence(command: Any) -> str:
+    """What the help of a command begins with."""
+    paragraph = " ".join(inspect.cleandoc(command.help or "").partition("\n\n")[0].split())
+    sentence, stop, _ = paragraph.partition(". ")
+    return sentence + stop.strip()
