@@ -24,6 +24,7 @@ from harness.experiment.plan import Experiment
 from harness.hookspecs import NOUNS
 from harness.registry.parameters import parameters_of
 from harness.registry.registry import Registry, load_registry
+from harness.testing.kits import EXPORTS, KITS
 
 ROOT = Path(__file__).parents[2]
 FOLDER = "generated"
@@ -46,7 +47,7 @@ MODULES = (
 SECTION = re.compile(r"^## (.+)$", re.MULTILINE)
 ENTRY = re.compile(r"^\* .*?\]\(([\w./-]+\.md)\)", re.MULTILINE)
 """A line of a list whose first link leads to a page."""
-GENERATED = {"Look up": ("commands", "experiment-file", "built-in", "api")}
+GENERATED = {"Look up": ("commands", "experiment-file", "built-in", "checks", "api")}
 """By heading of the index: pages that stand there and are on no forge, since they are made from the code."""
 KINDS = tuple(kind for kind in NOUNS if kind not in {"robots", "commands"})
 MARKUP = re.compile(r"\[/?(?:bold|dim|italic|cyan|green|yellow|red|/)?\]")
@@ -71,6 +72,7 @@ def write_pages(folder: Path) -> None:
         "api.md": api_page(),
         **{f"api/{module}.md": module_page(module) for module in MODULES},
         "built-in.md": built_in_page(registry),
+        "checks.md": checks_page(),
         **{f"{name}.md": _copied(ROOT / f"{name}.md", folder / f"{name}.md") for name in TOP},
         **{
             f"records/{_record_page(path.relative_to(ROOT).as_posix())}": _copied(path, folder / "records" / path.name)
@@ -221,6 +223,20 @@ def _plugin(kind: str, name: str, registry: Registry) -> Iterator[str]:
     yield _as_markdown(target)
     rows = [(f"`{it.name}`", _cell(it.type), f"`{it.default}`", _cell(it.description)) for it in parameters_of(target)]
     yield _table(("parameter", "type", "default", "what it is"), rows) if rows else "It has no parameters."
+
+
+def checks_page() -> str:
+    """Every check of the contract kit, from the first paragraph of its docstring."""
+    parts = ["# Checks of the contract kit", "[The contract kit](../contracts.md) says how to run them."]
+    named = [*((kind.capitalize(), kit) for kind, kit in KITS.items()), ("Exported policies", EXPORTS)]
+    for title, kit in named:
+        rows = [(f"`{it.name}`", it.level, _as_markdown_text(it.fact)) for it in kit.checks]
+        parts += [f"## {title}", _table(("check", "level", "what holds"), rows)]
+    return _joined(parts)
+
+
+def _as_markdown_text(text: str) -> str:
+    return text.replace("``", "`").replace("|", "or")
 
 
 def api_page() -> str:

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from harness.testing.kits import EXPORTS, KITS
 from tests.docs.pages import FENCE, ROOT
 
 pytest.importorskip("sphinx")
 sys.path.insert(0, str(ROOT / "docs" / "site"))
-from generated_pages import MODULES, module_page, sidebar
+from generated_pages import MODULES, checks_page, module_page, sidebar
 
 DOCS = ROOT / "docs"
 INDEX = (DOCS / "index.md").read_text(encoding="utf-8")
@@ -90,3 +91,11 @@ def test_every_name_of_harness_has_a_directive_of_its_kind():
     page = module_page("harness")
     for kind, name in (("autofunction", "run"), ("autofunction", "load_results"), ("autoclass", "RecordRewards")):
         assert f".. {kind}:: harness.{name}\n" in page
+
+
+@pytest.mark.parametrize("kind", [*KITS, "exports"])
+def test_page_of_checks_has_every_check(kind: str):
+    """A row with its name, its level and what it holds."""
+    page, kit = checks_page(), KITS.get(kind, EXPORTS)
+    for check in kit.checks:
+        assert f"| `{check.name}` | {check.level} | " in page
