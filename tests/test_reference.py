@@ -124,7 +124,7 @@ def corrected(folder: Path) -> set[float]:
 
 def unfounded(page: str, known: set[float]) -> list[str]:
     """Passages that say better or worse without a corrected p of the record."""
-    passages = re.split(r"\n\s*\n|\n(?=[*|#])", page)
+    passages = [" ".join(it.split()) for it in re.split(r"\n\s*\n|\n(?=[*|#])", page)]
     return [passage for passage in passages if CLAIM.search(NO_CLAIM.sub("", passage)) and not _founded(passage, known)]
 
 
