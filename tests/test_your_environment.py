@@ -63,12 +63,6 @@ def test_first_training_is_recorded_and_read(
     assert row == pytest.approx((0, *(training.rewards[name].sum() for name in ("own", "upright"))))
 
 
-def test_readme_shows_the_same_example():
-    """What is run here is what stands there."""
-    (example,) = [text for text in EXAMPLES if "evaluate_policy" in text]
-    assert example in (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
-
-
 def test_verdict_takes_20_lines():
     """With the installation and the report."""
     (example,) = [text for text in EXAMPLES if "evaluate_policy" in text]

@@ -5,7 +5,7 @@
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
 It needs Playwright and Pillow, of the extras dev and video, and a Chromium. Each picture has 128 colours, to keep it
-small. The films, `reach.gif` and those of the studies, are made by `harness video`.
+small. The films, `reach.gif` and those of the studies, are made by `harness video`. `reach.png` is how that film ends.
 """
 
 import argparse
@@ -40,6 +40,14 @@ def main() -> None:
         _take(page, "first-number", "#combination-1 figure:has-text('eta_P = ruler') >> nth=0")
         _take(page, "first-replay", "#replay-title", "#replay-player")
         browser.close()
+    _take_end("reach")
+
+
+def _take_end(name: str) -> None:
+    """The last picture of a film: how its last episode ended."""
+    with Image.open(HERE / f"{name}.gif") as film:
+        film.seek(film.n_frames - 1)
+        film.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(HERE / f"{name}.png", optimize=True)
 
 
 def _take(page: Page, name: str, first: str, last: str = "") -> None:

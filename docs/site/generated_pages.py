@@ -2,13 +2,18 @@
 
 A Sphinx extension. It writes them into ``docs/generated`` before Sphinx looks for pages; nothing there is kept. The
 committed records, the robots' read-mes and the files at the repository's top become pages too; links lead there.
+
+``docs/index.md`` decides what stands in the sidebar: each of its headings is a caption, and the links in the lists
+below are its pages. So the index reads the same on a forge. Links lead to all other pages; records are not searched.
 """
 
+import importlib
 import inspect
 import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import typer
@@ -19,9 +24,11 @@ from harness.experiment.plan import Experiment
 from harness.hookspecs import NOUNS
 from harness.registry.parameters import parameters_of
 from harness.registry.registry import Registry, load_registry
+from harness.testing.kits import EXPORTS, KITS
 
 ROOT = Path(__file__).parents[2]
 FOLDER = "generated"
+INDEX = "index"
 TOP = ("CHANGELOG", "CONTRIBUTING", "SECURITY")
 """Pages that stand at the repository's top."""
 LINK = re.compile(r"\]\((<?)(?![a-z]+:|#|/)([^)]+)\)")
@@ -30,12 +37,18 @@ OUTSIDE = re.compile(r"\[([^]]*)\]\((?:\.\./)+([\w./-]+)(#[\w-]+)?\)")
 RECORD = re.compile(r"results/reference/([\w/-]+)/summary\.md")
 """Records may stand in a folder of several; pages of them stand beside one another."""
 ROBOT = re.compile(r"robots/(\w+)/README\.md")
-FLAT = (
-    "harness", "harness.simulator", "harness.task", "harness.reward", "harness.algorithm", "harness.metric",
-    "harness.executor", "harness.tracker", "harness.progress", "harness.reach", "harness.robot", "harness.errors",
-    "harness.results", "harness.hookspecs", "harness.pytest_plugin", "harness_plugins.sb3",
+MODULES = (
+    "harness", "harness.simulator", "harness.task", "harness.goal", "harness.environment", "harness.reward",
+    "harness.algorithm", "harness.metric", "harness.executor", "harness.tracker", "harness.progress", "harness.reach",
+    "harness.robot", "harness.policy", "harness.results", "harness.errors", "harness.hookspecs", "harness.authoring",
+    "harness.testing", "harness.pytest_plugin", "harness_plugins.sb3",
 )  # fmt: skip
-"""Modules that people import."""
+"""Modules that people import; each has a page."""
+SECTION = re.compile(r"^## (.+)$", re.MULTILINE)
+ENTRY = re.compile(r"^\* .*?\]\(([\w./-]+\.md)\)", re.MULTILINE)
+"""A line of a list whose first link leads to a page."""
+GENERATED = {"Look up": ("commands", "experiment-file", "built-in", "checks", "api")}
+"""By heading of the index: pages that stand there and are on no forge, since they are made from the code."""
 KINDS = tuple(kind for kind in NOUNS if kind not in {"robots", "commands"})
 MARKUP = re.compile(r"\[/?(?:bold|dim|italic|cyan|green|yellow|red|/)?\]")
 
@@ -44,19 +57,22 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Have the pages written before Sphinx reads any."""
     app.connect("config-inited", lambda app, _: write_pages(Path(app.srcdir) / FOLDER))
     app.connect("source-read", _lead_to_pages)
+    app.add_config_value("sidebar_pages", sorted(_listed_pages()), "env")  # another sidebar: all pages are read again
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
 def write_pages(folder: Path) -> None:
     """Write every generated page; one that is as before is left alone, so that Sphinx does not read it again."""
-    for name in ("records", "robots"):
+    for name in ("api", "records", "robots"):
         (folder / name).mkdir(parents=True, exist_ok=True)
     registry = load_registry()
     pages = {
         "commands.md": commands_page(),
         "experiment-file.md": experiment_page(),
         "api.md": api_page(),
-        **{f"{kind}.md": kind_page(kind, registry) for kind in KINDS},
+        **{f"api/{module}.md": module_page(module) for module in MODULES},
+        "built-in.md": built_in_page(registry),
+        "checks.md": checks_page(),
         **{f"{name}.md": _copied(ROOT / f"{name}.md", folder / f"{name}.md") for name in TOP},
         **{
             f"records/{_record_page(path.relative_to(ROOT).as_posix())}": _copied(path, folder / "records" / path.name)
@@ -98,7 +114,45 @@ def _lead_to_pages(app: Sphinx, page: str, content: list[str]) -> None:
             return f"[{text}]({up}{FOLDER}/{path}{anchor})"
         return text if (ROOT / path).is_dir() else found[0]
 
-    content[0] = OUTSIDE.sub(led, content[0])
+    text = OUTSIDE.sub(led, content[0])
+    if page == INDEX:
+        content[0] = text + _toctrees(content[0])
+    elif page not in _listed_pages():
+        searched = "nosearch: true\n" if page.startswith(f"{FOLDER}/records/") else ""
+        content[0] = f"---\norphan: true\n{searched}---\n\n{text}"
+    else:
+        content[0] = text
+
+
+def sidebar(index: str) -> dict[str, list[str]]:
+    """By heading of the index, whose text is `index`: the pages that it lists, by their names for Sphinx."""
+    headings = SECTION.split(index)[1:]
+    pages = {
+        title: [_page_name(path) for path in ENTRY.findall(text)]
+        for title, text in zip(headings[::2], headings[1::2], strict=True)
+    }
+    for title, names in GENERATED.items():
+        pages.setdefault(title, []).extend(f"{FOLDER}/{name}" for name in names)
+    return {title: names for title, names in pages.items() if names}
+
+
+def _page_name(path: str) -> str:
+    """What Sphinx calls the page that `path` leads to, from the index."""
+    name = path.removesuffix(".md")
+    return f"{FOLDER}/{Path(name).name}" if Path(name).name in TOP else name
+
+
+def _listed_pages() -> set[str]:
+    text = (ROOT / "docs" / f"{INDEX}.md").read_text(encoding="utf-8")
+    return {name for names in sidebar(text).values() for name in names}
+
+
+def _toctrees(index: str) -> str:
+    trees = (
+        "\n".join(["```{toctree}", ":hidden:", f":caption: {title}", "", *names, "```"])
+        for title, names in sidebar(index).items()
+    )
+    return "\n\n" + "\n\n".join(trees) + "\n"
 
 
 def commands_page() -> str:
@@ -145,35 +199,98 @@ def experiment_page() -> str:
     )
 
 
-def kind_page(kind: str, registry: Registry) -> str:
-    """Every built-in plugin of one kind, with its parameters."""
-    parts = [f"# Built-in {kind}", f"Every {NOUNS[kind]} of this version with its parameters."]
-    for name in registry.names(kind):
-        spec = registry.get(kind, name)
-        parts += [f"## {name}", f"{spec.summary}."]
-        try:
-            target = spec.load()
-        except Exception as error:  # its library is not installed where the site is built
-            parts.append(f"*Its parameters are missing here: {_cell(str(error))}*")
-            continue
-        parts.append(_as_markdown(target))
-        rows = [
-            (f"`{it.name}`", _cell(it.type), f"`{it.default}`", _cell(it.description)) for it in parameters_of(target)
-        ]
-        parts.append(_table(("parameter", "type", "default", "what it is"), rows) if rows else "It has no parameters.")
+def built_in_page(registry: Registry) -> str:
+    """Every built-in plugin of every kind, with its parameters."""
+    parts = [
+        "# Built-in plugins",
+        "Every plugin of this version with its parameters, as `harness describe NAME` tells.",
+    ]
+    for kind in KINDS:
+        parts.append(f"## {kind.capitalize()}")
+        for name in registry.names(kind):
+            parts += _plugin(kind, name, registry)
     return _joined(parts)
+
+
+def _plugin(kind: str, name: str, registry: Registry) -> Iterator[str]:
+    spec = registry.get(kind, name)
+    yield f"### {NOUNS[kind].capitalize()} {name}"
+    yield f"{spec.summary}."
+    try:
+        target = spec.load()
+    except Exception as error:  # its library is not installed where the site is built
+        yield f"*Its parameters are missing here: {_cell(str(error))}*"
+        return
+    yield _as_markdown(target)
+    rows = [(f"`{it.name}`", _cell(it.type), f"`{it.default}`", _cell(it.description)) for it in parameters_of(target)]
+    yield _table(("parameter", "type", "default", "what it is"), rows) if rows else "It has no parameters."
+
+
+def checks_page() -> str:
+    """Every check of the contract kit, from the first paragraph of its docstring."""
+    parts = ["# Checks of the contract kit", "[The contract kit](../contracts.md) says how to run them."]
+    named = [*((kind.capitalize(), kit) for kind, kit in KITS.items()), ("Exported policies", EXPORTS)]
+    for title, kit in named:
+        rows = [(f"`{it.name}`", it.level, _as_markdown_text(it.fact)) for it in kit.checks]
+        parts += [f"## {title}", _table(("check", "level", "what holds"), rows)]
+    return _joined(parts)
+
+
+def _as_markdown_text(text: str) -> str:
+    return text.replace("``", "`").replace("|", "or")
 
 
 def api_page() -> str:
-    """The public modules, from their docstrings."""
-    parts = [
-        "# Python",
-        "What you import, from the docstrings. Arrays name their shape, quantities their unit. NOTE, ARP and UNITY are "
-        "the three [sources](../sources.md) of this project: NOTE eq. 21 is equation 21 of [the note](../note.md).",
-    ]
-    for module in FLAT:
-        parts += [f"## {module}", f"```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n   :undoc-members:\n```"]
-    return _joined(parts)
+    """The list of the public modules."""
+    rows = [(f"[`{module}`](api/{module}.md)", _first_line(importlib.import_module(module))) for module in MODULES]
+    return _joined(
+        [
+            "# Python",
+            "What you import, from the docstrings. Arrays name their shape, quantities their unit. NOTE, ARP and UNITY "
+            "are the three [sources](../sources.md). NOTE eq. 21 is equation 21 of [the note](../note.md).",
+            _table(("module", "what it has"), rows),
+        ]
+    )
+
+
+def module_page(module: str) -> str:
+    """One public module: what its ``__all__`` names; where it has none, all public members that it defines itself.
+
+    Each name is looked up by itself, since a module may import it only when it is first used.
+    """
+    loaded = importlib.import_module(module)
+    parts = [f"# {module}", f"```{{eval-rst}}\n.. currentmodule:: {module}\n```"]
+    names = getattr(loaded, "__all__", None)
+    if names is None:
+        return _joined([parts[0], _directive("automodule", module)])
+    return _joined([*parts, _as_markdown(loaded), *(_member(loaded, name) for name in names)])
+
+
+def _member(module: ModuleType, name: str) -> str:
+    """What a page says of a public name; a class that an earlier module has too is explained there."""
+    full, thing = f"{module.__name__}.{name}", getattr(module, name)
+    if name.startswith("_"):
+        return f"`{full}` is `{thing!r}`."
+    earlier = MODULES[: MODULES.index(module.__name__)]
+    for other in earlier if inspect.isclass(thing) else ():
+        if name in getattr(importlib.import_module(other), "__all__", ()):
+            return f"`{full}` is explained in [{other}]({other}.md)."
+    return _directive(_directive_of(thing), full)
+
+
+def _directive(kind: str, name: str) -> str:
+    members = "" if kind in {"autofunction", "autodata"} else "\n   :members:\n   :undoc-members:"
+    return f"```{{eval-rst}}\n.. {kind}:: {name}{members}\n```"
+
+
+def _directive_of(thing: Any) -> str:
+    if inspect.isclass(thing):
+        return "autoexception" if issubclass(thing, BaseException) else "autoclass"
+    return "autofunction" if inspect.isroutine(thing) else "autodata"
+
+
+def _first_line(thing: Any) -> str:
+    return _cell(_as_markdown(thing).split("\n\n")[0])
 
 
 def _as_markdown(target: Any) -> str:

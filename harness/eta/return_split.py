@@ -4,7 +4,7 @@ With R_r(q) the mean return of the trainings by reward q, paid by reward r (B ba
 
     R_K(K) - R_B(B) = ruler + behaviour
 
-is always defined; ``docs/decomposition.md`` says how. The ratio is, where all four returns are above 0.
+is always defined; ``docs/what-eta-is.md`` says how. The ratio is, where all four returns are above 0.
 """
 
 from collections.abc import Mapping, Sequence

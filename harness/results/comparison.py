@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from html import escape
 from typing import Any, Literal, NamedTuple
 
 from harness.arrays import Float
@@ -22,6 +23,7 @@ from harness.registry.choice import Choice
 from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC, TRAINING, WHOLE
 from harness.results.mixture import Mixture
 from harness.results.pool import Pool
+from harness.text import visible
 
 UNTOLD = (None, NO_SIMULATOR, UNKNOWN_ALGORITHM)
 """What stands where there is nothing to tell."""
@@ -380,6 +382,15 @@ class Comparison:
             "behaviour": [change.to_json() for change in self.changes],
             "along_the_budget": [{**moment.to_json(), "answer": self.hint_at(moment)} for moment in self.along],
         }
+
+    def __repr__(self) -> str:
+        told = f"{self.group.title}: {self.names.proposed} against {self.names.baseline}"
+        return f"<Comparison in {told}, {len(self.seeds)} seeds: {self.headline.answer.value}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: both answers, in words."""
+        sentences = (repr(self).strip("<>"), self.headline.robot, self.headline.number)
+        return "".join(f"<p>{escape(visible(it))}</p>" for it in sentences if it)
 
     @property
     def _empty(self) -> str:

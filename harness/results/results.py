@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
+import pyarrow as pa
+
 from harness.errors import UsageError
 from harness.eta.equal import key_to_json
 from harness.record.cell import Cell
@@ -20,6 +22,7 @@ from harness.results.overview import overview_html
 from harness.results.pool import Pool
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix, return_matrices
+from harness.results.rows import comparison_rows
 from harness.results.table import Numbers, cell_to_json, metric_columns, numbers_of, table_of, write_table
 
 FORMAT = 1
@@ -115,9 +118,17 @@ class Results(Records):
         Raises:
             UsageError: pandas is not installed.
         """
-        if importlib.util.find_spec("pandas") is None:
-            raise UsageError("to_pandas needs pandas: pip install pandas")
-        return table_of(self._rows(), metric_columns(self.metrics)).to_pandas()
+        return _data_frame(table_of(self._rows(), metric_columns(self.metrics)), "to_pandas")
+
+    def comparisons(self) -> Any:
+        """A `pandas.DataFrame` with a row per comparison: the answer, its test, what decides, and the numbers.
+
+        `harness.results.rows.comparison_rows` makes the same as a table of pyarrow, which needs no pandas.
+
+        Raises:
+            UsageError: pandas is not installed.
+        """
+        return _data_frame(comparison_rows(self.combinations), "comparisons")
 
     def __repr__(self) -> str:
         counts = Counter(manifest.status for manifest in self.manifests)
@@ -134,3 +145,9 @@ class Results(Records):
     def numbers(self, cell: Cell) -> Numbers:
         """The numbers of a done cell, in the columns of `write_table`."""
         return numbers_of(self.measured(cell), self.metrics)
+
+
+def _data_frame(table: pa.Table, asked: str) -> Any:
+    if importlib.util.find_spec("pandas") is None:
+        raise UsageError(f"{asked} needs pandas: pip install pandas")
+    return table.to_pandas()

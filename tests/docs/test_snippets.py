@@ -83,7 +83,7 @@ def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         if "/arm/" in path:
             (tmp_path / "arm").mkdir(exist_ok=True)
             (tmp_path / "arm" / Path(path).name).write_text(text, encoding="utf-8")
-    (own,) = (it for it in BLOCKS if it.page == "docs/plugin-names.md" and "class MyReward" in it.text)
+    (own,) = (it for it in BLOCKS if it.page == "docs/how-to/own-reward.md" and "class MyReward" in it.text)
     (tmp_path / "my_reward.py").write_text(own.text, encoding="utf-8")
     (metric,) = (it for it in BLOCKS if it.page == "docs/how-to/own-metric.md" and it.language == "python")
     (tmp_path / "my_metric.py").write_text(metric.text, encoding="utf-8")

@@ -38,7 +38,7 @@ HELD: Mapping[str, str] = MappingProxyType(
         "docs/your-environment.md": "tests/test_your_environment.py",
         "docs/authoring.md": "tests/authoring/test_public_names.py",
         "docs/writing/": "tests/scaffold/test_pages.py, tests/plugins/tasks/test_writing_page.py",
-        "docs/plugin-names.md": "tests/cli/test_plugin_files.py; commands here use the file that it shows",
+        "docs/how-to/own-reward.md": "tests/cli/test_plugin_files.py; commands here use the file that it shows",
     }
 )
 """Pages whose Python other tests hold."""

@@ -195,3 +195,19 @@ def test_json_is_plain_and_the_same_with_and_without_seeds(combination: Comparis
     assert [change["name"] for change in full["behaviour"]] == ["closest_distance", "success_rate", "success_rate"]
     assert full["headline"] == {**combination.headline.to_json(), "robot": combination.headline.robot}
     assert (full["claims"], full["episodes"]) == (5, {"deterministic": 20})
+
+
+def test_repr_is_a_line(combination: Comparison, empty: Comparison):
+    """What was compared, where, in how many seeds, and the answer; a comparison holds curves of every step."""
+    assert repr(combination) == (
+        "<Comparison in ideal · wander · fd100 · fd100-reach: arp against baseline, 6 seeds: cannot tell>"
+    )
+    assert "0 seeds" in repr(empty)
+
+
+def test_notebook_gets_both_answers(combination: Comparison):
+    """In words, escaped."""
+    told = replace(combination, proposed="<b>")._repr_html_()
+    assert told.count("<p>") == 3
+    assert "&lt;b&gt;" in told
+    assert "<b>" not in told

@@ -19,6 +19,7 @@ from harness.record.folder import TRACE
 from harness.record.store import CELLS, RESULTS, Store
 from harness.registry.registry import Registry
 from harness.results import Results, load_results
+from harness.results.rows import SCHEMA
 from tests.results.folders import ARP, fail
 
 MakeCell = Callable[..., Cell]
@@ -207,3 +208,19 @@ def test_pandas_gets_a_row_per_cell(experiment: Store, registry: Registry):
     results.write_table()
     assert list(frame.columns) == pq.read_table(experiment.folder / RESULTS).column_names
     assert list(frame["status"]) == ["done"] * 6
+
+
+def test_comparisons_without_pandas_are_told(experiment: Store, registry: Registry, monkeypatch: pytest.MonkeyPatch):
+    """In one line, as `to_pandas` does."""
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(UsageError, match="comparisons needs pandas: pip install pandas"):
+        Results(experiment.folder, registry).comparisons()
+
+
+def test_comparisons_are_a_data_frame(experiment: Store, registry: Registry):
+    """A row for each."""
+    pytest.importorskip("pandas", reason="pandas is not installed")
+    results = Results(experiment.folder, registry)
+    frame = results.comparisons()
+    assert list(frame.columns) == SCHEMA.names
+    assert list(frame["proposed"]) == [it.proposed for it in results.combinations]

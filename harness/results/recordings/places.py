@@ -1,6 +1,7 @@
 """The recorded trainings of an experiment's cells, one study for each algorithm and environment."""
 
 from collections.abc import Sequence
+from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -31,6 +32,13 @@ class PlaceStudy(NamedTuple):
     """Why there is no study; empty if there is one."""
     notes: tuple[str, ...] = ()
     """What to know of the cells where there is no study, which else says it: a line each."""
+
+    def __repr__(self) -> str:
+        return f"<PlaceStudy of {self.title}: {len(self.cells)} cells, {self.reason or repr(self.study)}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a line per comparison, or why there is none."""
+        return f"<p>{escape(repr(self))}</p>" if self.study is None else self.study._repr_html_()
 
     @property
     def title(self) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from harness.eta.swaps import swaps_of
 from harness.eta.verdict.deals import smallest_p
 from harness.record.terms import FIRST, Terms
 from harness.results.comparison import Comparison
+from harness.results.overview import overview_html
 from harness.results.recordings.compare import compare_runs
 from harness.results.recordings.learning import learning_of
 from harness.results.recordings.runs import MANNERS, Runs
@@ -39,6 +41,14 @@ class Study:
     comparisons: tuple[Comparison, ...]
     tables: Mapping[str, Table]
     kind: Kind
+
+    def __repr__(self) -> str:
+        trainings, comparisons = len(self.runs.members), len(self.comparisons)
+        return f"<Study of '{self.folder}': {trainings} trainings, {comparisons} comparisons>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a line per comparison."""
+        return overview_html(self.comparisons) + f"<p>{escape(repr(self))}</p>"
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""

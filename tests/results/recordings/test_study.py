@@ -15,6 +15,7 @@ from harness.report.rows.comparison import basis_text
 from harness.results.learning import STRETCHES
 from harness.results.recordings.episodes import episodes_of
 from harness.results.recordings.learning import learning_of, return_name
+from harness.results.recordings.places import PlaceStudy
 from harness.results.recordings.read_runs import read_runs
 from harness.results.recordings.runs import EVALUATION, LAST, TRAINING
 from harness.results.recordings.study import compare_all
@@ -474,3 +475,20 @@ def test_where_the_recorder_paid_a_copy_of_the_own_reward_is_known(tmp_path, pay
     assert {manner: split.is_split for manner, split in comparison.returns.items()} == {
         EVALUATION: pay, LAST: pay, TRAINING: pay,
     }  # fmt: skip
+
+
+def test_repr_is_a_line(study_folder):
+    """A study holds every episode of every training; a notebook shows what it comes to."""
+    study = load_study(study_folder)
+    assert repr(study) == f"<Study of '{study_folder}': 12 trainings, 1 comparisons>"
+    place = PlaceStudy(study.runs.group, (), study, "")
+    assert len(repr(place).splitlines()) == 1
+    assert len(repr(place)) < 300
+    assert place._repr_html_() == study._repr_html_()
+    assert "<table>" in study._repr_html_()
+
+
+def test_place_without_a_study_shows_why(study_folder):
+    """In place of the table."""
+    place = PlaceStudy(load_study(study_folder).runs.group, (), None, "no seed < 2 is done")
+    assert "no seed &lt; 2 is done" in place._repr_html_()
