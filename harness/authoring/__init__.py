@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from harness.authoring.generator_state import pack_generator, restore_generator
     from harness.authoring.ground_contact import GroundContact
     from harness.authoring.layers import layer_weights
-    from harness.authoring.observed_reward import ObservedPlaces, ObservedReward
+    from harness.authoring.observed_reward import ObservedReward
     from harness.authoring.servo_track import ServoTrack
     from harness.authoring.substeps import Substeps
     from harness.authoring.wrapped_reward import WrappedReward
@@ -26,7 +26,6 @@ __all__ = [
     "Gaussian",
     "Greedy",
     "GroundContact",
-    "ObservedPlaces",
     "ObservedReward",
     "Part",
     "ServoTrack",
@@ -55,9 +54,9 @@ _HOMES = {
     **dict.fromkeys(("forward", "link_frames"), "harness.robot.kinematics"),
     **dict.fromkeys(("events_of", "order_of", "run_job", "run_jobs"), "harness.experiment.jobs"),
     **dict.fromkeys(("Part", "add_part", "add_parts", "parts_of"), "harness.authoring.folder_parts"),
-    **dict.fromkeys(("ObservedPlaces", "ObservedReward"), "harness.authoring.observed_reward"),
     **dict.fromkeys(("pack_generator", "restore_generator"), "harness.authoring.generator_state"),
     "GroundContact": "harness.authoring.ground_contact",
+    "ObservedReward": "harness.authoring.observed_reward",
     "ServoTrack": "harness.authoring.servo_track",
     "Substeps": "harness.authoring.substeps",
     "WrappedReward": "harness.authoring.wrapped_reward",

@@ -7,6 +7,8 @@ of anybody, has that distance only inside its observations. A map says where::
     end_effector=achieved_goal,target=desired_goal    parts of an observation that is a table
     end_effector=state[7:10],target=0.3/0.1/0.2       a stretch of a part, and a target that always is the same
     joints=0:6,target=6:9                             joint positions [rad]; `joints_deg` has them in degrees
+    distance=17:18                                    the distance itself, [m], where positions are not observed
+    distance=17:18,renewed=8:11                       numbers that change when a new target is drawn, and only then
 
 Of joints a function gives the end effector, such as the forward kinematics of a robot. This module knows no files, no
 robots and no environments.
@@ -25,7 +27,9 @@ from harness.reward import Reward
 from harness.score.scorer import Scorer
 
 END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"
-NAMES = (END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG)
+DISTANCE, RENEWED = "distance", "renewed"
+ARM = (END_EFFECTOR, JOINTS, JOINTS_DEG)
+NAMES = (END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG, DISTANCE, RENEWED)
 MOST_PLACE = 1_000_000
 EXAMPLE = "end_effector=0:3,target=3:6"
 _PLACE = re.compile(r"(?:(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d+):(?P<b>\d+)\])?|(?P<c>\d+):(?P<d>\d+))")
@@ -91,7 +95,8 @@ class ArmPlaces:
     """Where the end effector and the target stand.
 
     Attributes:
-        places: `Place` by name: ``target`` and one of the others.
+        places: `Place` by name: ``target`` and one that says where the end effector is, or ``distance``. Besides them
+            ``renewed``, if a new target may be drawn inside an episode.
         forward: Where the end effector is if joints are given.
     """
 
@@ -106,6 +111,7 @@ class ArmPlaces:
         """
         if END_EFFECTOR in self.places:
             return _three(self.places[END_EFFECTOR].rows(vectors), END_EFFECTOR)
+        self._require_positions()
         name = JOINTS if JOINTS in self.places else JOINTS_DEG
         joints = self.places[name].rows(vectors)
         if self.forward is None:
@@ -114,11 +120,38 @@ class ArmPlaces:
 
     def target(self, vectors: Any) -> Float:
         """The same of the target."""
+        self._require_positions()
         return _three(self.places[TARGET].rows(vectors), TARGET)
 
     def distances(self, vectors: Any) -> Float:
         """From end effector to target, (n,), [m]."""
+        if TARGET not in self.places:
+            told = self.places[DISTANCE].rows(vectors)
+            if told.shape[1] != 1:
+                raise UsageError(f"distance has {told.shape[1]} numbers: it is one, in metres, such as distance=17:18")
+            return told[:, 0]
         return distances(self.end_effector(vectors), self.target(vectors))
+
+    def reached(self, before: Any, after: Any) -> Float:
+        """How far the end effector is after steps from the targets before them, (n,), [m].
+
+        That is asked where a new target was drawn. A map of the distance alone cannot tell, and 0 is taken.
+        """
+        if TARGET not in self.places:
+            return np.zeros(len(self.distances(after)))
+        return distances(self.end_effector(after), self.target(before))
+
+    def has_new_target(self, before: Any, after: Any) -> Mask:
+        """Whether another target was drawn in each step, (n,); never if the map does not say what tells."""
+        if RENEWED not in self.places:
+            return np.zeros(len(self.distances(after)), bool)
+        one, other = self.places[RENEWED].rows(before), self.places[RENEWED].rows(after)
+        changed: Mask = (one != other).any(axis=1)
+        return changed
+
+    def _require_positions(self) -> None:
+        if TARGET not in self.places:
+            raise UsageError(f"positions are needed, and the map has the distance alone: give them, as in {EXAMPLE}")
 
 
 def parse_places(text: str, forward: Forward | None = None) -> ArmPlaces:
@@ -137,9 +170,12 @@ def parse_places(text: str, forward: Forward | None = None) -> ArmPlaces:
         if name not in NAMES or name in found or not where:
             raise UsageError(f"'{item}' in '{text}': give each of {', '.join(NAMES)} once at most, as in {EXAMPLE}")
         found[name] = parse_place(where)
-    arms = [name for name in NAMES if name in found and name != TARGET]
-    if TARGET not in found or len(arms) != 1:
-        raise UsageError(f"'{text}': name target and one of end_effector, joints and joints_deg, as in {EXAMPLE}")
+    arms = [name for name in ARM if name in found]
+    is_of_positions = TARGET in found and len(arms) == 1 and DISTANCE not in found
+    if not is_of_positions and (DISTANCE not in found or arms or TARGET in found):
+        raise UsageError(
+            f"'{text}': name target and one of end_effector, joints and joints_deg, as in {EXAMPLE}; or distance alone"
+        )
     return ArmPlaces(found, forward)
 
 

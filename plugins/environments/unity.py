@@ -7,16 +7,18 @@ from functools import cached_property
 from importlib.metadata import version
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 from pydantic.dataclasses import dataclass
 
-from harness.authoring import ObservedPlaces, ObservedReward
+from harness.authoring import ObservedReward
 from harness.environment import AnyEnv, Measure
 from harness.errors import UsageError
 from harness.registry.allowed import require_program
 from harness.registry.choice import build_defaults
 from harness.registry.registry import load_registry
 from harness.reward import Reward
+from harness.score.places import RENEWED, ArmPlaces, parse_places
 
 OWN = "own"
 DISTANCES = ("begin_distance", "closest_distance", "final_distance")
@@ -32,7 +34,7 @@ class KnownPlaces(NamedTuple):
     steps: int
 
 
-KNOWN = {"unity-arm": KnownPlaces("distance=17,renewed=8:11", "baseline", 5)}
+KNOWN = {"unity-arm": KnownPlaces("distance=17:18,renewed=8:11", "baseline", 5)}
 """``unity-arm`` is the agent of the baseline's public project: 19 numbers, of which the 18th is the distance to the
 target, and those from the 9th to the 11th are the target's direction."""
 
@@ -58,7 +60,7 @@ class Unity:
     places: Annotated[
         str,
         Field(
-            description="where observations tell positions, (end_effector=0:3,target=3:6), or a distance, distance=17; "
+            description="where observations tell positions, (end_effector=0:3,target=3:6), or distance=17:18; "
             f"or the name of a published agent: {', '.join(KNOWN)}"
         ),
     ] = ""
@@ -110,7 +112,7 @@ class Unity:
     @property
     def bounds(self) -> Mapping[str, tuple[float, float]]:
         """See `harness.environment.bounds_of`."""
-        targets = ("targets",) if self.places and self._observed.renewed else ()
+        targets = ("targets",) if self.places and (RENEWED in self._observed.places) else ()
         return dict.fromkeys((*DISTANCES, *targets) if self.places else (), (0.0, math.inf))
 
     def make(self) -> AnyEnv:
@@ -129,7 +131,7 @@ class Unity:
                 one = team.Team(self._connect, self.behavior, self.patience, restarts=bool(self.file))
                 teams.append(one)
                 if self.places:
-                    self._observed.require_within(sum(one.behaviour.sizes))
+                    _require_within(self._observed, sum(one.behaviour.sizes))
                 envs += [agent_env.AgentEnv(one, place) for place in range(min(one.size, count - len(envs)))]
         except BaseException as error:
             for one in teams:
@@ -151,9 +153,9 @@ class Unity:
         if not self.places:
             return {}
         measures: dict[str, Measure] = {}
-        if self.reached or self._observed.renewed:
+        if self.reached or (RENEWED in self._observed.places):
             measures["success"] = Followed(self._observed, lambda it: float(it.targets > 0 or it.best <= self.reached))
-        if self._observed.renewed:
+        if RENEWED in self._observed.places:
             measures["targets"] = Followed(self._observed, lambda it: float(it.targets))
         measures["closest_distance"] = Followed(self._observed, lambda it: it.best)
         measures["begin_distance"] = Followed(self._observed, lambda it: it.begin)
@@ -166,8 +168,8 @@ class Unity:
         return KnownPlaces(known.places, self.own_pays or known.own_pays, self.steps or known.steps)
 
     @cached_property
-    def _observed(self) -> ObservedPlaces:
-        return ObservedPlaces.parse(self._known.places)
+    def _observed(self) -> ArmPlaces:
+        return parse_places(self._known.places)
 
     def _paid_by(self, name: str) -> Measure:
         rewards: Mapping[str, Reward] = vars(self)["_rewards"]
@@ -196,7 +198,7 @@ class Followed:
         targets: How many targets were touched, so that a new one was drawn.
     """
 
-    def __init__(self, places: ObservedPlaces, value: Any) -> None:
+    def __init__(self, places: ArmPlaces, value: Any) -> None:
         self._places, self._value = places, value
         self.reset()
 
@@ -207,10 +209,11 @@ class Followed:
 
     def __call__(self, observation: Any, action: Any, next_observation: Any, info: Any) -> float:
         """The number after one more step."""
+        before, after = np.asarray(observation)[None], np.asarray(next_observation)[None]
         if self._is_new:
-            self.begin = self._places.distance_in(observation)
-        is_new = self._is_new = self._places.has_new_target(observation, next_observation)
-        self.last = self._places.distance_in(next_observation, target_of=observation if is_new else None)
+            self.begin = float(self._places.distances(before)[0])
+        is_new = self._is_new = bool(self._places.has_new_target(before, after)[0])
+        self.last = float((self._places.reached(before, after) if is_new else self._places.distances(after))[0])
         self.best, self.targets = min(self.best, self.last), self.targets + is_new
         return float(self._value(self))
 
@@ -230,6 +233,15 @@ class WithEvents:
         """What the step pays."""
         step = (observation, action, next_observation, info)
         return self._reward(*step) + float(info["paid"]) - self._part_of_own(*step)
+
+
+def _require_within(places: ArmPlaces, size: int) -> None:
+    """See that an observation of so many numbers has all places."""
+    try:
+        places.distances(np.zeros((1, size)))
+        places.has_new_target(np.zeros((1, size)), np.zeros((1, size)))
+    except UsageError as error:
+        raise UsageError(f"places: {error}") from error
 
 
 def _import(module: str) -> Any:

@@ -146,5 +146,5 @@ def test_an_unknown_behaviour_is_refused(start):
 
 def test_places_beyond_the_observation_are_refused(start):
     """Before anything is trained."""
-    with pytest.raises(UsageError, match=r"distance=19:20, and an observation has 19 numbers"):
-        start(places="distance=19")
+    with pytest.raises(UsageError, match=r"places: 19:20 is beyond the 19 numbers that there are"):
+        start(places="distance=19:20")
