@@ -15,6 +15,7 @@ ROOT = Path(harness.__file__).parent
 MODULES = sorted(
     ".".join(["harness", *path.relative_to(ROOT).with_suffix("").parts]).removesuffix(".__init__")
     for path in ROOT.rglob("*.py")
+    if "unity_player/__main__" not in path.as_posix()  # a program alone, which needs the extra unity
 )
 PUBLIC = [module for module in MODULES if module.count(".") <= 1]
 """The flat modules and the rooms."""

@@ -37,7 +37,7 @@ class AgentEnv(gymnasium.Env[Float32, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Float32, dict[str, Any]]:
-        """Start an episode; see `Team.begin`."""
+        """Start an episode."""
         super().reset(seed=seed)
         return self._team.begin(self._place, seed), {}
 
@@ -46,7 +46,7 @@ class AgentEnv(gymnasium.Env[Float32, Any]):
         self._team.note(self._place, action)
 
     def step(self, action: Any) -> tuple[Float32, float, bool, bool, dict[str, Any]]:
-        """One decision; see `Team.decide`."""
+        """Take one decision."""
         outcome = self._team.step(self._place, action)
         return *outcome, {"terminated": outcome.terminated, "paid": outcome.reward}
 

@@ -39,7 +39,7 @@ class Told(NamedTuple):
     reward: float
     """Since the last message about the agent, that of its group included."""
     truncated: bool = False
-    """Of an agent whose episode ended: its Max Step did it."""
+    """Whether Max Step ended the agent's episode."""
 
 
 @dataclass

@@ -24,6 +24,7 @@ NEEDS: Mapping[str, str] = MappingProxyType(
         "cautious|steady|mesh-arm|pinocchio|sbx-sac": "the package is not installed: `make examples` does it",
         "fetch-reach|id=Ant-v5": "takes libraries that are in no lock; tests/experiment/environments has a toy",
         "slurm|ray:address": "takes a cluster",
+        "unity:|unity_player|extra unity": "takes a program and an old protobuf; tests/plugins/unity_player",
         "cells/|CELL": "takes a trained policy; tests/plugins/commands",
         "--cells": "names cells of the reader's",
         "tuned.toml|tuning.toml": "takes a finished search; tests/tune",

@@ -98,7 +98,8 @@ def require_known(task: Given, registry: Registry) -> None:
         registry.get("tasks", str(_name_of(task)))
     except UsageError as error:
         there = f" Environments: {', '.join(registry.names('environments')) or 'none'}."
-        raise UsageError(f"{error}{there}") from None
+        told, asks, question = str(error).partition(" Did you mean")
+        raise UsageError(f"{told}{there}{asks}{question}") from None
 
 
 def refuse_places(sim: Sequence[Given], robot: str | None) -> None:
