@@ -74,7 +74,8 @@ def test_a_program_in_an_experiment_file_is_not_started(player, tmp_path: Path):
     """Whoever wrote the file says nothing about this machine; the user's word is asked for."""
     program = player()
     (tmp_path / "experiment.toml").write_text(
-        f'task = {{ name = "unity", file = "{program}" }}\nalgo = "random"\nreward = ["own", "own"]\nseeds = 1\nsteps = 20\n'
+        f'task = {{ name = "unity", file = "{program}" }}\n'
+        'algo = "random"\nreward = ["own", "own"]\nseeds = 1\nsteps = 20\n'
     )
     surroundings = {**os.environ, PROGRAMS: ""}
     words = [sys.executable, "-m", "harness", "run", str(tmp_path / "experiment.toml"), "--dry-run"]
