@@ -20,7 +20,7 @@ gymnasium.register("X-v0", entry_point="gymnasium.envs.classic_control:PendulumE
 EXPERIMENT = """
 task = { name = "gymnasium", id = "evil:X-v0" }
 algo = "random"
-reward = ["own"]
+reward = ["own", "own"]
 seeds = 1
 steps = 5
 evaluation_episodes = 1

@@ -56,6 +56,6 @@ def test_help_with_fifty_plugins_beside_bare_starts(require_speed, tmp_path: Pat
         )
         return done.stdout
 
-    helped = (sys.executable, "-m", "harness", "--help")
+    helped = (sys.executable, "-m", "harness", "--help", "--all")
     assert call(*helped).count("waves") == 49
     require_speed(lambda: call(sys.executable, "-c", "pass"), lambda: call(*helped), 1 / 16, rounds=15)
