@@ -30,7 +30,12 @@ USES: dict[str, Use] = {
     "pybullet": Use(((*ARM, "pybullet"),)),
     "dm-control": Use(((*ARM, "dm_control"),)),
     "gymnasium": Use(
-        ((*ENV, "gymnasium:id=InvertedPendulum-v5"), ("report", "out", "--json"), ("verify", "out")), "out/plan.json"
+        (
+            (*ENV, "gymnasium:id=InvertedPendulum-v5", "--reward", "own,own"),
+            ("report", "out", "--json"),
+            ("verify", "out"),
+        ),
+        "out/plan.json",
     ),
     "robotics": Use(((*ENV, "fetch-reach"),)),
     "metaworld": Use(((*ENV, "meta-world:episode_steps=20"),)),
@@ -57,6 +62,7 @@ USES: dict[str, Use] = {
 """By extra."""
 ELSEWHERE = {
     "drake": "make engines", "physx": "make engines", "mjx": "make engines",
+    "unity": "make unity",
     "dev": "make dev", "docs": "make docs", "peers": "make bench", "all": "test_all_extras_together",
 }  # fmt: skip
 """Extras that are tried somewhere else."""
