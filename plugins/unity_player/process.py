@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from harness.errors import UsageError
@@ -43,9 +44,8 @@ class PlayerProcess:
     def end(self) -> None:
         """End it, at once if it does not end by itself."""
         try:
-            self._guard.wait(LONGEST)
-        except subprocess.TimeoutExpired:
-            pass  # it gets no more time
+            with suppress(subprocess.TimeoutExpired):  # it gets no more time
+                self._guard.wait(LONGEST)
         finally:
             if self._guard.stdin:
                 self._guard.stdin.close()

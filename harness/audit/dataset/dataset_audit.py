@@ -11,7 +11,7 @@ from rich.text import Text
 from harness.arrays import Float
 from harness.audit.number import number
 from harness.audit.recorded.pair import Pair, mean_json
-from harness.audit.recorded.pair_grid import MISSING, add_answer, answer_grid, pair_grid, pair_lines
+from harness.audit.recorded.pair_grid import MISSING, add_answer, answer_grid, pair_grid, pair_lines, share_text
 from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, Auc
 from harness.eta.seed_mean import SeedMean
 from harness.record.dataset.dataset import DatasetFacts
@@ -192,15 +192,6 @@ def auc_text(auc: Auc) -> str:
     if auc.value is None:
         return MISSING
     return f"{auc.value:.3f}" if auc.low is None else f"{auc.value:.3f} [{auc.low:.3f}, {auc.high:.3f}]"
-
-
-def share_text(share: SeedMean) -> str:
-    """A share with its interval."""
-    if share.mean is None:
-        return MISSING
-    if share.low is None or share.high is None:
-        return f"{share.mean:.1%}"
-    return f"{share.mean:.1%} [{100 * share.low:.1f}, {100 * share.high:.1f}]"
 
 
 def still_text(reward: RewardAnswer, audit: DatasetAudit) -> str:

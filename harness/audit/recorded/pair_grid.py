@@ -29,7 +29,7 @@ def pair_grid(pair: Pair) -> Table:
     if pair.discordant.mean is not None and pair.told_apart.mean is not None:
         told = f"of the pairs of episodes that both tell apart; these are {pair.told_apart.mean:.0%} of all pairs"
         meaning = told_in(pair.discordant, pair, told)
-    add_answer(grid, "opposite order", _share_text(pair.discordant), meaning)
+    add_answer(grid, "opposite order", share_text(pair.discordant), meaning)
     return grid
 
 
@@ -65,7 +65,8 @@ def distance_text(mean: SeedMean) -> str:
     return f"{mean.mean:.3f}" if mean.low is None else f"{mean.mean:.3f} [{mean.low:.3f}, {mean.high:.3f}]"
 
 
-def _share_text(mean: SeedMean) -> str:
+def share_text(mean: SeedMean) -> str:
+    """A share, with its interval, as text."""
     if mean.mean is None:
         return MISSING
     low, high = mean.low, mean.high

@@ -17,13 +17,12 @@ from harness.audit.dataset.dataset_audit import (
     notes_of,
     pairs_text,
     setting_of,
-    share_text,
     still_text,
     title_of,
     verdict_of,
 )
 from harness.audit.number import number
-from harness.audit.recorded.pair_grid import MISSING, distance_text
+from harness.audit.recorded.pair_grid import MISSING, distance_text, share_text
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
 from harness.report.page.page import render_page, write_page

@@ -31,6 +31,7 @@ def _bare(program: Path, agents: int, steps: int) -> Callable[[], None]:
     def play() -> None:
         for _ in range(steps):
             decisions, _ = env.get_steps(name)
+            assert len(decisions) == agents
             env.set_actions(name, ActionTuple(rng.uniform(-1, 1, (len(decisions), 5)).astype(np.float32)))
             env.step()
 

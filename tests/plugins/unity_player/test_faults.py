@@ -1,6 +1,7 @@
 """Mistakes of a program: each ends in one line that says what Unity sent, and leaves nothing behind."""
 
 import re
+import socket
 
 import numpy as np
 import pytest
@@ -62,3 +63,11 @@ def test_an_agent_that_is_gone_is_missed(start):
     env.reset()
     with pytest.raises(UnityError, match=r"agent 0 of the behaviour .* has asked nothing for 1 s"):
         stand_still(env)
+
+
+def test_a_port_that_is_taken_is_refused(start):
+    """Another run waits there for the editor."""
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(UsageError, match=rf"port={port} is taken on this machine.*--jobs 1"):
+            start(port=port)
