@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.record.scene import Scene
+from harness.report.figures.palette import SIDES, light_colours
 from harness.results.replay import Episode, Show, Side
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import BACKGROUND, Camera, camera_for, chain_of, corners_of, draw_arm, require_pillow
@@ -16,12 +17,9 @@ from harness.text import visible
 if TYPE_CHECKING:
     from PIL import Image, ImageDraw
 
-BLUE, VERMILION = "#0072B2", "#D55E00"
-"""For baseline and proposed; apart for every kind of colour vision (Okabe and Ito), and in grey."""
-GREY, GREEN = "#767676", "#009E73"
-"""For random actions, and for what is beside the two."""
-INK = "#1a1a1a"
-COLOURS = (BLUE, VERMILION, GREEN, GREY)
+LIGHT = light_colours()
+INK = LIGHT["ink"]
+COLOURS = tuple(LIGHT[name] for name in SIDES)
 """The colours of the sides, as on the page."""
 WIDTH, HEIGHT, LINE = 320, 260, 22
 """The size of one side's picture and of a line of text, in pixels."""

@@ -12,7 +12,7 @@ from harness.errors import UsageError
 from harness.video.film import Frame
 from harness.video.write import RATE, write_film
 
-COLOURS = ("#0072b2", "#d55e00", "#f3f5f7")
+COLOURS = ("#5b6877", "#7a3db8", "#f3f5f7")
 PICTURES = [Frame(Image.new("RGB", (32, 20), colour), 0.5) for colour in COLOURS]
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from harness.errors import UsageError
 from harness.files.whole_file import write_whole
+from harness.report.figures.palette import STYLE
 
 
 def render_page(template: Path, noun: str, **values: Any) -> str:
@@ -26,7 +27,7 @@ def render_page(template: Path, noun: str, **values: Any) -> str:
 def _environment(folder: Path, jinja2: Any) -> Any:
     """One jinja2 environment for all pages of a folder's templates. It keeps the templates compiled."""
     return jinja2.Environment(
-        loader=jinja2.FileSystemLoader([folder, Path(__file__).parent]),
+        loader=jinja2.FileSystemLoader([folder, Path(__file__).parent, STYLE.parent]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,

@@ -5,7 +5,7 @@ const root = document.getElementById("replay-player");
 const data = JSON.parse(root.querySelector("script").textContent);
 const part = (name) => root.querySelector(`[data-part="${name}"]`);
 const views = root.querySelectorAll(".replay-views figure");
-const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"], GREEN = "#00805c", INK = "#2b3036";
+const COLOURS = data.colours, GREEN = "#00805c", INK = "#2b3036";
 const HOME = { turn: -0.9, rise: 0.35, zoom: 1 };
 const LIGHT = [-0.35, -0.5, 0.8];
 

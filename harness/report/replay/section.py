@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.arrays import Float
+from harness.report.figures.palette import SIDES, light_colours
 from harness.results.replay import Episode, Show, Side
 
 HERE = Path(__file__).parent
@@ -54,7 +55,8 @@ def replay_of(shows: Sequence[Show]) -> Replay | None:
 def replay_data(shows: Sequence[Show]) -> dict[str, Any]:
     """What the script reads: every scene once, and the shows."""
     scenes: list[dict[str, Any]] = []
-    return {"shows": [_show(show, scenes) for show in shows], "scenes": scenes}
+    colours = [light_colours()[name] for name in SIDES]
+    return {"shows": [_show(show, scenes) for show in shows], "scenes": scenes, "colours": colours}
 
 
 def _show(show: Show, scenes: list[dict[str, Any]]) -> dict[str, Any]:

@@ -18,12 +18,13 @@ from harness.report.figures.draw import (
     legend_of,
     panel_left,
 )
+from harness.report.figures.palette import light_colours
 from harness.text import visible
 
 CREATOR = "harness report --summary"
 """The creator that is written into every figure. It tells which figures in a folder are ours."""
 INTERVALS = "Bars: 95% intervals over seeds; one that ends at the edge of its panel goes on."
-STYLES = Path(__file__).parent.parent / "page"
+RULES = Path(__file__).parent.parent / "figures" / "chart.css"
 FONT = "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 EDGE, BETWEEN = 16.0, 24.0
 """Margins around the figure and between its panels, [px]."""
@@ -73,8 +74,7 @@ def draw_svg(title: str, headline: Sequence[str], panels: Sequence[TitledChart],
 
 def chart_style() -> str:
     """The page's style rules for charts, with the colours of the light screen in place of their names."""
-    page, rules = ((STYLES / name).read_text(encoding="utf-8") for name in ("report.css", "chart.css"))
-    colours = dict(re.findall(r"--([\w-]+): ([^;]+);", page.partition("}")[0]))
+    colours, rules = light_colours(), RULES.read_text(encoding="utf-8")
     return re.sub(r"var\(--([\w-]+)\)", lambda name: colours[name[1]], rules)
 
 

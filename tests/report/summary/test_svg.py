@@ -58,7 +58,7 @@ def test_every_colour_is_written_in():
     """Those of the page on a light screen, in the place of their names."""
     style = chart_style()
     assert "var(" not in style
-    assert ".chart .baseline, .chart .pair-0 { color: #0072b2; }" in style
+    assert ".chart .baseline, .chart .pair-0 { color: #5b6877; }" in style
     assert ".chart .open { fill: #fff; }" in style
 
 

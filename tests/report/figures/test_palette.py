@@ -1,0 +1,61 @@
+"""One palette for pages, figures and films."""
+
+import re
+
+import pytest
+
+from harness.report.figures.palette import SIDES, STYLE, light_colours
+
+WORDS = ("ruler", "behaviour", "baseline", "proposed", "random", "helps", "hurts", "same", "unknown", "soft", "ink")
+"""Colours in which words are written too."""
+READABLE = 4.5
+"""The least contrast of a text with its page (WCAG 2.2, 1.4.3)."""
+
+
+def _colours(scheme: int) -> dict[str, str]:
+    blocks = STYLE.read_text(encoding="utf-8").split(":root")[1:]
+    return dict(re.findall(r"--([\w-]+): ([^;]+);", blocks[scheme]))
+
+
+def _brightness(colour: str) -> float:
+    digits = colour[1:] if len(colour) == 7 else "".join(2 * it for it in colour[1:])
+    shares = [int(digits[at : at + 2], 16) / 255 for at in (0, 2, 4)]
+    red, green, blue = (it / 12.92 if it <= 0.04045 else ((it + 0.055) / 1.055) ** 2.4 for it in shares)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def _contrast(one: str, other: str) -> float:
+    low, high = sorted((_brightness(one), _brightness(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("scheme", [0, 1], ids=["light", "dark"])
+@pytest.mark.parametrize("name", WORDS)
+def test_words_can_be_read_on_either_screen(name: str, scheme: int) -> None:
+    """On the page itself and on its shaded parts."""
+    colours = _colours(scheme)
+    assert min(_contrast(colours[name], colours[back]) for back in ("page", "shade")) >= READABLE
+
+
+@pytest.mark.parametrize("scheme", [0, 1], ids=["light", "dark"])
+def test_what_a_badge_says_can_be_read_on_its_area(scheme: int) -> None:
+    """Each answer on the area of its colour."""
+    colours = _colours(scheme)
+    for name in ("helps", "hurts", "same", "unknown"):
+        assert _contrast(colours[name], colours[f"{name}-area"]) >= READABLE, name
+
+
+def test_both_screens_have_the_same_names() -> None:
+    """A colour that only one of them had would be missing on the other."""
+    assert list(_colours(0)) == list(_colours(1))
+
+
+def test_a_film_has_the_colours_of_the_light_screen() -> None:
+    """Sides are named as in the style sheet."""
+    assert [light_colours()[name] for name in SIDES] == [_colours(0)[name] for name in SIDES]
+
+
+def test_what_stands_beside_another_has_a_colour_of_its_own() -> None:
+    """Ruler and behaviour, baseline and proposed, better and worse: six colours."""
+    names = ("ruler", "behaviour", "baseline", "proposed", "helps", "hurts")
+    assert len({light_colours()[name] for name in names}) == len(names)
