@@ -109,7 +109,6 @@ class Headline:
         decided_by: The measure that decided; None if no measure did.
         seeds_to_decide: How many seeds would tell the difference that was seen, as a range; None where the robot's
             answer needs no more, or no number can be told.
-        lead: The first sentence of `robot`, for a place with little room; empty where there is no more to it.
     """
 
     answer: Answer
@@ -117,7 +116,6 @@ class Headline:
     number: str
     decided_by: str | None = None
     seeds_to_decide: Range | None = None
-    lead: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -185,7 +183,7 @@ def is_within(change: Compared, margin: float) -> bool:
 
 def margin_of(change: Compared) -> float:
     """The margin of a measure, in its unit. A smaller difference counts as none."""
-    if _is_share(change):
+    if is_share(change):
         return SUCCESS_MARGIN
     return TIME_MARGIN * abs(change.baseline or 0.0)
 
@@ -214,7 +212,7 @@ def _decided(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: 
 
 def _neither_learns(change: Compared) -> bool:
     return (
-        _is_share(change)
+        is_share(change)
         and change.measure.better == "higher"
         and None not in (change.baseline, change.proposed)
         and max(change.baseline or 0.0, change.proposed or 0.0) < LEARNED
@@ -238,7 +236,7 @@ def _same(names: Names, deciding: Sequence[Compared]) -> str:
 
 
 def _small(names: Names, change: Compared, margin: float, where: str) -> str:
-    told = f"{100 * margin:g} points" if _is_share(change) else f"{margin:.0%}"
+    told = f"{100 * margin:g} points" if is_share(change) else f"{margin:.0%}"
     return (
         f"{names.proposed} differs by less than {told}{where and ' '}{where}: {_values(names, change)}; "
         f"{count_seeds(change.seeds)}. The training ended here, as planned: more seeds would not be worth their cost."
@@ -247,7 +245,7 @@ def _small(names: Names, change: Compared, margin: float, where: str) -> str:
 
 
 def _no_difference(names: Names, changes: Sequence[Compared], where: str) -> str:
-    told = "; ".join(f"{_values(names, change)}, less than {_margin_text(change)} apart" for change in changes)
+    told = "; ".join(f"{_values(names, change)}, less than {margin_text(change)} apart" for change in changes)
     return (
         f"{names.proposed} makes no difference that counts{where and ' '}{where}: {told} "
         f"(equivalence by two one-sided tests, 5% each).{_unseen(changes[0])}"
@@ -256,7 +254,7 @@ def _no_difference(names: Names, changes: Sequence[Compared], where: str) -> str
 
 def _unseen(change: Compared) -> str:
     """What the answer cannot see where no seed failed."""
-    if not _is_share(change) or change.lowest is None or change.lowest < FAILED:
+    if not is_share(change) or change.lowest is None or change.lowest < FAILED:
         return ""
     return (
         f" No seed failed; with {count_seeds(change.seeds)}, up to {min(1.0, 3.0 / change.seeds):.0%} of them could "
@@ -266,7 +264,7 @@ def _unseen(change: Compared) -> str:
 
 def _cannot_tell(names: Names, deciding: Sequence[Compared], number: str, ruling: Ruling, where: str) -> Headline:
     seeds, fewest = deciding[0].seeds, fewest_seeds(ruling.level / (ruling.asked if where else 1))
-    lead = told = (
+    told = (
         f"Cannot tell from {count_seeds(seeds)}{where and ' '}{where} whether {names.proposed} helps or hurts: "
         f"{'; '.join(_values(names, change) for change in deciding)}."
     )
@@ -275,13 +273,13 @@ def _cannot_tell(names: Names, deciding: Sequence[Compared], number: str, ruling
     at_most = "; ".join(text for change in deciding if (text := _at_most(change)))
     lines = [told, f"The difference is at most {at_most} (90%)." if at_most else "", _yet(deciding, ruling)]
     seen, small = _seeds_needed(deciding, ruling, "seen"), _seeds_needed(deciding, ruling, "margin")
-    margins = " or of ".join(map(_margin_text, deciding))
+    margins = " or of ".join(map(margin_text, deciding))
     if seen:
         lines.append(_plan_text(seen, seeds, "the difference that was seen"))
     elif small:
         lines.append(_plan_text(small, seeds, f"a difference of {margins}"))
     robot = " ".join(line for line in lines if line)
-    return Headline(Answer.CANNOT_TELL, robot, number, seeds_to_decide=seen or small, lead=lead)
+    return Headline(Answer.CANNOT_TELL, robot, number, seeds_to_decide=seen or small)
 
 
 def _plan_text(needed: Range, seeds: int, what: str) -> str:
@@ -297,7 +295,7 @@ def _at_most(change: Compared) -> str:
         return ""
     most = max(map(abs, change.likely))
     name = SHORT.get(change.name, change.name.replace("_", " "))
-    if _is_share(change):
+    if is_share(change):
         return f"{100 * most:.1f} points of {name}"
     return f"{most:.3g}{' ' if change.measure.unit else ''}{change.measure.unit} of {name}"
 
@@ -323,7 +321,7 @@ def _values(names: Names, change: Compared) -> str:
     )
     if change.low is None or change.high is None:
         return told
-    if _is_share(change):
+    if is_share(change):
         return f"{told} (difference {100 * change.low:+.1f} to {100 * change.high:+.1f} points)"
     unit = f" {change.measure.unit}" if change.measure.unit else ""
     return f"{told} (difference {change.low:+.3g} to {change.high:+.3g}{unit})"
@@ -333,17 +331,18 @@ def _amount_text(change: Compared, value: float | None) -> str:
     """A value of a deciding measure, with its unit."""
     if value is None:
         return "n/a"
-    return f"{value:.1%}" if _is_share(change) else f"{value:.3g} {change.measure.unit}".rstrip()
+    return f"{value:.1%}" if is_share(change) else f"{value:.3g} {change.measure.unit}".rstrip()
 
 
-def _is_share(change: Compared) -> bool:
+def is_share(change: Compared) -> bool:
     """Whether a measure is written as a percentage."""
     return change.name == SUCCESS or change.measure.episodes is not None
 
 
-def _margin_text(change: Compared) -> str:
+def margin_text(change: Compared) -> str:
+    """The margin of a measure in words."""
     name = SHORT.get(change.name, change.name.replace("_", " "))
-    if _is_share(change):
+    if is_share(change):
         return f"{100 * SUCCESS_MARGIN:g} points of {name}"
     return f"{TIME_MARGIN:.0%} of {name}"
 

@@ -11,6 +11,7 @@ from harness.eta.behaviour_change import Change
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, Names, judge, p_text
 from harness.eta.index import Index, Ratio
+from harness.eta.lead import lead_of
 from harness.eta.number import number_sentence, return_sentence
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
@@ -325,6 +326,12 @@ class Comparison:
             return found
         over_all = f"{self.pool.where.capitalize()} together {self.proposed} {self.pool.headline.answer.value}."
         return replace(found, robot=f"{over_all} Of this place alone: {found.robot}")
+
+    @cached_property
+    def lead(self) -> str:
+        """The answer about the robot in a sentence or two without a bracket."""
+        found, ruling = self.headline, self.ruling or Ruling()
+        return lead_of(found, self.decisive_changes, ruling, self.group.subject, same_steps=self.same_steps)
 
     @property
     def speed_text(self) -> str:

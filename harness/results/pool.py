@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from harness.eta.headline import Answer, Headline, Names, judge
+from harness.eta.lead import lead_of
 from harness.eta.verdict.ruling import Ruling
 from harness.eta.verdict.together import Together
 
@@ -21,6 +22,7 @@ class Pool:
         ruling: What the test says of the mean over all of them.
         measures: The measures that decide, means over places; empty where their units differ from place to place.
         better_in: In how many places at least the robot does better, or worse, as the answer says.
+        subject: Who behaves: ``robot`` or ``agent``.
     """
 
     names: Names
@@ -29,6 +31,7 @@ class Pool:
     ruling: Ruling
     measures: Sequence[Together]
     better_in: int = 0
+    subject: str = "robot"
 
     @cached_property
     def headline(self) -> Headline:
@@ -41,6 +44,14 @@ class Pool:
         told = f"{found.robot} {self._where_at_least()}"
         return Headline(found.answer, told, "", found.decided_by)
 
+    @cached_property
+    def lead(self) -> str:
+        """The answer in a sentence or two without a bracket."""
+        if not self.measures:
+            return self.headline.robot
+        told = lead_of(self.headline, self.measures, self.ruling, self.subject, self.where)
+        return f"{told} {self._where_at_least()}" if self.ruling.is_decided else told
+
     @property
     def where(self) -> str:
         """Over how many places."""
@@ -50,7 +61,10 @@ class Pool:
         verb = "better" if self.ruling.sign > 0 else "worse"
         if not self.better_in:
             return f"In which of the places it does {verb} is not decided."
-        return f"It does {verb} in at least {self.better_in} of the {len(self.places)} places."
+        count = len(self.places)
+        if self.better_in == count:
+            return f"It does {verb} in {'both' if count == 2 else f'all {count}'} places."
+        return f"It does {verb} in at least {self.better_in} of the {count} places."
 
     def _without_values(self) -> Headline:
         if not self.ruling.is_decided:

@@ -142,6 +142,7 @@ def _with_rulings(
             whole,
             it.together(),
             better_in(question, whole) if question.is_testable else 0,
+            it.members[0].group.subject,
         )
         of_places = [whole] * len(it.members) if whole.instead else rule_places(question, whole)
         for member, ruling in zip(it.members, of_places, strict=True):

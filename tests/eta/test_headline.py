@@ -126,15 +126,6 @@ def test_a_difference_too_small_to_go_on_for_ends_the_training():
     assert found.robot.startswith("mine differs by less than 10 points: success rate 61.0% with mine")
 
 
-def test_an_answer_that_says_more_begins_with_its_lead():
-    """Where there is little room, how large the difference can be and how many seeds would tell are left out."""
-    ruling = Ruling(0.5, 0.5, of_measures=(0.5,), signs=(1,))
-    found = judge(NAMES, [change([0.5, 0.6, 0.4], [0.6, 0.7, 0.3])], "", ruling)
-    assert found.lead.startswith("Cannot tell from 3 seeds whether mine helps or hurts: success rate")
-    assert found.robot.startswith(f"{found.lead} ")
-    assert found.lead.count(". ") == 0
-
-
 def test_in_looks_few_seeds_are_no_warning():
     """The plan says when to ask again; where places have seeds of their own, two of each can decide."""
     few = [change([0.5, 0.6], [0.6, 0.7])]

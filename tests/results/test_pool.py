@@ -27,14 +27,14 @@ def test_the_answer_says_over_how_many_places_and_in_how_many_at_least():
     """In one sentence each."""
     told = pool_of(0.9).headline.robot
     assert told.startswith("dense helps over 4 places: success rate ")
-    assert told.endswith("It does better in at least 4 of the 4 places.")
+    assert told.endswith("It does better in all 4 places.")
 
 
 def test_a_reward_that_hurts_does_worse():
     """The sentence follows the answer."""
     told = pool_of(0.1).headline
     assert told.answer == "hurts"
-    assert "It does worse in at least 4 of the 4 places." in told.robot
+    assert "It does worse in all 4 places." in told.robot
 
 
 def test_what_is_not_decided_says_no_place():

@@ -19,16 +19,46 @@ def draw_strip(change: Change) -> str:
     """A row of the forest plot as an SVG element; empty if there is no difference to show."""
     if change.difference is None:
         return ""
-    ends = [end for end in (change.low, change.high) if end is not None]
-    farthest = max(map(abs, [change.difference, *ends])) or 1.0
-    sign = 1.0 if change.measure.better == "higher" else -1.0
+    return draw_interval(change.difference, change.low, change.high, change.measure.better, change.direction)
+
+
+def draw_interval(difference: float, low: float | None, high: float | None, better: str, direction: str) -> str:
+    """A difference and its interval as an SVG element, with what is better on the right.
+
+    Args:
+        difference: The dot.
+        low: The lower end of the bar; None where there is none.
+        high: The upper end.
+        better: Whether ``higher`` or ``lower`` is better.
+        direction: ``better`` or ``worse`` where a test says so, else empty.
+    """
+    ends = [end for end in (low, high) if end is not None]
+    farthest = max(map(abs, [difference, *ends])) or 1.0
+    sign = 1.0 if better == "higher" else -1.0
     svg = Element("svg", {"class": "chart strip", "viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}", "aria-hidden": "true"})
     middle, half = WIDTH / 2, HEIGHT / 2
     SubElement(svg, "path", {"class": "one", "d": f"M{middle:g} 0V{HEIGHT:g}"})
-    kind = change.direction or "undecided"
+    kind = direction or "undecided"
     if len(ends) == 2:
-        low, high = sorted(middle + REACH * sign * end / farthest for end in ends)
-        SubElement(svg, "path", {"class": f"line {kind}", "stroke-width": "2", "d": f"M{low:.1f} {half:g}H{high:.1f}"})
-    at = middle + REACH * sign * change.difference / farthest
+        left, right = sorted(middle + REACH * sign * end / farthest for end in ends)
+        SubElement(svg, "path", {"class": f"line {kind}", "stroke-width": "2", "d": f"M{left:.1f} {half:g}H{right:.1f}"})
+    at = middle + REACH * sign * difference / farthest
     SubElement(svg, "circle", {"class": f"dot {kind}", "cx": f"{at:.1f}", "cy": f"{half:g}", "r": "4"})
+    return ElementTree.tostring(svg, encoding="unicode")
+
+
+def draw_part(size: float, farthest: float, name: str) -> str:
+    """A bar from no change to a part of a change, as an SVG element.
+
+    Args:
+        size: How large the part is, to the right if it is above 0.
+        farthest: The largest part, which the picture has room for.
+        name: Of its colour, such as ``ruler``.
+    """
+    svg = Element("svg", {"class": "chart strip", "viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}", "aria-hidden": "true"})
+    middle = WIDTH / 2
+    end = middle + REACH * size / (farthest or 1.0)
+    left, width = min(middle, end), max(abs(end - middle), 1.0)
+    SubElement(svg, "rect", {"class": f"bar {name}", "x": f"{left:.1f}", "y": "4", "width": f"{width:.1f}", "height": "10"})
+    SubElement(svg, "path", {"class": "one", "d": f"M{middle:g} 0V{HEIGHT:g}"})
     return ElementTree.tostring(svg, encoding="unicode")

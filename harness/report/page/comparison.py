@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from harness.report.answers import badge_of, symbol_of
+from harness.eta.return_split import ReturnSplit
+from harness.report.answers import symbol_of
 from harness.report.apart import BETWEEN
 from harness.report.figures.accumulated import draw_panels
 from harness.report.figures.chart import Chart
@@ -14,7 +15,9 @@ from harness.report.figures.learning import describe_learning, draw_learning, le
 from harness.report.figures.profile import describe_profile, draw_profile
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
+from harness.report.figures.sum_split import describe_sum, draw_sum
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
+from harness.report.page.answer import card_of
 from harness.report.page.frames import frames_of
 from harness.report.page.outcomes import Bar, outcome_bars
 from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link
@@ -29,8 +32,6 @@ from harness.report.rows.behaviour import (
 )
 from harness.report.rows.comparison import (
     Grid,
-    advice,
-    answer_text,
     basis_text,
     claims_text,
     format_number,
@@ -39,7 +40,7 @@ from harness.report.rows.comparison import (
     scales_text,
     seeds_text,
 )
-from harness.report.rows.numbers import number_grids, splits_of
+from harness.report.rows.numbers import number_grids
 from harness.report.rows.payoff import Audits, payoff_story
 from harness.report.rows.returns import READING, returns_grid
 from harness.results import Results
@@ -61,10 +62,12 @@ class Panel(NamedTuple):
 
 EMPTY: Mapping[str, Any] = MappingProxyType(
     {
-        **dict.fromkeys(("returns", "frames", "behaviour", "payoffs")),
-        **dict.fromkeys(("advice", "tests", "summary", "number", "speed"), ""),
-        **dict.fromkeys(("mixtures", "strips", "outcomes", "episodes", "endings", "showing", "learning", "splits"), ()),
-        **dict.fromkeys(("curves", "profiles", "other_behaviour", "numbers", "trajectories"), ()),
+        **dict.fromkeys(("returns", "frames", "behaviour", "payoffs", "show")),
+        **dict.fromkeys(("tests", "summary", "speed", "symbol"), ""),
+        "has_number": False,
+        "place": 1,
+        **dict.fromkeys(("mixtures", "full", "strips", "outcomes", "episodes", "endings", "showing", "learning"), ()),
+        **dict.fromkeys(("splits", "curves", "profiles", "other_behaviour", "numbers", "trajectories"), ()),
     }
 )
 """What the template shows of a comparison of which nothing is known."""
@@ -79,18 +82,18 @@ def comparison_section(
     changes = [it for rows in (defined_changes, failed_changes) for it in rows(combination, combination.manner)]
     bars = outcome_bars(combination)
     returned = returns_grid(combination)
+    splits, curves = _split_panels(combination), _curve_panels(combination, points)
+    payoffs = payoff_story(combination, audits)
+    numbers = number_grids(combination, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :]
+    full = (f"{headline.robot} {basis_text(combination)}".strip(), headline.number)
     return {
         "title": title,
-        "answer": answer_text(headline),
-        "badge": badge_of(headline.answer),
-        "symbol": symbol_of(headline.answer),
-        "robot": f"{headline.robot} {basis_text(combination)}".strip(),
-        "lead": headline.lead or headline.robot,
-        "number": headline.number,
+        "card": card_of(combination, title),
+        "show": links.place - 1 if links else None,
+        "full": [text for text in full if text],
         "speed": combination.speed_text,
         "returns": returned._replace(title="") if returned.rows or returned.notes else None,
         "mixtures": [mixture.text for mixture in combination.mixtures],
-        "advice": advice(results, combination),
         "tests": claims_text(combination),
         "summary": describe_comparison(combination),
         "behaviour": grids[0] if grids else None,
@@ -104,12 +107,14 @@ def comparison_section(
             for it in changes
         ],
         "learning": _learning_panels(results, combination),
-        "splits": _split_panels(combination),
-        "curves": _curve_panels(combination, points),
-        "payoffs": payoff_story(combination, audits),
+        "splits": splits,
+        "curves": curves,
+        "payoffs": payoffs,
         "profiles": _profile_panels(combination),
         "other_behaviour": _full([along_grid(combination), *grids[1:], seeds_grid(combination)]),
-        "numbers": number_grids(combination, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :],
+        "numbers": numbers,
+        "has_number": bool(splits or curves or payoffs or numbers or returned.rows or returned.notes),
+        "symbol": symbol_of(headline.answer),
         "trajectories": _trajectory_panels(results, combination),
     }
 
@@ -126,15 +131,13 @@ def describe_comparison(combination: Comparison) -> str:
     if not seeds:
         return f"{combination.proposed} was to be compared with {combination.baseline}, but {combination.eta_n.note}."
     paid = (
-        f"twice paid by {combination.baseline}, the second time with other seeds"
+        f"trained twice, both times paid by {combination.baseline}, the second time with other seeds"
         if combination.is_control
-        else f"once paid by {combination.baseline}, once by {combination.proposed}"
+        else f"trained twice, once paid by {combination.baseline}, once by {combination.proposed}"
     )
-    labels, scales = group.labels, scales_text(group.subject)
-    who = f"The robot {group.robot} did {group.task.label}" if "robot" in labels else f"{group.task.label} was learned"
-    where = f" in {labels['simulator']}" if "simulator" in labels else ""
-    with_what = f" with {group.algorithm.label}" if "algorithm" in labels else ""
-    told = f"{who}{where}{with_what}, {group.steps:,} environment steps per run, {seeds_text(seeds)}: {paid}."
+    what = ", ".join(f"{kind} {label}" for kind, label in group.labels.items())
+    told = f"{what[0].upper()}{what[1:]}. {seeds_text(seeds).capitalize()}, {group.steps:,} steps each: {paid}."
+    scales = scales_text(group.subject)
     return f"{told} {READING} {scales}" if combination.main else f"{told} {scales}"
 
 
@@ -193,19 +196,31 @@ def _profile_panels(combination: Comparison) -> list[Panel]:
 
 
 def _split_panels(combination: Comparison) -> list[Panel]:
-    """The mean return in the manner that decides, then eta_N and eta_P, each with its parts, and the same in words."""
-    drawn = [(name, split, draw_split(name, split)) for name, split in splits_of(combination).items()]
-    headings = {"eta": f"Mean return {combination.manner}: eta = ruler x behaviour"}
-    return [
-        _panel(
-            headings.get(name, f"{name} = ruler x behaviour"),
-            chart,
-            describe_split(name, split),
-            "Ratios on a logarithmic axis.",
-        )
+    """The pay of an episode with its parts, as a ratio or else as a difference; then, of an arm, both indices."""
+    returned = combination.returns.get(combination.manner)
+    panels = [] if returned is None else _return_panel(returned, combination.manner)
+    indices = combination.index_splits if combination.number_of == "indices" and combination.is_split else {}
+    drawn = [(name, split, draw_split(name, split)) for name, split in indices.items()]
+    return panels + [
+        _panel(f"{name} = ruler x behaviour", chart, describe_split(name, split), LOGARITHMIC)
         for name, split, chart in drawn
         if chart is not None
     ]
+
+
+LOGARITHMIC = "Ratios on a logarithmic axis."
+
+
+def _return_panel(returned: ReturnSplit, manner: str) -> list[Panel]:
+    """The change of the mean return: a ratio where both returns are above 0, else a difference."""
+    what = f"Mean return {manner}"
+    chart = draw_split("eta", returned.ratio)
+    if chart is not None:
+        return [_panel(f"{what}: eta = ruler x behaviour", chart, describe_split("eta", returned.ratio), LOGARITHMIC)]
+    chart = draw_sum(returned.total)
+    if chart is None:
+        return []
+    return [_panel(f"{what}: change = ruler + behaviour", chart, describe_sum(returned.total), "Differences.")]
 
 
 def _curve_panels(combination: Comparison, points: int) -> list[Panel]:

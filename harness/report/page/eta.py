@@ -6,14 +6,15 @@ from typing import Any
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import Answer
 from harness.eta.scored_sums import BB, KK
-from harness.report.answers import badge_of, symbol_of, word_of
+from harness.report.answers import badge_of, word_of
 from harness.report.figures.accumulated import draw_curve
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
+from harness.report.page.answer import Card
 from harness.report.page.comparison import EMPTY, Panel
-from harness.report.page.html import NO_SECTIONS, SHARED, TEMPLATE
+from harness.report.page.html import NO_SECTIONS, SHARED, TEMPLATE, parts_of
 from harness.report.page.page import render_page, write_page
 from harness.report.rows.comparison import (
     index_grid,
@@ -40,15 +41,18 @@ def write_eta_page(comparison: ComparedRuns, path: Path) -> None:
     Raises:
         UsageError: A library of the extra ``report`` is missing, or `path` cannot be written.
     """
+    section = _section(comparison)
     page = render_page(
         TEMPLATE,
         "--plot",
         **{
             **NO_SECTIONS,
             "question": comparison_title(comparison),
-            "comparisons": [_section(comparison)],
+            "comparisons": [section],
+            "ordered": [section],
+            "has": parts_of([section], has_more=False),
             "is_open": True,
-            "told": {**SHARED, "subject": "robot", "cells": "Runs"},
+            "told": {**SHARED, "subject": "robot", "cells": "Runs", "is_curve_open": "yes"},
             "cell_count": runs_text(comparison),
         },
     )
@@ -60,15 +64,14 @@ def _section(comparison: ComparedRuns) -> dict[str, Any]:
     decomposition, splits = comparison.decomposition, comparison.decomposition.splits
     drawn = [(name, draw_split(name, split), describe_split(name, split)) for name, split in splits.items()]
     figure = draw_chart(draw_groups(comparison), FIGURE.format(kind=comparison.kind))
+    cannot = Answer.CANNOT_TELL
+    card = Card(runs_text(comparison), word_of(cannot), badge_of(cannot), NO_VERDICT, (), "", comparison.number)
     return {
         **EMPTY,
         "title": runs_text(comparison),
-        "answer": word_of(Answer.CANNOT_TELL),
-        "badge": badge_of(Answer.CANNOT_TELL),
-        "symbol": symbol_of(Answer.CANNOT_TELL),
-        "robot": NO_VERDICT,
-        "number": comparison.number,
+        "card": card,
         "summary": scales_text("robot"),
+        "has_number": True,
         "splits": [
             Panel(f"{name} = ruler x behaviour", draw_chart(chart, told), told)
             for name, chart, told in drawn

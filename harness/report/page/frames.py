@@ -18,6 +18,9 @@ class Side(NamedTuple):
     """What the episode came to, or why there is no picture."""
     alternative: str
     """The same for those who cannot see the pictures."""
+    outcome: str = ""
+    count: int = 0
+    """How many pictures there are."""
 
 
 class Strips(NamedTuple):
@@ -50,4 +53,4 @@ def _side(results: Results, cell: Cell, title: str) -> Side | None:
     source = f"data:image/webp;base64,{base64.b64encode(found.strip).decode()}"
     told = f"{found.outcome}; {found.told}; {found.steps[-1]:,} steps"
     steps = ", ".join(f"{step:,}" for step in found.steps)
-    return Side(title, source, f"{told}. Pictures after {steps} steps.", f"{title}: {told}")
+    return Side(title, source, f"{told}. Pictures after {steps} steps.", f"{title}: {told}", found.outcome, len(found.steps))

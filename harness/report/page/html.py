@@ -5,13 +5,16 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from harness.eta.headline import count_seeds
 from harness.report.answers import LEGEND
+from harness.report.apart import BETWEEN
 from harness.report.document import report_text
 from harness.report.facts import repeat_of
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
 from harness.report.figures.race import draw_race
+from harness.report.page.answer import groups_of, pool_cards
 from harness.report.page.comparison import comparison_section, title_of
 from harness.report.page.download import Download, pack
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
@@ -25,15 +28,14 @@ from harness.report.rows.comparison import (
     count_cells,
     question,
     remarks_on_cells,
-    rewards_text,
+    until_decided,
     what_decides,
 )
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS
 from harness.report.rows.payoff import TITLE as PAYOFF_TITLE
 from harness.report.rows.payoff import Audits
 from harness.report.rows.pools import EXPLANATION as POOLED
-from harness.report.rows.pools import TITLE as POOLED_TITLE
-from harness.report.rows.pools import pooled_answers
+from harness.report.rows.pools import grown_text
 from harness.report.rows.race import EXPLANATION as RACE
 from harness.report.rows.race import TITLE as RACE_TITLE
 from harness.report.rows.race import race_told
@@ -77,14 +79,23 @@ SHARED: Mapping[str, str] = MappingProxyType(
         "payoff_title": PAYOFF_TITLE,
         "returns": MEAN,
         "legend": LEGEND,
+        "promise": "",
+        "bars": "",
+        "is_curve_open": "",
     }
 )
 """Texts of the template."""
+PROMISE = "a false HELPS or HURTS anywhere on this page: at most 1 time in 20"
+BARS = (
+    "Dot and bar: the difference and its 95 % interval; what lies to the right of the line is better. The ruler is what "
+    "comes from counting the same movements by another reward, the behaviour what comes from other movements."
+)
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),
-        **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads"), ()),
-        **dict.fromkeys(("again", "experiment"), ""),
+        **dict.fromkeys(("success", "unfinished", "manifests", "facts", "downloads", "groups", "warnings"), ()),
+        **dict.fromkeys(("again", "experiment", "setting", "advice"), ""),
+        "pictured": False,
     }
 )
 """What the template shows where there is nothing but comparisons."""
@@ -111,42 +122,86 @@ def _render(results: Results, audits: Audits) -> str:
     shows = shows_of(results)
     links = links_of(shows, combinations)
     is_open = len(combinations) <= OPEN
+    sections = [
+        {**comparison_section(results, it, title, points, audits, found), "place": place}
+        for place, (it, title, found) in enumerate(zip(combinations, _titles(combinations, matrix), links, strict=True), 1)
+    ]
+    groups = groups_of([section["card"] for section in sections], combinations)
+    sides = [side for section in sections if section["frames"] for side in section["frames"].sides]
+    ranking, transfer = _ranking(results), _transfer(load_transfers(results))
+    returns = _returns(results.returns, is_open)
     return render_page(
         TEMPLATE,
         "The HTML report",
         question=question(results),
+        setting=_setting(results, matrix),
+        warnings=_warnings(results),
         matrix=matrix,
         success=[found.success if found else {} for found in links],
-        comparisons=[
-            comparison_section(results, combination, title, points, audits, found)
-            for combination, title, found in zip(combinations, _titles(combinations, matrix), links, strict=True)
-        ],
+        comparisons=sections,
+        advice=next((text for it in combinations if (text := until_decided(results, it))), ""),
+        groups=groups,
+        ordered=[sections[place] for group in groups for place in group["places"]],
         is_open=is_open,
+        pictured=any(side.source for side in sides),
+        has=parts_of(sections, bool(ranking or returns or transfer)),
         told=_told(results),
         pools=_pools(results),
         race=_race(results),
-        ranking=_ranking(results),
+        ranking=ranking,
         cell_count=count_cells(results),
-        unfinished=remarks_on_cells(results),
-        returns=_returns(results.returns, is_open),
+        unfinished=[*remarks_on_cells(results), *dict.fromkeys(side.told for side in sides if not side.source)],
+        returns=returns,
         replay=replay_of(shows),
-        transfer=_transfer(load_transfers(results)),
+        transfer=transfer,
         manifests=told_manifests(results),
         **repeat_of(results),
         downloads=_downloads(results),
     )
 
 
+def parts_of(sections: Sequence[Mapping[str, Any]], has_more: bool) -> dict[str, bool]:
+    """Which parts of the page have something to show. A part that has nothing is left out.
+
+    Args:
+        sections: The comparisons.
+        has_more: Whether there is something that is told of all of them together.
+    """
+    return {
+        "behaviour": any(section["behaviour"] for section in sections),
+        "learning": any(section["learning"] for section in sections),
+        "number": any(section["has_number"] for section in sections),
+        "matrix": has_more or len(sections) > 1,
+    }
+
+
+def _setting(results: Results, matrix: Matrix) -> str:
+    """What all comparisons share, in a line."""
+    counts = {len(it.seeds) for it in results.combinations}
+    seeds = [f"{count_seeds(count)} of each reward" for count in counts if len(counts) == 1 and count]
+    return BETWEEN.join([matrix.shared, *seeds])
+
+
+def _warnings(results: Results) -> list[str]:
+    """What a reader must know before the answers."""
+    ended = [f"{count_cells(results)}. The last part of the page has the reasons."]
+    told = ended if results.failed or results.damaged else []
+    return [*told, *(text for text in (grown_text(results),) if text)]
+
+
 def _told(results: Results) -> dict[str, str]:
     """Texts that all comparisons share."""
     is_evaluated = any(it.group.evaluate_every for it in results.combinations)
     cells, learning = "Cells" if results.is_experiment else "Recordings", LEARNING if is_evaluated else TRAINED
+    is_promised = any(it.ruling is not None and not it.ruling.instead for it in results.combinations)
     return {
         **SHARED,
         "subject": results.subject,
         "cells": cells,
         "learning": learning,
         "tests": what_decides(results.subject),
+        "promise": PROMISE if is_promised and not grown_text(results) else "",
+        "bars": BARS if any(it.seeds for it in results.combinations) else "",
     }
 
 
@@ -161,14 +216,12 @@ def _race(results: Results) -> dict[str, Any] | None:
 
 def _pools(results: Results) -> dict[str, Any] | None:
     """The answers over all places; None where there is one place."""
-    answers = pooled_answers(results.combinations)
-    return {"title": POOLED_TITLE, "explanation": POOLED, "answers": answers} if answers else None
+    cards = pool_cards(results.combinations)
+    return {"explanation": POOLED, "cards": cards} if cards else None
 
 
 def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:
-    """A title for each comparison: what is not the same in all. The title of a single comparison says everything."""
-    if len(combinations) == 1:
-        return [f"{combinations[0].group.title}: {rewards_text(combinations[0])}"]
+    """A title for each comparison: what is not the same in all."""
     return [title_of(combination, entry.place) for combination, entry in zip(combinations, matrix.entries, strict=True)]
 
 

@@ -110,20 +110,22 @@ class _Kinds(NamedTuple):
     measure: str
     is_share: bool
     has_returns: bool
+    has_ratios: bool
     has_indices: bool
 
     @property
     def numbers(self) -> tuple[str, ...]:
         """The headings of the numbers."""
-        returns = ("return, baseline", "return, proposed", "eta") if self.has_returns else ()
-        return (*returns, *(("eta_N", "eta_P") if self.has_indices else ()))
+        returns = ("return, baseline", "return, proposed") if self.has_returns else ()
+        return (*returns, *(("eta",) if self.has_ratios else ()), *(("eta_N", "eta_P") if self.has_indices else ()))
 
 
 def _kinds(combinations: Sequence[Comparison]) -> _Kinds:
     decisive = [it.decisive for it in combinations if it.decisive is not None]
     names = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
     has_returns, is_share = any(it.main for it in combinations), all(text_of(it) is percentage for it in decisive)
-    return _Kinds(" / ".join(names) or "behaviour", is_share, has_returns, not has_returns)
+    has_ratios = any(it.main.ratio.eta.value is not None for it in combinations if it.main is not None)
+    return _Kinds(" / ".join(names) or "behaviour", is_share, has_returns, has_ratios, not has_returns)
 
 
 def comparisons_csv(combinations: Sequence[Comparison]) -> str:
@@ -154,7 +156,7 @@ def _describe(group: Group) -> tuple[str, ...]:
 def _entry(number: int, place: str, combination: Comparison, kinds: _Kinds) -> Entry:
     headline, change = combination.headline, combination.decisive
     difference = "" if change is None or change.difference is None else _points(change)
-    returned = _returned(combination.main) if kinds.has_returns else ()
+    returned = _returned(combination.main)[: 2 + kinds.has_ratios] if kinds.has_returns else ()
     etas = [_ratio(eta) for eta in (combination.eta_n, combination.eta_p)] if kinds.has_indices else []
     return Entry(
         anchor_of(number),

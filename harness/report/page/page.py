@@ -7,6 +7,7 @@ from typing import Any
 from harness.errors import UsageError
 from harness.files.whole_file import write_whole
 from harness.report.figures.palette import STYLE
+from harness.report.typography import to_html
 
 
 def render_page(template: Path, noun: str, **values: Any) -> str:
@@ -26,13 +27,22 @@ def render_page(template: Path, noun: str, **values: Any) -> str:
 @lru_cache(maxsize=8)
 def _environment(folder: Path, jinja2: Any) -> Any:
     """One jinja2 environment for all pages of a folder's templates. It keeps the templates compiled."""
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader([folder, Path(__file__).parent, STYLE.parent]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["typeset"] = _typeset
+    return environment
+
+
+def _typeset(text: str) -> Any:
+    """A text as print has it, escaped: signs instead of letters, subscripts, narrow spaces before units."""
+    from markupsafe import Markup
+
+    return Markup(to_html(text))
 
 
 def write_page(page: str, path: Path, noun: str) -> None:

@@ -22,14 +22,6 @@ for (const index of document.querySelectorAll("nav details")) {
   document.addEventListener("click", (event) => { if (!index.contains(event.target)) index.open = false; });
 }
 
-/** On paper nothing can be opened. */
-let folded = [];
-addEventListener("beforeprint", () => {
-  folded = [...document.querySelectorAll("main details:not([open])")];
-  for (const part of folded) part.open = true;
-});
-addEventListener("afterprint", () => { for (const part of folded) part.open = false; });
-
 /** What a cell is sorted by; null where it has no value. */
 function keyOf(row, column) {
   const cell = row.cells[column];
@@ -73,10 +65,57 @@ if (table) {
     }
     form.querySelector("output").value = `${rows.filter((row) => !row.hidden).length} of ${rows.length}`;
   };
-  form.addEventListener("input", filter);
-  form.addEventListener("submit", (event) => event.preventDefault());
-  form.hidden = false;
-  filter();
+  if (form) {
+    form.addEventListener("input", filter);
+    form.addEventListener("submit", (event) => event.preventDefault());
+    form.hidden = false;
+    filter();
+  }
+}
+
+/** A button that copies a command. */
+for (const text of document.querySelectorAll("pre.command")) {
+  const around = document.createElement("div"), button = document.createElement("button");
+  around.className = "copied";
+  text.replaceWith(around);
+  Object.assign(button, { type: "button", textContent: "Copy" });
+  button.addEventListener("click", async () => {
+    try {
+      await navigator.clipboard.writeText(text.textContent);
+      button.textContent = "Copied";
+    } catch {  // a browser may forbid it: the text is selected instead
+      getSelection().selectAllChildren(text);
+      button.textContent = "Selected";
+    }
+    setTimeout(() => { button.textContent = "Copy"; }, 2_000);
+  });
+  around.append(text, button);
+}
+
+/** The last picture of an episode, and on request all of them, one after the other. */
+for (const still of document.querySelectorAll(".still.pictures")) {
+  const films = [...still.querySelectorAll("canvas")].map((canvas) => {
+    const image = document.getElementById(canvas.dataset.strip), count = Number(canvas.dataset.count);
+    const show = (at) => {
+      const width = image.naturalWidth / count, height = image.naturalHeight;
+      Object.assign(canvas, { width, height });
+      canvas.style.aspectRatio = `${width} / ${height}`;
+      canvas.getContext("2d").drawImage(image, at * width, 0, width, height, 0, 0, width, height);
+    };
+    return { image, count, show };
+  });
+  const last = () => films.forEach(({ image, count, show }) => image.decode().then(() => show(count - 1)));
+  const most = Math.max(...films.map(({ count }) => count));
+  still.querySelector("button").addEventListener("click", () => {
+    let at = 0;
+    const timer = setInterval(() => {
+      films.forEach(({ count, show }) => show(Math.min(at, count - 1)));
+      at += 1;
+      if (at >= most) clearInterval(timer);
+    }, 350);
+  });
+  still.hidden = false;
+  last();
 }
 
 /** The file that a button carries, unpacked. */

@@ -75,7 +75,7 @@ function rowAt(episode, step) {
   return { row, frame, target: target.slice(1) };
 }
 
-const state = { show: null, episode: 0, step: 0, playing: false, view: { ...HOME }, sides: [], last: 0, centre: [0, 0, 0], radius: 1 };
+const state = { show: null, episode: 0, step: 0, playing: false, view: { ...HOME, centre: [0, 0, 0], radius: 1 }, sides: [], last: 0 };
 
 function choose(show, episode) {
   if (state.show !== show) {
@@ -85,12 +85,9 @@ function choose(show, episode) {
   state.show = show;
   state.episode = episode;
   const shown = data.shows[show];
-  state.sides = shown.sides.map((side) => {
-    const scene = data.scenes[side.scene];
-    return { ...side, scene, now: unpack(side.episodes[episode], scene) };
-  });
-  state.last = Math.max(...state.sides.map((side) => side.now.last));
-  frameAll();
+  state.sides = sidesOf(show, episode);
+  state.last = lastOf(state.sides);
+  Object.assign(state.view, framed(state.sides));
   part("comparison").value = show;
   part("episode").replaceChildren(...shown.numbers.map((number, index) => new Option(`${number}: ${endings(shown, index)}`, index)));
   part("episode").value = episode;
@@ -116,6 +113,16 @@ function choose(show, episode) {
   seek(0);
 }
 
+// What each side of a show did in an episode.
+function sidesOf(show, episode) {
+  return data.shows[show].sides.map((side) => {
+    const scene = data.scenes[side.scene];
+    return { ...side, place: side.scene, scene, now: unpack(side.episodes[episode], scene) };
+  });
+}
+
+const lastOf = (sides) => Math.max(...sides.map((side) => side.now.last));
+
 // How an episode ended on every side, said once where it is the same.
 function endings(shown, index) {
   return [...new Set(shown.sides.map((side) => side.episodes[index].outcome))].join(" | ");
@@ -128,9 +135,9 @@ function telling(show) {
 }
 
 // The camera looks at the middle of the arm's foot and of all paths and targets.
-function frameAll() {
+function framed(sides) {
   const low = [0, 0, 0], high = [0, 0, 0];
-  for (const side of state.sides) {
+  for (const side of sides) {
     const joints = place(side.scene, side.now.rows[0]).map(origin);
     for (const point of [...side.now.path, ...side.now.targets.map((one) => one.slice(1)), ...joints]) {
       point.forEach((value, axis) => {
@@ -139,19 +146,19 @@ function frameAll() {
       });
     }
   }
-  state.centre = low.map((value, axis) => (value + high[axis]) / 2);
-  state.radius = Math.max(Math.hypot(...low.map((value, axis) => high[axis] - value)) / 2, 1e-3);
+  const centre = low.map((value, axis) => (value + high[axis]) / 2);
+  return { centre, radius: Math.max(Math.hypot(...low.map((value, axis) => high[axis] - value)) / 2, 1e-3) };
 }
 
 // --- the camera ------------------------------------------------------------------------------------------------------
 
 // Column-major 4 x 4: the projection times the view.
-function camera(width, height) {
-  const { turn, rise, zoom } = state.view, far = state.radius * 3.3 / zoom;
+function camera(view, width, height) {
+  const { turn, rise, zoom, centre, radius } = view, far = radius * 3.3 / zoom;
   const back = [Math.cos(rise) * Math.cos(turn), Math.cos(rise) * Math.sin(turn), Math.sin(rise)];
   const right = [-Math.sin(turn), Math.cos(turn), 0];
   const up = [-Math.sin(rise) * Math.cos(turn), -Math.sin(rise) * Math.sin(turn), Math.cos(rise)];
-  const eye = state.centre.map((value, axis) => value + far * back[axis]);
+  const eye = centre.map((value, axis) => value + far * back[axis]);
   const focal = 2.6 * Math.min(1, width / height), near = far * 0.05, end = far * 4;
   const rows = [[right, focal * height / width], [up, focal]].map(([axis, scale]) => [...axis, -dot(axis, eye)].map((value) => value * scale));
   const depth = [...back, -dot(back, eye)];
@@ -276,14 +283,14 @@ function upload(points, faces) {
 const OBSTACLE = [0.78, 0.36, 0.36, 1];
 const STILL = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 
-function drawSurfaces(side, frames, target, matrix, width, height) {
-  const { uniform } = drawer, size = 0.022 * state.radius;
+function drawSurfaces(side, frames, target, matrix, radius, width, height) {
+  const { uniform } = drawer, size = 0.022 * radius;
   if (stage.width !== width || stage.height !== height) Object.assign(stage, { width, height });
   gl.viewport(0, 0, width, height);
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
   gl.uniformMatrix4fv(uniform.camera, false, matrix);
-  const bodies = drawer.scenes[data.shows[state.show].sides[state.sides.indexOf(side)].scene].map((body) => [body, body.joint < 0 ? STILL : frames[body.joint], body.colour]);
+  const bodies = drawer.scenes[side.place].map((body) => [body, body.joint < 0 ? STILL : frames[body.joint], body.colour]);
   bodies.push([drawer.ball, [size, 0, 0, target[0], 0, size, 0, target[1], 0, 0, size, target[2]], [0, 0.62, 0.45, 1]]);
   for (const [x, y, z, a, b, c, radius] of side.now.obstacles) {
     bodies.push([radius ? drawer.ball : drawer.cube, [a || radius, 0, 0, x, 0, b || radius, 0, y, 0, 0, c || radius, z], OBSTACLE]);
@@ -308,8 +315,8 @@ function drawBody(body, f, colour, shadow) {
 }
 
 // A circle around the target that faces the camera: seen where the hand hides the ball.
-function ring(target, size = 0.045 * state.radius) {
-  const { turn, rise } = state.view;
+function ring(view, target, size = 0.045 * view.radius) {
+  const { turn, rise } = view;
   return Array.from({ length: 25 }, (_, index) => {
     const u = size * Math.cos(index * Math.PI / 12), v = size * Math.sin(index * Math.PI / 12);
     return [target[0] - u * Math.sin(turn) - v * Math.sin(rise) * Math.cos(turn),
@@ -336,41 +343,48 @@ function line(pen, points, matrix, width, height) {
   pen.stroke();
 }
 
-function drawSide(figure, side, index) {
-  const canvas = figure.querySelector("canvas"), ratio = Math.min(devicePixelRatio || 1, 2);
+// Draws one side at a step into a canvas; undefined where the canvas has no room.
+function drawArm(canvas, side, colour, view, step) {
+  const ratio = Math.min(devicePixelRatio || 1, 2);
   const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
-  if (!width || !height) return;
+  if (!width || !height) return undefined;
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-  const { row, frame, target } = rowAt(side.now, state.step), frames = place(side.scene, row), tip = origin(frames.at(-1));
-  const pen = canvas.getContext("2d"), matrix = camera(width, height);
-  const draw = (points, colour, thick, alpha, dash = []) => {
-    Object.assign(pen, { strokeStyle: colour, lineWidth: thick * ratio, globalAlpha: alpha, lineJoin: "round", lineCap: "round" });
+  const { row, frame, target } = rowAt(side.now, step), frames = place(side.scene, row), tip = origin(frames.at(-1));
+  const pen = canvas.getContext("2d"), matrix = camera(view, width, height);
+  const draw = (points, stroke, thick, alpha, dash = []) => {
+    Object.assign(pen, { strokeStyle: stroke, lineWidth: thick * ratio, globalAlpha: alpha, lineJoin: "round", lineCap: "round" });
     pen.setLineDash(dash.map((length) => length * ratio));
     line(pen, points, matrix, width, height);
     pen.globalAlpha = 1;
   };
   pen.clearRect(0, 0, width, height);
-  const edge = 10 ** Math.round(Math.log10(state.radius / 4)), many = Math.ceil(1.3 * state.radius / edge), size = many * edge;
-  const [x, y] = state.centre.map((value) => Math.round(value / edge) * edge);
+  const edge = 10 ** Math.round(Math.log10(view.radius / 4)), many = Math.ceil(1.3 * view.radius / edge), size = many * edge;
+  const [x, y] = view.centre.map((value) => Math.round(value / edge) * edge);
   for (let at = -many; at <= many; at++) {
     draw([[x + at * edge, y - size, 0], [x + at * edge, y + size, 0]], INK, 0.6, 0.22);
     draw([[x - size, y + at * edge, 0], [x + size, y + at * edge, 0]], INK, 0.6, 0.22);
   }
   if (gl) {
-    drawSurfaces(side, frames, target, matrix, width, height);
+    drawSurfaces(side, frames, target, matrix, view.radius, width, height);
     pen.drawImage(stage, 0, 0);
   } else {
     draw([[0, 0, 0], ...frames.map(origin)], INK, 5, 0.8);
-    for (const [x, y, z, a, b, c, radius] of side.now.obstacles) draw(radius ? ring([x, y, z], radius) : edges(x, y, z, a, b, c), INK, 1.5, 0.8);
+    for (const [x, y, z, a, b, c, radius] of side.now.obstacles) draw(radius ? ring(view, [x, y, z], radius) : edges(x, y, z, a, b, c), INK, 1.5, 0.8);
   }
   const way = [...side.now.path.slice(0, Math.floor(frame) + 1), tip];
-  draw(side.now.path, COLOURS[index], 1.5, 0.35);
+  draw(side.now.path, colour, 1.5, 0.35);
   draw(way, "#fff", 5, 0.9);
-  draw(way, COLOURS[index], 2.5, 1);
+  draw(way, colour, 2.5, 1);
   draw([tip, target], INK, 1, 0.6, [4, 4]);
-  draw(ring(target), GREEN, 2, 1);
-  Object.assign(canvas.dataset, { tip: tip.map((value) => value.toFixed(4)).join(" "), step: state.step.toFixed(2) });
-  const step = Math.min(Math.round(state.step), side.now.last), at = Math.min(Math.round(frame), side.now.rows.length - 1);
+  draw(ring(view, target), GREEN, 2, 1);
+  Object.assign(canvas.dataset, { tip: tip.map((value) => value.toFixed(4)).join(" "), step: step.toFixed(2) });
+  return Math.min(Math.round(frame), side.now.rows.length - 1);
+}
+
+function drawSide(figure, side, index) {
+  const at = drawArm(figure.querySelector("canvas"), side, COLOURS[index], state.view, state.step);
+  if (at === undefined) return;
+  const step = Math.min(Math.round(state.step), side.now.last);
   figure.querySelector("[data-part=now]").textContent = `step ${step} of ${side.now.last}`;
   figure.querySelector("[data-part=far]").textContent = `${side.error} ${side.now.distance[at].toFixed(3)} ${side.unit}`;
   figure.querySelector("[data-part=sum]").textContent = number(side.now.paid[at]);
@@ -453,7 +467,7 @@ part("comparison").addEventListener("change", (event) => choose(Number(event.tar
 part("episode").addEventListener("change", (event) => choose(state.show, Number(event.target.value)));
 const TURNS = { left: [-0.3, 0, 1], right: [0.3, 0, 1], above: [0, 0.2, 1], below: [0, -0.2, 1], nearer: [0, 0, 1.25], farther: [0, 0, 0.8] };
 for (const [name, by] of Object.entries(TURNS)) part(name).addEventListener("click", () => look(...by));
-part("reset").addEventListener("click", () => { state.view = { ...HOME }; paint(); });
+part("reset").addEventListener("click", () => { Object.assign(state.view, HOME); paint(); });
 for (const canvas of root.querySelectorAll(".replay-views canvas")) {
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
   canvas.addEventListener("pointermove", (event) => {
@@ -466,6 +480,35 @@ for (const canvas of root.querySelectorAll(".replay-views canvas")) {
   }, { passive: false });
   new ResizeObserver(paint).observe(canvas);
 }
+
+// --- stills: the end of the telling episode beside each answer, which a click plays ------------------------------------
+
+const SHOWN_FOR = 3;  // seconds that a whole episode takes
+
+function prepareStill(still) {
+  const show = Number(still.dataset.show), shown = data.shows[show], episode = telling(show);
+  const sides = sidesOf(show, episode), last = lastOf(sides), view = { ...HOME, ...framed(sides) };
+  const canvases = [...still.querySelectorAll("canvas")], words = [...still.querySelectorAll("p")], link = still.querySelector("a");
+  still.hidden = false;
+  sides.forEach((side, index) => {
+    words[index].textContent = `${side.title.replace(/^\w+: /, "")}: ${side.now.outcome}`;
+    canvases[index].setAttribute("aria-label", `${side.title}: the arm at the end of the episode: ${side.now.outcome}`);
+  });
+  const seeds = [...new Set(sides.map((side) => side.seed))].join(" and ");
+  link.href = `#replay-${show + 1}-${shown.numbers[episode]}`;
+  link.textContent = `episode ${shown.numbers[episode]} of seed ${seeds}, the same target`;
+  const draw = (step) => sides.forEach((side, index) => drawArm(canvases[index], side, COLOURS[index], view, Math.min(step, side.now.last)));
+  let since = null;
+  const run = (now) => {
+    since ??= now;
+    const seconds = Math.min(SHOWN_FOR, Math.max(1, last * sides[0].period)), share = Math.min((now - since) / 1000 / seconds, 1);
+    draw(share * last);
+    if (share < 1) requestAnimationFrame(run);
+  };
+  still.querySelector("button").addEventListener("click", () => { since = null; requestAnimationFrame(run); });
+  for (const canvas of canvases) new ResizeObserver(() => draw(last)).observe(canvas);
+}
+for (const still of document.querySelectorAll(".still[data-show]")) prepareStill(still);
 
 // A link to #replay-2 shows the second comparison, one to #replay-2-7 its episode 7.
 function follow() {

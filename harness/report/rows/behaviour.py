@@ -44,8 +44,8 @@ def behaviour_grids(combination: Comparison) -> list[Grid]:
 def defined_changes(combination: Comparison, manner: str) -> list[Change]:
     """The measures, those that decide first. A measure that is not defined under either reward is left out."""
     changes = [change for change in combination.changes_of(manner) if (change.baseline, change.proposed) != (None,) * 2]
-    first = combination.deciding[:1]
-    return sorted(changes, key=lambda change: change.name not in first)
+    first = combination.deciding
+    return sorted(changes, key=lambda change: first.index(change.name) if change.name in first else len(first))
 
 
 def failed_changes(combination: Comparison, manner: str) -> list[Change]:

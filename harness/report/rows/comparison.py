@@ -97,13 +97,19 @@ def basis_text(comparison: Comparison) -> str:
 
 
 def advice(results: Results, combination: Comparison) -> str:
+    """What to run for an answer, in a line; empty where `until_decided` is."""
+    command = until_decided(results, combination)
+    return command and f"For an answer with the fewest trainings: {command}"
+
+
+def until_decided(results: Results, combination: Comparison) -> str:
     """The command that trains until there is an answer; empty if no number of seeds gives one, or none is needed."""
     needed, seeds = combination.headline.seeds_to_decide, combination.seeds
     if needed is None or seeds != tuple(range(len(seeds))) or combination.is_control:
         return ""
     if results.is_temporary or not results.is_experiment:
         return ""
-    return f"For an answer with the fewest trainings: {_run_text(results, 'NEW')} --until decided{results.plugin_flags}"
+    return f"{_run_text(results, 'NEW')} --until decided{results.plugin_flags}"
 
 
 def again_text(results: Results) -> str:
