@@ -41,7 +41,9 @@ def draw_interval(difference: float, low: float | None, high: float | None, bett
     kind = direction or "undecided"
     if len(ends) == 2:
         left, right = sorted(middle + REACH * sign * end / farthest for end in ends)
-        SubElement(svg, "path", {"class": f"line {kind}", "stroke-width": "2", "d": f"M{left:.1f} {half:g}H{right:.1f}"})
+        SubElement(
+            svg, "path", {"class": f"line {kind}", "stroke-width": "2", "d": f"M{left:.1f} {half:g}H{right:.1f}"}
+        )
     at = middle + REACH * sign * difference / farthest
     SubElement(svg, "circle", {"class": f"dot {kind}", "cx": f"{at:.1f}", "cy": f"{half:g}", "r": "4"})
     return ElementTree.tostring(svg, encoding="unicode")
@@ -59,6 +61,8 @@ def draw_part(size: float, farthest: float, name: str) -> str:
     middle = WIDTH / 2
     end = middle + REACH * size / (farthest or 1.0)
     left, width = min(middle, end), max(abs(end - middle), 1.0)
-    SubElement(svg, "rect", {"class": f"bar {name}", "x": f"{left:.1f}", "y": "4", "width": f"{width:.1f}", "height": "10"})
+    SubElement(
+        svg, "rect", {"class": f"bar {name}", "x": f"{left:.1f}", "y": "4", "width": f"{width:.1f}", "height": "10"}
+    )
     SubElement(svg, "path", {"class": "one", "d": f"M{middle:g} 0V{HEIGHT:g}"})
     return ElementTree.tostring(svg, encoding="unicode")

@@ -113,7 +113,7 @@ def comparison_section(
         "profiles": _profile_panels(combination),
         "other_behaviour": _full([along_grid(combination), *grids[1:], seeds_grid(combination)]),
         "numbers": numbers,
-        "has_number": bool(splits or curves or payoffs or numbers or returned.rows or returned.notes),
+        "has_number": bool(combination.seeds and (splits or curves or payoffs or numbers or returned.rows)),
         "symbol": symbol_of(headline.answer),
         "trajectories": _trajectory_panels(results, combination),
     }

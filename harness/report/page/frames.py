@@ -18,8 +18,9 @@ class Side(NamedTuple):
     """What the episode came to, or why there is no picture."""
     alternative: str
     """The same for those who cannot see the pictures."""
-    outcome: str = ""
-    count: int = 0
+    ended: str = ""
+    """The reward, and how the episode ended."""
+    pictures: int = 0
     """How many pictures there are."""
 
 
@@ -39,13 +40,13 @@ def frames_of(results: Results, combination: Comparison) -> Strips | None:
     rewards = {"Baseline": combination.baseline, "Proposed": combination.proposed}
     if any(reward not in cells for reward in rewards.values()):
         return None
-    sides = [_side(results, cells[reward], f"{who}: {reward}") for who, reward in rewards.items()]
+    sides = [_side(results, cells[reward], who, reward) for who, reward in rewards.items()]
     found = tuple(side for side in sides if side is not None)
     return Strips(f"The first episode of the evaluation of seed {seed}, in pictures", found) if found else None
 
 
-def _side(results: Results, cell: Cell, title: str) -> Side | None:
-    found = results.frames(cell)
+def _side(results: Results, cell: Cell, who: str, reward: str) -> Side | None:
+    found, title = results.frames(cell), f"{who}: {reward}"
     if found is None:
         return None
     if found.reason:
@@ -53,4 +54,5 @@ def _side(results: Results, cell: Cell, title: str) -> Side | None:
     source = f"data:image/webp;base64,{base64.b64encode(found.strip).decode()}"
     told = f"{found.outcome}; {found.told}; {found.steps[-1]:,} steps"
     steps = ", ".join(f"{step:,}" for step in found.steps)
-    return Side(title, source, f"{told}. Pictures after {steps} steps.", f"{title}: {told}", found.outcome, len(found.steps))
+    seen, ended = f"{told}. Pictures after {steps} steps.", f"{reward}: {found.outcome}"
+    return Side(title, source, seen, f"{title}: {told}", ended, len(found.steps))

@@ -87,8 +87,8 @@ SHARED: Mapping[str, str] = MappingProxyType(
 """Texts of the template."""
 PROMISE = "a false HELPS or HURTS anywhere on this page: at most 1 time in 20"
 BARS = (
-    "Dot and bar: the difference and its 95 % interval; what lies to the right of the line is better. The ruler is what "
-    "comes from counting the same movements by another reward, the behaviour what comes from other movements."
+    "Dot and bar: the difference and its 95 % interval; what lies to the right of the line is better. The ruler is "
+    "what comes from counting the same movements by another reward, the behaviour what comes from other movements."
 )
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
@@ -124,7 +124,9 @@ def _render(results: Results, audits: Audits) -> str:
     is_open = len(combinations) <= OPEN
     sections = [
         {**comparison_section(results, it, title, points, audits, found), "place": place}
-        for place, (it, title, found) in enumerate(zip(combinations, _titles(combinations, matrix), links, strict=True), 1)
+        for place, (it, title, found) in enumerate(
+            zip(combinations, _titles(combinations, matrix), links, strict=True), 1
+        )
     ]
     groups = groups_of([section["card"] for section in sections], combinations)
     sides = [side for section in sections if section["frames"] for side in section["frames"].sides]

@@ -516,6 +516,7 @@ function follow() {
   if (show === undefined || !data.shows[show - 1]) return false;
   const index = data.shows[show - 1].numbers.indexOf(Number(episode));
   choose(show - 1, index < 0 ? telling(show - 1) : index);
+  root.closest("details")?.setAttribute("open", "");
   root.scrollIntoView();
   part("play").focus({ preventScroll: true });
   return true;

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from harness.eta.behaviour_change import Change, Measure
-from harness.report.figures.forest import REACH, WIDTH, draw_strip
+from harness.report.figures.forest import REACH, WIDTH, draw_part, draw_strip
 
 
 def change(better, low, high, corrected=None):
@@ -49,3 +49,16 @@ def test_no_difference_has_a_place():
 def test_without_a_difference_there_is_nothing():
     """No seed has a value under both."""
     assert draw_strip(Change(Measure("m", "", "higher", "deterministic"), None, None, None, 0)) == ""
+
+
+@pytest.mark.parametrize(("size", "left", "width"), [(2.0, 0.0, REACH / 2), (-4.0, -REACH, REACH), (0.0, 0.0, 1.0)])
+def test_a_part_is_a_bar_from_no_change(size, left, width):
+    """To the right if it is above 0, as long as its share of the largest; a part that is 0 is still seen."""
+    drawn = re.search(r'x="([\d.]+)" y="4" width="([\d.]+)"', draw_part(size, 4.0, "ruler"))
+    assert float(drawn[1]) - WIDTH / 2 == pytest.approx(left, abs=0.1)
+    assert float(drawn[2]) == pytest.approx(width, abs=0.1)
+
+
+def test_nothing_at_all_can_be_drawn_too():
+    """Both parts are 0."""
+    assert 'class="bar behaviour"' in draw_part(0.0, 0.0, "behaviour")

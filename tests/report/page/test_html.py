@@ -11,6 +11,7 @@ from harness.report.figures.split_rows import describe_split
 from harness.report.page.comparison import describe_comparison
 from harness.report.page.html import write_html
 from harness.report.rows.comparison import SPLIT, question, scales_text
+from harness.report.typography import to_html, typeset
 from tests.report.conftest import MIXTURE
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
@@ -47,6 +48,11 @@ class Page(HTMLParser):
     def text(self):
         """The visible words, single spaces between them."""
         return " ".join(self.words)
+
+    @property
+    def main(self):
+        """The same below the bar with the links."""
+        return self.text.partition("Repeat it ")[2]
 
 
 @pytest.fixture
@@ -89,10 +95,10 @@ def test_question_names_every_proposed_reward(build):
 
 
 def test_paragraph_says_what_eta_does_not(build):
-    """The paragraph names what was compared and says that eta is no measure of behaviour."""
+    """The paragraph names what was compared and says that eta is no measure of behaviour; it stands with the answer."""
     (combination,) = build().combinations
     text = describe_comparison(combination)
-    for fact in ("baseline", "arp", "fd100-reach", "mujoco", "sac", "40 environment steps", scales_text("robot")):
+    for fact in ("baseline", "arp", "fd100-reach", "mujoco", "sac", "40 steps each", scales_text("robot")):
         assert fact in text
 
 
@@ -120,15 +126,58 @@ def test_crossover_is_marked(build, write):
 
 
 def test_answer_comes_first(build, write):
-    """Under the heading stand the robot and the number, then what was compared, behaviour, and the split."""
+    """The question, the answer in a sentence, then behaviour, learning, the number, and how to repeat it."""
+    results = build(learned={10: 1, 20: 2})
+    (combination,) = results.combinations
+    text = write(results).main
+    told = ["or only the numbers bigger?", "CANNOT TELL arp", combination.lead, "What the robot does", "success rate ↑"]
+    parts = [
+        *told,
+        "Learning Success rate",
+        "The number Mean return",
+        "The whole matrix",
+        "Cells 6 cells",
+        "Repeat it This",
+    ]
+    places = [text.index(" ".join(typeset(part).split())) for part in parts]
+    assert places == sorted(places)
+
+
+def test_first_screen_has_no_bracket(build, tmp_path):
+    """Numbers in brackets stand in tables and in what is folded."""
+    write_html(build(seeds=6, learned={10: 1, 20: 2}), tmp_path / "report.html")
+    first = (
+        (tmp_path / "report.html").read_text(encoding="utf-8").partition("<main")[2].partition("What the robot does")[0]
+    )
+    assert "CANNOT TELL" in first
+    assert not re.search(r"[\[(][−\d]", first)
+
+
+def test_answer_in_full_is_folded(build, write):
+    """Both sentences, the numbers in brackets, and what the tests hold for."""
     results = build()
     (combination,) = results.combinations
-    text = write(results).text
-    headline = combination.headline
-    told = ["CANNOT TELL The robot.", headline.robot, "The number.", headline.number, describe_comparison(combination)]
-    parts = [*told, "Behaviour of the trained policies", "eta_N = ruler"]
-    places = [text.index(" ".join(part.split())) for part in parts]
-    assert places == sorted(places)
+    text = write(results).text.partition("The answer in full")[2]
+    for part in (combination.headline.robot, describe_comparison(combination)):
+        assert " ".join(Page(to_html(part)).words) in text
+
+
+def test_what_is_empty_is_left_out(build, write):
+    """Neither a heading nor a link leads to nothing; a filter is for many rows."""
+    page = write(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    assert not {"learning", "number", "see"} & page.ids
+    assert "form" not in page.tags
+
+
+def test_decided_answers_come_first(build, write):
+    """On the first screen, and in every part below."""
+    reached = {"arp": lambda seed: (8, 9), "relative": lambda seed: (5, 6, 7, 8)}
+    results = build(
+        seeds=6, proposed={"arp": (9, 30), "relative": (9, 30)}, reached={**reached, "baseline": lambda seed: (8, 9)}
+    )
+    text = write(results).main
+    assert text.index("HELPS relative") < text.index("CANNOT TELL arp")
+    assert text.index("What the robot does relative") < text.index("The answer in full")
 
 
 def test_split_is_drawn_told_and_explained(build, write):
@@ -136,9 +185,10 @@ def test_split_is_drawn_told_and_explained(build, write):
     results = build()
     page = write(results)
     ratios = [label for label in page.figures if label.startswith("Ratios on a logarithmic axis.")]
-    assert ["eta_N = ruler" in label for label in ratios] == [True, False]
-    assert all(describe_split(*named) in page.text for named in results.combinations[0].splits.items())
-    assert page.text.count(SPLIT) == 1
+    assert [name for label in ratios for name in ("eta_N", "eta_P") if f"{name} = ruler" in label] == ["eta_N", "eta_P"]
+    told = [describe_split(*named) for named in results.combinations[0].splits.items()]
+    assert all(" ".join(Page(to_html(it)).words) in page.text for it in told)
+    assert page.text.count(" ".join(Page(to_html(SPLIT)).words)) == 1
 
 
 def test_what_cannot_be_scored_is_not_drawn(build, write):
@@ -151,7 +201,7 @@ def test_what_cannot_be_scored_is_not_drawn(build, write):
 def test_both_paths_are_shown(build, write):
     """Each with its ruler and behaviour, below the split that is their mean."""
     text = write(build(baseline=(9, 12), proposed={"arp": (1, 20)})).text
-    assert re.search(r"eta_P on proposed runs \d.* eta_P on baseline's runs \d", text)
+    assert re.search(r"η P on proposed runs \d.* η P on baseline's runs \d", text)
 
 
 def test_other_measures_of_behaviour_are_folded(build, write):
@@ -167,8 +217,8 @@ def test_other_measures_of_behaviour_are_folded(build, write):
 def test_answer_along_the_budget_is_shown(build, write):
     """Where policies were evaluated while they learned."""
     text = write(build(learned={10: 1, 20: 2})).text
-    assert "after 10 steps 25.0% 50.0% " in text
-    assert re.search(r"after 40 steps 75\.0% 75\.0% \S+ \S+ pp cannot tell", text)
+    assert "after 10 steps 25.0 % 50.0 % " in text
+    assert re.search(r"after 40 steps 75\.0 % 75\.0 % \S+ \S+ pp cannot tell", text)
 
 
 @pytest.mark.parametrize(
@@ -188,22 +238,24 @@ def test_badge_has_the_answer(build, tmp_path, reached, badge):
 def test_near_zero_is_no_big_number(build, write):
     """A ratio with an index near zero is a word, in the table, the sentences and the figure."""
     page = write(build(baseline=(9, 9), proposed={"arp": (1, 3_000)}, seeds=2))
-    assert re.search(r"eta_P near zero n/a .* above 1", page.text)
-    assert re.search(r"eta_P says little\D+near zero", page.text)
-    assert not re.search(r"eta_P \D*\de\+", page.text)
+    assert re.search(r"η P near zero n/a .* above 1", page.text)
+    assert re.search(r"η P says little\D+near zero", page.text)
+    assert not re.search(r"η P \D*\d ?(e\+|× 10)", page.text)
 
 
 def test_behaviour_has_its_result(build, write):
     """A measure that differs in every one of six seeds is marked, with its interval and the p-value."""
     page = write(build(seeds=6, reached={"arp": lambda seed: (8,)}))
-    assert re.search(r"success rate 75\.0% 25\.0% \[-\d+\.\d, -\d+\.\d\] pp 0\.0% higher 0\.002 worse", page.text)
+    assert re.search(
+        r"success rate ↑ higher is better 75\.0 % 25\.0 % \[−\d+\.\d, −\d+\.\d\] pp 0\.0 % 0\.002 worse", page.text
+    )
 
 
 def test_one_seed_has_a_page(build, write):
     """One seed gives ratios and figures without intervals."""
     page = write(build(seeds=1))
-    assert len(page.figures) == 11
-    assert "eta_N, eta_P: one seed" in page.text
+    assert len(page.figures) == 12
+    assert "η N , η P : one seed" in page.text
 
 
 def test_failed_cell_has_its_reason(build, write):
@@ -217,8 +269,8 @@ def test_missing_ratio_has_its_reason(build, write):
     """A ratio that is not defined is n/a, and the page says why."""
     results = build(baseline=(39, 0))
     page = write(results)
-    assert "eta_P n/a n/a n/a n/a" in page.text
-    assert f"eta_P n/a: {results.combinations[0].eta_p.note}" in page.text
+    assert "η P n/a n/a n/a n/a" in page.text
+    assert " ".join(Page(to_html(f"eta_P n/a: {results.combinations[0].eta_p.note}")).words) in page.text
 
 
 def test_no_finished_pair_is_said(build, write):
@@ -242,16 +294,16 @@ def test_skipped_experiment_has_a_page(build, write):
 def test_overview_links_to_each_combination(build, write):
     """Several combinations get an overview that leads to each; a single one needs none."""
     assert not any("combination" in link for link in write(build()).links)
-    page = write(build(simulators=("mujoco", "pybullet")))
+    page = write(build(simulators=("mujoco", "pybullet", "kinematic")))
     assert page.links.count("#combination-1") == page.links.count("#combination-2") == 3  # index, map and table
     assert {"combination-1", "combination-2"} <= page.ids
 
 
 def test_overview_has_every_answer(build, write):
     """The answer of each combination stands in the overview and in its section."""
-    text = write(build(simulators=("mujoco", "pybullet"))).text
-    assert text.count("CANNOT TELL 2 of 2") == 1
-    assert text.count("CANNOT TELL") == 6  # once over both places
+    text = write(build(simulators=("mujoco", "pybullet", "kinematic"))).text
+    assert text.count("CANNOT TELL 3 of 3") == 1
+    assert text.count("CANNOT TELL") == 8  # over all places; of the group; in the table and in each section
 
 
 def test_null_control_is_no_question(build, write):
@@ -264,7 +316,7 @@ def test_null_control_is_no_question(build, write):
 def test_null_control_says_what_was_trained(build):
     """No second reward paid it."""
     *_, control = build(a_a=True).combinations
-    assert "twice paid by baseline, the second time with other seeds" in describe_comparison(control)
+    assert "both times paid by baseline, the second time with other seeds" in describe_comparison(control)
 
 
 def test_advice_stands_as_a_command(build, write):
@@ -273,6 +325,7 @@ def test_advice_stands_as_a_command(build, write):
     (combination,) = results.combinations
     combination.__dict__["headline"] = replace(combination.headline, seeds_to_decide=(8, 20))
     assert f"fewest trainings: harness run {results.folder / 'experiment.toml'}" in write(results).text
+    assert write(build()).text.count("fewest trainings") <= 1
 
 
 def test_failed_write_leaves_the_old_page(build, tmp_path, monkeypatch):
@@ -318,8 +371,8 @@ def test_import_is_light():
 def test_learning_is_drawn_where_it_was_recorded(build, write):
     """With a caption in words; of the training itself where policies were evaluated at the end alone."""
     page = write(build(learned={10: 1, 20: 2}))
-    assert re.search(r"random actions baseline 25\.0% after 10 steps, 75\.0% after 40 steps;", page.text)
-    assert page.figures[0].startswith("Over environment steps. Success rate while learning.")
+    assert re.search(r"random actions baseline 25\.0 % after 10 steps, 75\.0 % after 40 steps;", page.text)
+    assert any(label.startswith("Over environment steps. Success rate while learning.") for label in page.figures)
     trained = write(build()).text
     assert "Return, as paid while learning" in trained
     assert "in each twentieth of the training" in trained
@@ -353,5 +406,5 @@ def test_page_says_how_policies_acted(build, write, deterministic):
 
 def test_mixture_is_marked(mixed, write):
     """Above what was found: a comparison of two versions of an algorithm is none of rewards."""
-    text = write(mixed).text
-    assert text.index(f"{MIXTURE}.") < text.index("The robot.")
+    text = write(mixed).main
+    assert text.index(f"{MIXTURE}.") < text.index("What the robot does")

@@ -42,16 +42,17 @@ def test_no_word_is_of_a_robot(of_two, of_four):
     """The page is that of an experiment, told of any agent."""
     for _, words in (of_two, of_four):
         assert not [word for word in ROBOT_WORDS if word in words]
-        assert "The agent." in words
+        assert "What the agent does" in words or "the agent" in words
 
 
-def test_returns_come_before_behaviour(of_two):
-    """Then how they split, then the curves."""
+def test_the_order_is_that_of_an_arm(of_two):
+    """Behaviour, learning, the number: its table, how it splits, then the curves."""
     _, words = of_two
     headings = (
-        "Mean return of an episode",
         "Behaviour in its last fifth",
-        "The number, taken apart",
+        "Success while learning",
+        "Mean return of an episode",
+        "Mean return in its last fifth",
         "Accumulated reward",
     )
     places = [words.index(heading) for heading in headings]

@@ -52,4 +52,8 @@ def test_page_tells_the_story(build, tmp_path):
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "What the rewards pay for" in page
     assert "What the rewards pay for" in page
-    assert page.index("Accumulated reward</h3>") < page.index("arp: Finishing pays most.")
+    assert (
+        page.index('id="number"')
+        < page.index("arp: Finishing pays most.")
+        < page.index("Accumulated reward of every training")
+    )

@@ -1,0 +1,154 @@
+"""The first screen: for each reward the answer, what decided it, and the pay beside it."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from harness.eta.headline import Answer, Compared, Headline, count_seeds
+from harness.eta.lead import name_of, short_values
+from harness.eta.verdict.ruling import Ruling
+from harness.report.answers import badge_of, word_of
+from harness.report.figures.forest import draw_interval, draw_part
+from harness.report.rows.pay import Pay, pay_of
+from harness.results.comparison import Comparison
+from harness.results.pool import Pool
+
+
+class Row(NamedTuple):
+    """A line of a card: a name, a picture, a value."""
+
+    name: str
+    note: str
+    """Smaller, below the name."""
+    figure: str
+    """HTML; empty where there is nothing to draw."""
+    value: str
+    kind: str = ""
+    """The class of the name's colour; empty for none."""
+
+
+class Card(NamedTuple):
+    """The answer about a reward."""
+
+    name: str
+    answer: str
+    badge: str
+    lead: str
+    rows: tuple[Row, ...]
+    """One for each measure that decides."""
+    sure: str
+    """What decided, how sure it is, and whether the robot learns faster; empty where nothing decided."""
+    pay: str = ""
+    """How much more an episode is paid, up to a colon if `parts` follow."""
+    is_ruler: bool = False
+    """Whether nearly all of that is the ruler."""
+    why: str = ""
+    """Why there are no parts."""
+    parts: tuple[Row, ...] = ()
+    """The ruler and the behaviour."""
+
+
+def card_of(comparison: Comparison, name: str) -> Card:
+    """The card of a comparison.
+
+    Args:
+        comparison: The comparison.
+        name: What it is called on the page.
+    """
+    found, ruling = comparison.headline, comparison.ruling or Ruling()
+    changes = comparison.decisive_changes
+    card = _card(name, found, comparison.lead, changes, ruling)
+    pay, faster = pay_of(comparison), _learns(comparison.speed_ruling)
+    if faster:
+        card = card._replace(sure=f"{card.sure} {faster}".lstrip())
+    return card if pay is None else _with_pay(card, pay)
+
+
+def _learns(ruling: Ruling | None) -> str:
+    """How fast the robot learns, where that is known."""
+    if ruling is None or not ruling.is_decided:
+        return ""
+    return f"It learns {'faster' if ruling.sign > 0 else 'more slowly'}, too."
+
+
+def pool_card(pool: Pool) -> Card:
+    """The card of a reward over all places."""
+    return _card(pool.names.proposed, pool.headline, pool.lead, pool.measures, pool.ruling)
+
+
+def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
+    """The cards of the answers over all places, each once; none where there is one place."""
+    pools = {id(it.pool): it.pool for it in comparisons if it.pool is not None}.values()
+    return [pool_card(pool) for pool in pools]
+
+
+def _card(name: str, found: Headline, lead: str, changes: Sequence[Compared], ruling: Ruling) -> Card:
+    rows = tuple(sorted((_row(it, at, ruling, found) for at, it in enumerate(changes)), key=lambda row: not row.note))
+    return Card(name, word_of(found.answer), badge_of(found.answer), lead, rows, _sure(found, changes, ruling))
+
+
+def _row(change: Compared, at: int, ruling: Ruling, found: Headline) -> Row:
+    baseline, proposed = short_values(change)
+    note = "decides" if found.decided_by == change.name else ""
+    figure = ""
+    if change.baseline is not None and change.proposed is not None:
+        direction = "" if not ruling.passes(at) else "better" if ruling.signs[at] > 0 else "worse"
+        difference = change.proposed - change.baseline
+        figure = draw_interval(difference, change.low, change.high, change.measure.better, direction)
+    return Row(name_of(change), note, figure, f"{baseline} -> {proposed}")
+
+
+def _sure(found: Headline, changes: Sequence[Compared], ruling: Ruling) -> str:
+    decider = next((it for it in changes if it.name == found.decided_by), None)
+    if decider is None:
+        return ""
+    told = f"{count_seeds(changes[0].seeds)} of each reward"
+    return f"Decided by {name_of(decider)}, {told}. {_luck(ruling.corrected or 0.0)}"
+
+
+def _luck(p: float) -> str:
+    """The p-value of an answer in words."""
+    many = math.ceil(1000.0 * p - 1e-9)
+    count = "fewer than 1" if many < 1 or p < 0.001 else f"{many}"
+    return f"Luck alone would show so much in {count} of 1,000 experiments."
+
+
+def _with_pay(card: Card, pay: Pay) -> Card:
+    farthest = max((abs(part.size) for part in pay.parts), default=0.0)
+    parts = tuple(Row(it.name, "", draw_part(it.size, farthest, it.name), it.text, it.name) for it in pay.parts)
+    return card._replace(pay=pay.told, is_ruler=pay.is_ruler, why=pay.why, parts=parts)
+
+
+def groups_of(cards: Sequence[Card], comparisons: Sequence[Comparison]) -> list[dict[str, Any]]:
+    """The comparisons of a page by their answer, with a sentence for all that have none in common.
+
+    Args:
+        cards: The card of each comparison.
+        comparisons: The comparisons.
+    """
+    groups: dict[str, list[int]] = {}
+    for number, card in enumerate(cards):
+        groups.setdefault(card.badge, []).append(number)
+    return [
+        {
+            "badge": badge,
+            "answer": cards[groups[badge][0]].answer,
+            "places": groups[badge],
+            "told": _told([comparisons[number] for number in groups[badge]]),
+        }
+        for badge in map(badge_of, Answer)
+        if badge in groups
+    ]
+
+
+def _told(comparisons: Sequence[Comparison]) -> str:
+    """What holds for all comparisons without an answer, in a paragraph; empty for others."""
+    found = [it.headline for it in comparisons]
+    if len(comparisons) < 2 or any(it.answer is not Answer.CANNOT_TELL for it in found):
+        return ""
+    needed = [it.seeds_to_decide for it in found if it.seeds_to_decide is not None]
+    if not needed:
+        return "Nothing decides these comparisons."
+    low, high = min(it[0] for it in needed), max(it[1] for it in needed)
+    some = "" if len(needed) == len(found) else f" {len(found) - len(needed)} of them cannot be planned."
+    return f"Their seeds are not enough: {low:,} to {high:,} would tell, depending on the comparison.{some}"

@@ -1,0 +1,96 @@
+"""The pay in one line: how much more an episode is paid, and how much of that is only the ruler."""
+
+import math
+from typing import NamedTuple
+
+from harness.eta.index import Ratio
+from harness.eta.return_split import ReturnSplit
+from harness.eta.splits import Split, SumSplit
+from harness.report.rows.comparison import format_number
+from harness.results.comparison import Comparison
+
+ALL = 0.1
+"""Where the behaviour's share of a change is smaller than this, the change is nearly all ruler."""
+
+
+class PayPart(NamedTuple):
+    """A part of the change of pay."""
+
+    name: str
+    """``ruler`` or ``behaviour``."""
+    text: str
+    """Its value, such as ``× 1.54`` or ``+386``."""
+    size: float
+    """Its logarithm, or its value: what its bar shows. Sizes of one change add up to all of it."""
+
+
+class Pay(NamedTuple):
+    """How much an episode is paid under the proposed reward, beside the baseline."""
+
+    told: str
+    """In a sentence without its end."""
+    parts: tuple[PayPart, ...]
+    """The ruler and the behaviour; empty where they are not known."""
+    why: str
+    """Why there are no parts, in a sentence; empty where there are."""
+
+    @property
+    def is_ruler(self) -> bool:
+        """Whether the behaviour's part is so small that the change is nearly all ruler."""
+        if not self.parts:
+            return False
+        ruler, behaviour = (part.size for part in self.parts)
+        return abs(behaviour) < ALL * abs(ruler + behaviour)
+
+
+def pay_of(comparison: Comparison) -> Pay | None:
+    """The pay of an episode in the manner that decides: a ratio where there is one, else a difference.
+
+    Of an experiment whose returns are not known it is the number that they have, an index of the summed reward; None
+    where no number is known.
+    """
+    split = comparison.returns.get(comparison.manner)
+    if split is not None:
+        return _ratio("The pay of an episode", split.ratio) or _difference(split)
+    named = {"eta_P": "What was earned (I_P)", "eta_N": "What was lost (I_N)"}
+    of_index = (_ratio(told, comparison.splits[name]) for name, told in named.items())
+    return next((it for it in of_index if it is not None), None)
+
+
+def _ratio(amount: str, split: Split) -> Pay | None:
+    eta = split.eta
+    if not _is_told(eta):
+        return None
+    told = f"{amount} is {format_number(eta.value)} times as large"
+    if not (_is_told(split.ruler) and _is_told(split.behaviour)):
+        return Pay(told, (), _reason(split.ruler.near_zero or split.ruler.note))
+    parts = (("ruler", split.ruler), ("behaviour", split.behaviour))
+    return Pay(
+        told,
+        tuple(PayPart(name, f"× {format_number(it.value)}", math.log(it.value or 1.0)) for name, it in parts),
+        "",
+    )
+
+
+def _is_told(ratio: Ratio) -> bool:
+    return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
+
+
+def _difference(split: ReturnSplit) -> Pay | None:
+    total: SumSplit = split.total
+    change = total.change.mean
+    if change is None:
+        return None
+    told = f"An episode is paid {format_number(abs(change))} {'more' if change >= 0.0 else 'less'}"
+    if total.ruler.mean is None or total.behaviour.mean is None:
+        return Pay(told, (), _reason(total.ruler.note))
+    parts = (("ruler", total.ruler.mean), ("behaviour", total.behaviour.mean))
+    return Pay(told, tuple(PayPart(name, _signed(value), value) for name, value in parts), "")
+
+
+def _signed(value: float) -> str:
+    return f"{'+' if value > 0.0 else ''}{format_number(value)}"
+
+
+def _reason(note: str) -> str:
+    return f"How much of that is the ruler is not known: {note}."
