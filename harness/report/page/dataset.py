@@ -19,10 +19,10 @@ from harness.audit.dataset.dataset_audit import (
     setting_of,
     still_text,
     title_of,
-    verdict_of,
 )
 from harness.audit.number import number
 from harness.audit.recorded.pair_grid import MISSING, distance_text, share_text
+from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, Auc
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
 from harness.report.page.page import render_page, write_page
@@ -53,6 +53,10 @@ def write_dataset_page(audit: DatasetAudit, path: Path) -> None:
     write_page(page, path, "The page")
 
 
+BADGES = {RANKS: "helps", AGAINST: "hurts", CANNOT_TELL: "cannot-tell"}
+"""The colour of each answer."""
+
+
 def _overview(audit: DatasetAudit) -> Grid:
     headings: tuple[str, ...] = ("reward", "answer", "success above failure", "pay while standing still")
     rows: list[tuple[str, ...]] = [
@@ -71,7 +75,9 @@ def _overview(audit: DatasetAudit) -> Grid:
 def _reward(place: int, reward: RewardAnswer, audit: DatasetAudit) -> dict[str, object]:
     return {
         "name": reward.name,
-        "verdict": verdict_of(reward.by_success),
+        "answer": reward.by_success.answer,
+        "badge": BADGES[reward.by_success.answer],
+        "lead": _lead(reward.by_success),
         "told": [
             ("Ranked wrongly", pairs_text(reward)),
             ("While nothing happens", still_text(reward, audit)),
@@ -82,6 +88,14 @@ def _reward(place: int, reward: RewardAnswer, audit: DatasetAudit) -> dict[str, 
             for rank, pair in enumerate(reward.pairs)
         ],
     }
+
+
+def _lead(auc: Auc) -> str:
+    """The answer in a sentence; the table above has the interval."""
+    if auc.value is None:
+        return f"{auc.reason[:1].upper()}{auc.reason[1:]}."
+    told = f"A success is paid more than a failure with a chance of {100 * auc.value:.0f} %"
+    return f"{told}: {auc.reason}." if auc.reason else f"{told}."
 
 
 def _words(pair: WrongPair) -> str:

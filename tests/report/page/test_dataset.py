@@ -35,3 +35,16 @@ def test_nothing_comes_from_elsewhere(tmp_path: Path):
     page = _page(tmp_path)
     assert "default-src 'none'" in page
     assert "<script" not in page
+
+
+def test_each_reward_has_its_answer_in_a_sentence(tmp_path: Path):
+    """With a badge; its interval stands in the table."""
+    page = _page(tmp_path)
+    leads = re.findall(
+        r'<span class="badge ([\w-]+)">([A-Z ]+)</span> (?:&lt;b&gt;|two)</h2>\n<p class="lead">([^<]*)</p>', page
+    )
+    assert len(leads) == 2
+    for badge, answer, lead in leads:
+        assert badge == {"RANKS AS SUCCESS DOES": "helps", "RANKS AGAINST IT": "hurts"}.get(answer, "cannot-tell")
+        assert lead.startswith("A success is paid more than a failure with a chance of ")
+        assert "[" not in lead
