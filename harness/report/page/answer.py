@@ -68,7 +68,7 @@ def _learns(ruling: Ruling | None) -> str:
     """How fast the robot learns, where that is known."""
     if ruling is None or not ruling.is_decided:
         return ""
-    return f"It learns {'faster' if ruling.sign > 0 else 'more slowly'}, too."
+    return f"It learns {'faster' if ruling.sign > 0 else 'more slowly'}."
 
 
 def pool_card(pool: Pool) -> Card:

@@ -487,17 +487,27 @@ const SHOWN_FOR = 3;  // seconds that a whole episode takes
 
 function prepareStill(still) {
   const show = Number(still.dataset.show), shown = data.shows[show], episode = telling(show);
-  const sides = sidesOf(show, episode), last = lastOf(sides), view = { ...HOME, ...framed(sides) };
+  let sides = null, last = 0, view = null;  // unpacked when it is first seen: a page may have many
   const canvases = [...still.querySelectorAll("canvas")], words = [...still.querySelectorAll("p")], link = still.querySelector("a");
   still.hidden = false;
-  sides.forEach((side, index) => {
-    words[index].textContent = `${side.title.replace(/^\w+: /, "")}: ${side.now.outcome}`;
-    canvases[index].setAttribute("aria-label", `${side.title}: the arm at the end of the episode: ${side.now.outcome}`);
+  shown.sides.forEach((side, index) => {
+    const { outcome } = side.episodes[episode];
+    words[index].textContent = `${side.title.replace(/^\w+: /, "")}: ${outcome}`;
+    canvases[index].setAttribute("aria-label", `${side.title}: the arm at the end of the episode: ${outcome}`);
   });
-  const seeds = [...new Set(sides.map((side) => side.seed))].join(" and ");
+  const seeds = [...new Set(shown.sides.map((side) => side.seed))].join(" and ");
   link.href = `#replay-${show + 1}-${shown.numbers[episode]}`;
   link.textContent = `episode ${shown.numbers[episode]} of seed ${seeds}, the same target`;
   const draw = (step) => sides.forEach((side, index) => drawArm(canvases[index], side, COLOURS[index], view, Math.min(step, side.now.last)));
+  const end = () => {
+    if (!canvases[0].clientWidth) return;
+    if (!sides) {
+      sides = sidesOf(show, episode);
+      last = lastOf(sides);
+      view = { ...HOME, ...framed(sides) };
+    }
+    draw(last);
+  };
   let since = null;
   const run = (now) => {
     since ??= now;
@@ -506,7 +516,7 @@ function prepareStill(still) {
     if (share < 1) requestAnimationFrame(run);
   };
   still.querySelector("button").addEventListener("click", () => { since = null; requestAnimationFrame(run); });
-  for (const canvas of canvases) new ResizeObserver(() => draw(last)).observe(canvas);
+  for (const canvas of canvases) new ResizeObserver(end).observe(canvas);
 }
 for (const still of document.querySelectorAll(".still[data-show]")) prepareStill(still);
 
