@@ -32,7 +32,7 @@ NOTICE = (
     "The answers on this page follow a rule that was chosen after these results had been seen. Nothing was trained "
     "again, and what was measured is unchanged. The p-values of what does not decide are those of the first report."
 )
-EARLIER_TESTS = re.compile(r"p: how often chance alone .*$", re.MULTILINE)
+EARLIER_TESTS = re.compile(r"p(?:: | says )how often chance alone .*$", re.MULTILINE)
 P, RESULT = -2, -1
 """The last two columns of a table of behaviour."""
 
