@@ -217,8 +217,9 @@ def _at_head(page: str, judged: Sequence[Comparison]) -> str:
         rest = f"\n{NOTICE}\n{rest}"
     before, heading, behind = rest.partition("\n## 1. ")
     pooled = pooled_part(judged)
-    if heading and pooled and pooled[0] not in before:
-        before = before + "\n" + "\n\n".join(pooled) + "\n"
+    if heading and pooled:
+        without, *_ = before.partition(f"\n{pooled[0]}\n")
+        before = without + "\n" + "\n\n".join(pooled) + "\n"
     return f"{title}\n{before}{heading}{behind}"
 
 
