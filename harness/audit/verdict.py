@@ -15,9 +15,9 @@ def verdict_of(audit: Audit) -> list[str]:
     if audit.holding_pays:
         lines.append(_on_holding(audit, payoffs[HOLD]))
     if payoffs[FINISH].success < 1.0:
-        lines.append(f"finish reached the target in {payoffs[FINISH].success:.0%} of the episodes only.")
+        lines.append(f"finish reached the target in only {payoffs[FINISH].success:.0%} of the episodes.")
     lines += [
-        f"{name} could not keep outside epsilon: {payoffs[name].success:.0%} of its episodes ended at the target."
+        f"{name} could not stay outside epsilon: {payoffs[name].success:.0%} of its episodes ended at the target."
         for name in (HOVER, CREEP)
         if payoffs[name].success > 0.0
     ]

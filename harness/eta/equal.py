@@ -35,7 +35,7 @@ def equal_sentences(groups: Iterable[Sequence[Key]]) -> list[str]:
             seeds.setdefault(tuple(reward for reward, _ in group), []).append(group[0][1])
         else:
             told = _listed(f"by {reward} with seed {seed}" for reward, seed in group)
-            lines.append(f"The trainings {told} are equal bit for bit: they count as several, and are one")
+            lines.append(f"The trainings {told} are equal bit for bit. They count as several, but are one")
     of_seeds = [
         f"The trainings by {_listed(rewards)} are equal bit for bit, with {'seeds' if len(of) > 1 else 'seed'} "
         f"{_listed(map(str, of))}: between them there is nothing to compare"

@@ -222,8 +222,8 @@ def _neither_learns(change: Compared) -> bool:
 def _too_little(names: Names, change: Compared, where: str) -> str:
     return (
         f"Neither {names.baseline} nor {names.proposed} teaches the task{where and ' '}{where}: "
-        f"{_values(names, change)}. Whatever else differs, success below {LEARNED:.0%} is no behaviour to compare: "
-        "train longer, or with another algorithm."
+        f"{_values(names, change)}. Success is below {LEARNED:.0%} under both, so there is no behaviour to compare. "
+        "Train longer, or with another algorithm."
     )
 
 
@@ -257,8 +257,8 @@ def _unseen(change: Compared) -> str:
     if not is_share(change) or change.lowest is None or change.lowest < FAILED:
         return ""
     return (
-        f" No seed failed; with {count_seeds(change.seeds)}, up to {min(1.0, 3.0 / change.seeds):.0%} of them could "
-        "still fail under either reward."
+        f" No seed failed. But {count_seeds(change.seeds)} cannot rule out that up to "
+        f"{min(1.0, 3.0 / change.seeds):.0%} of all trainings fail under either reward."
     )
 
 
@@ -271,7 +271,7 @@ def _cannot_tell(names: Names, deciding: Sequence[Compared], number: str, ruling
     if seeds < fewest and not ruling.has_plan:
         told = f"{told} Fewer than {fewest} seeds cannot show anything here."
     at_most = "; ".join(text for change in deciding if (text := _at_most(change)))
-    lines = [told, f"The difference is at most {at_most} (90%)." if at_most else "", _yet(deciding, ruling)]
+    lines = [told, f"The difference is at most {at_most} (90% interval)." if at_most else "", _yet(deciding, ruling)]
     seen, small = _seeds_needed(deciding, ruling, "seen"), _seeds_needed(deciding, ruling, "margin")
     margins = " or of ".join(map(margin_text, deciding))
     if seen:
@@ -306,11 +306,11 @@ def _yet(deciding: Sequence[Compared], ruling: Ruling) -> str:
     if not out or ruling.corrected is None:
         return ""
     names = " and of ".join(SHORT.get(it.name, it.name.replace("_", " ")) for it in out)
-    told = f"The interval of {names} leaves out 0, but stands by itself"
+    told = f"The interval of {names} leaves out 0 when it is looked at alone. But"
     p = p_text(ruling.corrected)
     if ruling.asked > 1:
-        return f"{told}: {ruling.asked} questions were asked together, and for all of them p is {p}."
-    return f"{told}: the test holds for all deciding measures, and its p is {p}."
+        return f"{told} {ruling.asked} questions were asked together, and allowing for all of them p is {p}."
+    return f"{told} the test allows for all deciding measures, and its p is {p}."
 
 
 def _values(names: Names, change: Compared) -> str:

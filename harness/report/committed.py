@@ -10,7 +10,7 @@ from rich.text import Text
 from typing_extensions import TypedDict
 
 from harness.errors import UsageError
-from harness.eta.headline import SHORT, SUCCESS
+from harness.eta.headline import SUCCESS
 from harness.files.bounded import parse_json, read_bytes, reading
 from harness.record.file_forms import OPEN, Count, Line, Name, Status, require_form
 from harness.record.plan_file import EXPERIMENT, PLAN
@@ -18,17 +18,16 @@ from harness.report.rows.comparison import Grid, format_number
 from harness.report.summary.summary import RECORD, SUMMARY
 from harness.report.tables.overview import WideOrNarrow
 from harness.results.comparison import deciding_manner
-from harness.results.overview import ARROW, NOTHING
+from harness.results.overview import NOTHING, decided_by_text, short_name, values_text
 from harness.text import command_text
 
 MOST_BYTES = 64 * 2**20
 NUMBERS = ("seeds", "eta_N", "eta_P", "ruler")
-SIDES = ("baseline", "proposed")
 PLACES = ("simulator", "algorithm", "robot", "task")
 READING = (
-    "{measure}: baseline -> proposed. eta: the proposed reward's number divided by the baseline's. eta_N below 1 and "
-    "eta_P above 1 count as better. ruler: the part of eta_P that comes from counting the same runs differently. "
-    "In brackets, if the window is wide enough: the 95% interval. *: see the remarks below."
+    "{measure}: baseline -> proposed. eta compares the pay: the proposed reward's number divided by the baseline's. "
+    "A wide terminal shows its 95% interval in brackets. An eta_N below 1 and an eta_P above 1 count as better. The "
+    "ruler is the part of eta_P that comes from counting the same runs differently. *: see the remarks below."
 )
 Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -60,6 +59,7 @@ class ChangeForm(TypedDict):
     baseline: Number | None
     proposed: Number | None
     episodes: NotRequired[int | None]
+    unit: NotRequired[Line]
 
 
 @with_config(OPEN)
@@ -70,6 +70,7 @@ class HeadlineForm(TypedDict):
     robot: NotRequired[Line]
     behaviour: NotRequired[Line]
     number: Line
+    decided_by: NotRequired[Name | None]
 
 
 @with_config(OPEN)
@@ -253,25 +254,27 @@ def _proposed(comparison: ComparisonForm) -> str:
 def _grid(names: Sequence[str], comparisons: Sequence[ComparisonForm], with_intervals: bool) -> Grid:
     rows = [_row(name, it, with_intervals) for name, it in zip(names, comparisons, strict=True)]
     subject = "robot" if any("robot" in it for it in comparisons) else "agent"
-    return Grid(("", f"the {subject}", _measure(comparisons), *NUMBERS), rows, [])
+    return Grid(("", f"the {subject}", "decided by", _measure(comparisons), *NUMBERS), rows, [])
 
 
 def _measure(comparisons: Sequence[ComparisonForm]) -> str:
     """The name of the measure that decides."""
-    names = dict.fromkeys(_deciding(it) for it in comparisons)
-    return " / ".join(SHORT.get(name, name.replace("_", " ")) for name in names)
+    return " / ".join(map(short_name, dict.fromkeys(_deciding(it)[0] for it in comparisons)))
 
 
-def _deciding(comparison: ComparisonForm) -> str:
-    return next(iter(comparison.get("deciding", ())), SUCCESS)
+def _deciding(comparison: ComparisonForm) -> list[str]:
+    """The measures that decide, of which a record may name none."""
+    return comparison.get("deciding") or [SUCCESS]
 
 
 def _row(name: str, comparison: ComparisonForm, with_intervals: bool) -> tuple[str, ...]:
     ratios = _ratios(comparison)
+    decider, deciding = comparison["headline"].get("decided_by"), _deciding(comparison)
     return (
         name,
         comparison["headline"]["answer"].upper(),
-        _success(comparison),
+        decided_by_text(decider, deciding, _values(comparison, decider)),
+        _values(comparison, deciding[0]),
         str(len(comparison["seeds"])),
         *(_ratio(it, with_intervals) for it in ratios.values()),
     )
@@ -302,14 +305,12 @@ def _remarks(names: Sequence[str], comparisons: Sequence[ComparisonForm]) -> lis
     return [f"* {', '.join(where)}: {note}" for note, where in found.items()]
 
 
-def _success(comparison: ComparisonForm) -> str:
-    """Both values of the measure that decides; success as a percentage."""
+def _values(comparison: ComparisonForm, name: str | None) -> str:
+    """Both values of a measure in the episodes that decide; success as a percentage."""
     decided = comparison.get("decided_in") or deciding_manner(comparison["deterministic"], comparison["episodes"])
-    name = _deciding(comparison)
     for change in comparison["behaviour"]:
-        values = [value for value in (change["baseline"], change["proposed"]) if value is not None]
-        if (change["name"], change["manner"]) == (name, decided) and len(values) == len(SIDES):
+        baseline, proposed = change["baseline"], change["proposed"]
+        if (change["name"], change["manner"]) == (name, decided) and baseline is not None and proposed is not None:
             is_share = name == SUCCESS or change.get("episodes") is not None
-            one, other = (f"{100 * value:.0f}" if is_share else format_number(value) for value in values)
-            return f"{one}{ARROW}{other}{' %' if is_share else ''}"
+            return values_text(baseline, proposed, change.get("unit", ""), is_share)
     return NOTHING

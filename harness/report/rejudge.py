@@ -32,7 +32,7 @@ NOTICE = (
     "The answers on this page follow a rule that was chosen after these results had been seen. Nothing was trained "
     "again, and what was measured is unchanged. The p-values of what does not decide are those of the first report."
 )
-EARLIER_TESTS = re.compile(r"p: how often chance alone .*$", re.MULTILINE)
+EARLIER_TESTS = re.compile(r"p(?:: | says )how often chance alone .*$", re.MULTILINE)
 P, RESULT = -2, -1
 """The last two columns of a table of behaviour."""
 
@@ -217,8 +217,9 @@ def _at_head(page: str, judged: Sequence[Comparison]) -> str:
         rest = f"\n{NOTICE}\n{rest}"
     before, heading, behind = rest.partition("\n## 1. ")
     pooled = pooled_part(judged)
-    if heading and pooled and pooled[0] not in before:
-        before = before + "\n" + "\n\n".join(pooled) + "\n"
+    if heading and pooled:
+        without, *_ = before.partition(f"\n{pooled[0]}\n")
+        before = without + "\n" + "\n\n".join(pooled) + "\n"
     return f"{title}\n{before}{heading}{behind}"
 
 

@@ -27,17 +27,19 @@ OF_NUMBERS: Mapping[Numbers, tuple[str, ...]] = {
 }
 READING: Mapping[Numbers, str] = {
     "indices": (
-        "eta: the proposed reward's number divided by the baseline's, with its 95% interval if the window is wide "
-        "enough. eta_N below 1 and eta_P above 1 count as better. ruler: the part of eta_P that comes from counting "
-        "the same runs differently; no {subject} moved differently for it."
+        "eta compares the pay: the proposed reward's number divided by the baseline's. A wide terminal shows its 95% "
+        "interval in brackets. An eta_N below 1 and an eta_P above 1 count as better. The ruler is the part of eta_P "
+        "that comes from counting the same runs differently. No {subject} moved differently for it."
     ),
     "ratio": (
-        "return: baseline -> proposed, each training paid by its own reward. eta = ruler x behaviour is the ratio of "
-        "both; the ruler is what comes from counting the same episodes differently."
+        "return: what an episode was paid on average, baseline -> proposed, each training by its own reward. eta "
+        "divides the second by the first: eta = ruler x behaviour. The ruler comes from counting the same episodes "
+        "differently."
     ),
     "difference": (
-        "return: baseline -> proposed, each training paid by its own reward. difference = ruler + behaviour, because a "
-        "ratio needs returns above 0; the ruler is what comes from counting the same episodes differently."
+        "return: what an episode was paid on average, baseline -> proposed, each training by its own reward. "
+        "difference = ruler + behaviour. The ruler comes from counting the same episodes differently. There is no "
+        "ratio, because it needs returns above 0."
     ),
 }
 
@@ -69,7 +71,7 @@ def overview_of(combinations: Sequence[Comparison]) -> Overview:
     mains = [it.main for it in combinations if it.main is not None]
     is_ratio = all(it.ratio.eta.value is not None for it in mains)
     numbers: Numbers = "indices" if not mains else "ratio" if is_ratio else "difference"
-    measure = " / ".join(map(_short_name, names)) or "behaviour"
+    measure = " / ".join(map(short_name, names)) or "behaviour"
     trained = f" {TRAINING}" if names and all(it.manner in (WHOLE, TRAINING) for it in combinations) else ""
     return Overview(combinations[0].group.subject, f"{measure}{trained}", numbers)
 
@@ -142,24 +144,33 @@ def measure_text(change: Change | None) -> str:
     """Both values of a measure; shares as whole percentages."""
     if change is None or change.baseline is None or change.proposed is None:
         return NOTHING
-    if change.measure.episodes is None:
-        unit = f" {change.measure.unit}" if change.measure.unit else ""
-        return f"{short_number(change.baseline)}{ARROW}{short_number(change.proposed)}{unit}"
-    return f"{100 * change.baseline:.0f}{ARROW}{100 * change.proposed:.0f} %"
+    return values_text(change.baseline, change.proposed, change.measure.unit, change.measure.episodes is not None)
+
+
+def values_text(baseline: float, proposed: float, unit: str, is_share: bool) -> str:
+    """Two values with an arrow between them; shares as whole percentages."""
+    if is_share:
+        return f"{100 * baseline:.0f}{ARROW}{100 * proposed:.0f} %"
+    return f"{short_number(baseline)}{ARROW}{short_number(proposed)}{unit and ' '}{unit}"
 
 
 def decider_text(combination: Comparison) -> str:
     """The measure that decided, with its values if the overview has no column for it."""
     name = combination.headline.decided_by
+    changes = () if name is None else combination.changes_of(combination.manner)
+    change = next((it for it in changes if it.name == name), None)
+    return decided_by_text(name, combination.deciding, measure_text(change))
+
+
+def decided_by_text(name: str | None, deciding: Sequence[str], values: str) -> str:
+    """The measure `name` that decided, with `values` if it is not the first of `deciding`, which has a column."""
     if name is None:
         return NO_DECIDER
-    if name in combination.deciding[:1]:
-        return _short_name(name)
-    change = next((it for it in combination.changes_of(combination.manner) if it.name == name), None)
-    return f"{_short_name(name)}, {measure_text(change)}"
+    return short_name(name) if name in deciding[:1] else f"{short_name(name)}, {values}"
 
 
-def _short_name(name: str) -> str:
+def short_name(name: str) -> str:
+    """The name of a measure for a heading or a cell."""
     return SHORT.get(name, name.replace("_", " "))
 
 

@@ -360,4 +360,5 @@ def _why_none(tasks: Iterable[Sequence[_Found]]) -> str:
     rewards = set.intersection(*(set(it.runs) for it in most)) if most else set()
     if len(rewards) >= REWARDS and len(most) >= PLACES:
         return "in a place no seed is done under every reward"
-    return f"it takes {REWARDS} rewards in {PLACES} places; here are {len(rewards)} in {len(most)}"
+    here = f"{len(rewards)} reward{'s' * (len(rewards) != 1)} in {len(most)} place{'s' * (len(most) != 1)}"
+    return f"at least {REWARDS} rewards in {PLACES} places are needed, and this experiment has {here}"

@@ -24,7 +24,7 @@ from harness.results.pool import Pool
 
 SPEED_LEVEL = 0.01
 """What the second question, whether the robot learns faster, takes of the 5 %."""
-RACED = "The race decides, and ends a reward's trainings when it leaves; by itself this comparison is no test."
+RACED = "The race decides, and ends a reward's trainings when it leaves; this comparison by itself is no test."
 LookOf = Callable[[Comparison], tuple[Mapping[int, int], int]]
 """Tells of a comparison the look at which each seed was trained, and how many looks are complete."""
 Place = tuple[Group, str, str]

@@ -20,8 +20,8 @@ SIMULATOR_NOTE = (
 )
 PAIR_NOTE = (
     f"Tip, joint: distance in smooth motion at up to {SPEED:.0%} of the speed and {ACCELERATION:.0%} of the "
-    "acceleration. Contact: in dives to the ground; share of the control periods, until "
-    f"{GRACE} after the first contact, in which one alone sees contact, and by what the second one sees it later."
+    "acceleration. Contact: in dives to the ground, the share of the control periods in which only one of both sees "
+    f"contact, until {GRACE} after the first contact, and how much later the second one sees it."
 )
 
 

@@ -76,8 +76,8 @@ def test_scripts_that_miss_their_aim_are_named(rollouts):
         for run in rollouts
     ]
     lines = verdict_of(audit_reward(Baseline(), Baseline(), mixed, 0.95))
-    assert "finish reached the target in 50% of the episodes only." in lines
-    assert any(line.startswith("hover could not keep outside epsilon: 25%") for line in lines)
+    assert "finish reached the target in only 50% of the episodes." in lines
+    assert any(line.startswith("hover could not stay outside epsilon: 25%") for line in lines)
 
 
 def test_a_larger_workspace_pays_metres_in_proportion(judge):

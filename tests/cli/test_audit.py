@@ -150,7 +150,7 @@ def test_recorded_trainings_are_audited(harness, recordings):
         "Paid most differently: '0', env 0, episode",
         "random actions 2 1.25",
         "trained with plain, last",
-        "harness.audit_rewards in Python finds them",
+        "harness.audit_rewards in Python computes them",
     ):
         assert text in out
 

@@ -52,7 +52,7 @@ SKIPPED: Mapping[str, str] = MappingProxyType(
         "from harness.tune.tune import tune": "trains; tests/tune",
         'subprocess.check_output([sys.executable, "-m", "harness"': "the reader's folder; tests/cli/test_report.py",
         "RecordVideo(": "takes moviepy, which writes films; tests/env/test_single_env.py draws",
-        "harness.evaluate_policy(policy": "trains; tests/test_your_environment.py runs it with fewer steps",
+        "evaluate_policy(lambda it:": "trains; tests/test_your_environment.py runs it with fewer steps",
         "HerReplayBuffer": "trains for minutes; tests/env/test_goal_env.py",
         "trace = read_trace(folder": "an excerpt: the folder is the reader's",
     }

@@ -29,7 +29,7 @@ def test_rewards_that_taught_the_same_have_one_sentence_for_all_seeds():
 def test_seeds_that_gave_one_run_are_told():
     """They are counted as several, which they are not."""
     assert equal_sentences([(("own", 0), ("own", 3))]) == [
-        "The trainings by own with seed 0 and by own with seed 3 are equal bit for bit: they count as several, and are "
+        "The trainings by own with seed 0 and by own with seed 3 are equal bit for bit. They count as several, but are "
         "one"
     ]
 

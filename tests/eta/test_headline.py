@@ -165,7 +165,7 @@ def test_no_difference():
         "mine makes no difference that counts: success rate 100.0% with mine, 100.0% with base (difference -2.8 to "
         "+2.8 points), less than 5 points of success apart; time to target 7.1 steps with mine, 7 steps with base "
         "(difference +0.1 to +0.1 steps), less than 10% of the time apart (equivalence by two one-sided tests, 5% "
-        "each). No seed failed; with 20 seeds, up to 15% of them could still fail under either reward."
+        "each). No seed failed. But 20 seeds cannot rule out that up to 15% of all trainings fail under either reward."
     )
 
 
@@ -194,7 +194,7 @@ def test_cannot_tell_says_how_many_seeds_would():
     assert (found.answer, found.seeds_to_decide) == (Answer.CANNOT_TELL, seen)
     assert found.robot == (
         "Cannot tell from 10 seeds whether mine helps or hurts: success rate 52.0% with mine, 50.0% with base "
-        "(difference -5.4 to +9.4 points). The difference is at most 8.0 points of success (90%). "
+        "(difference -5.4 to +9.4 points). The difference is at most 8.0 points of success (90% interval). "
         f"{seen[0]} to {seen[1]} seeds would tell the difference that was seen."
     )
 
@@ -219,13 +219,12 @@ def test_the_same_steps_need_no_test():
 
 
 def test_an_interval_without_zero_that_is_no_answer_is_explained():
-    """In one plain sentence, with how many questions were asked."""
+    """In two plain sentences, with how many questions were asked."""
     found = told(change(about(0.5), about(0.9), p=0.2), asked=8)
-    assert "The interval of success leaves out 0, but stands by itself: 8 questions were asked together, and for" in (
-        found.robot
-    )
+    assert "The interval of success leaves out 0 when it is looked at alone. But 8 questions were asked" in found.robot
+    assert "8 questions were asked together, and allowing for all of them p is 0.200." in found.robot
     alone = told(change(about(0.5), about(0.9), p=0.2))
-    assert "leaves out 0, but stands by itself: the test holds for all deciding measures, and its p is 0.200." in (
+    assert "when it is looked at alone. But the test allows for all deciding measures, and its p is 0.200." in (
         alone.robot
     )
 

@@ -9,7 +9,7 @@ from harness.errors import SchemaError, UsageError
 from harness.report.committed import committed_table, committed_text, is_committed, refuse_committed
 from harness.report.document import report_text
 from harness.report.rows.comparison import interval_text
-from harness.results.overview import measure_text
+from harness.results.overview import decider_text, measure_text
 
 
 @pytest.fixture
@@ -54,6 +54,7 @@ def test_every_comparison_has_a_line(build, commit):
     for row, it in zip(rows, results.combinations, strict=True):
         assert row.startswith(f"{it.group.labels['simulator']} · {it.proposed} ")
         assert f" {it.headline.answer.value.upper()} " in row
+        assert f" {decider_text(it)} " in row
         assert f" {measure_text(it.decisive)} " in row
 
 
@@ -117,3 +118,5 @@ def test_the_committed_records_of_the_project_open(request):
     lines = lines_of(request.config.rootpath / "results" / "reference" / "fd100")
     record = json.loads((request.config.rootpath / "results" / "reference" / "fd100" / "results.json").read_text())
     assert lines[0] == f"Committed records of {len(record['cells'])} cells, {len(record['cells'])} done."
+    (dense,) = (line for line in lines if line.startswith("dense "))
+    assert " the time, 0.770 -> 0.365 s " in dense

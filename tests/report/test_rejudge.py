@@ -77,6 +77,18 @@ def test_another_answer_is_replaced_on_the_page_and_in_the_data(copy: Path):
     assert next(stored_comparisons(record_of(copy)))["headline"]["answer"] == "helps"
 
 
+def test_the_answers_over_all_places_are_replaced_on_the_page(tmp_path: Path):
+    """And nothing around them."""
+    for name in ("results.json", "summary.md"):
+        shutil.copy(REFERENCE / "arp-2021" / name, tmp_path)
+    right = (tmp_path / "summary.md").read_text(encoding="utf-8")
+    begin, end = right.index("\n## Over all places\n"), right.index("\n## 1. ")
+    wrong = f"{right[:begin]}\n## Over all places\n\n* **HELPS.** Who knows.\n{right[end:]}"
+    (tmp_path / "summary.md").write_text(wrong, encoding="utf-8")
+    rejudge(tmp_path)
+    assert (tmp_path / "summary.md").read_text(encoding="utf-8") == right
+
+
 def test_a_page_of_another_record_is_refused(copy: Path):
     """Nothing is written then."""
     shutil.copy(REFERENCE / "fetch" / "reach" / "summary.md", copy)

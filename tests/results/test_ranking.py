@@ -97,8 +97,8 @@ def test_a_reward_that_is_not_in_every_place_is_left_out(tmp_path: Path):
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ({}, "here are 2 in 1"),
-        ({"proposed": {}, "simulators": ("mujoco", "pybullet")}, "here are 1 in 2"),
+        ({}, "has 2 rewards in 1 place"),
+        ({"proposed": {}, "simulators": ("mujoco", "pybullet")}, "has 1 reward in 2 places"),
     ],
 )
 def test_what_cannot_be_compared_says_why(tmp_path: Path, given: dict[str, Any], told: str):

@@ -91,11 +91,11 @@ def judge(
     answers = [_answer(paid, below, name, groups, by_file) for name in paid.paid]
     notes = list(paid.facts.notes)
     if not known.any():
-        notes.append("Nothing says which episodes succeeded; name the column with --success")
+        notes.append("Nothing says which episodes succeeded: name the column with --success")
     elif not known.all():
-        notes.append(f"Of {int((~known).sum()):,} episodes nothing says whether they succeeded: left out")
+        notes.append(f"Episodes left out, since nothing says whether they succeeded: {int((~known).sum()):,}")
     if places is None and paid.still.any():
-        notes.append("Standing still is told by all numbers of an observation, also those that are no positions")
+        notes.append("All numbers of an observation tell whether it stands still, also those that are no positions")
     return DatasetAudit(
         paid.facts,
         None if below is None else below.facts,

@@ -16,17 +16,17 @@ from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, Auc
 from harness.eta.seed_mean import SeedMean
 from harness.record.dataset.dataset import DatasetFacts
 
-SCALE = "1: every success is paid more than every failure; 0.5: as a coin would; 0: the other way round"
+SCALE = "1: every success is paid more than every failure; 0.5: no better than a coin; 0: every failure is paid more"
 PROMISE = (
-    "95% intervals in brackets. The words rest on the 98% interval, and say more than is true in less than 5 of 100 "
-    "data sets (docs/statistics-tables.md), of each reward by itself"
+    "Brackets hold 95% intervals. The words rest on the 98% interval. For each reward by itself they are wrong in "
+    "less than 5 of 100 data sets (docs/statistics-tables.md)"
 )
 
 
 WIDTH = 100
 DISTANCES = (
-    "Distances of two rewards: 0 the same but for scale and offset, 0.71 unrelated, 1 opposite; means over parts of "
-    "the data set, 95% intervals over them"
+    "Distances of two rewards: 0 is the same but for scale and offset, 0.71 unrelated, 1 opposite. They are means over "
+    "parts of the data set, with 95% intervals over these"
 )
 
 

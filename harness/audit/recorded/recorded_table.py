@@ -8,12 +8,12 @@ from harness.audit.recorded.recordings import RecordedAudit
 
 SCALE = "Distances: 0 the same but for scale and offset, 0.71 unrelated, 1 opposite."
 NOT_ASKED = (
-    "A recording holds what rewards paid, and no observations. So EPIC, DARD and STARC, which ask a reward about other "
-    "steps, need the reward itself: harness.audit_rewards in Python finds them."
+    "A recording holds what rewards paid, and no observations. EPIC, DARD and STARC ask a reward about other steps, so "
+    "they need the reward itself: harness.audit_rewards in Python computes them."
 )
 EARNED = (
-    "Compare down a column: each reward has a scale of its own. Means whose intervals overlap may differ by chance. Of "
-    "random actions the interval is over episodes, of trainings it is over trainings."
+    "Compare down a column: each reward has a scale of its own. Means whose intervals overlap may differ by chance. "
+    "The interval of random actions is over episodes, that of trainings over trainings."
 )
 
 

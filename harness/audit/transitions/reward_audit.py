@@ -113,8 +113,8 @@ def _table(audit: RewardAudit) -> RenderableType:
     measured = (
         f"{SCALE} Measured {audit.measurements} times in the transitions of {', '.join(audit.policies)}, each time "
         f"with {new} of each and new samples, {audit.steps:,} steps in all. The 95% intervals "
-        "are over these measurements: they say how much another measurement with the same policies would differ. Other "
-        "policies meet other transitions, and there the distances are others."
+        "are over these measurements. They say how much another measurement with the same policies would differ. Other "
+        "policies meet other transitions, where the distances are others."
     )
     earned = "Compare down a column: each reward has a scale of its own. Intervals are over episodes."
     return Group(*parts, Text(), Text(measured), Text(), earned_grid(audit.earned, audit.rewards), Text(), Text(earned))

@@ -23,24 +23,22 @@ from harness.results.overview import NEAR_ZERO, NOTHING
 from harness.results.standing import told_manifests
 from harness.text import command_text
 
-SCALES = "eta compares two rewards, each on its own scale: it does not yet say how the {subject} behaves."
+SCALES = "eta compares two rewards, each on its own scale. It does not say how the {subject} behaves."
 SPLIT = (
-    "eta = ruler x behaviour: the ruler is the same runs scored by the two rewards, "
-    "the behaviour is the two trainings scored by one reward."
+    "eta = ruler x behaviour. For the ruler both rewards score the same runs. For the behaviour one reward scores the "
+    "runs of both trainings."
 )
 PATHS = (
-    "Each part is the geometric mean of two paths: the ruler on the proposed runs with the behaviour under the "
-    "baseline reward, and the ruler on the baseline's runs with the behaviour under the proposed reward. Their "
-    "interaction is the one ruler over the other: 1 where both paths say the same."
+    "There are two paths: the ruler on the proposed runs with the behaviour under the baseline reward, and the ruler "
+    "on the baseline's runs with the behaviour under the proposed reward. Each part is the geometric mean of both. "
+    "The interaction is the one ruler divided by the other. It is 1 where both paths say the same."
 )
-TOTAL = (
-    "I_N + I_P is the sum of the whole curve: its change is a sum, ruler + behaviour, also where no ratio is defined."
-)
+TOTAL = "I_N + I_P is the sum of the whole curve. Its change is ruler + behaviour, also where no ratio is defined."
 NO_REWARD = "No reward enters the success rate and the other measures of behaviour."
 TESTS = (
-    "p: how often chance alone gives a difference as large. The measures that decide are corrected for all questions "
-    "that the experiment asks about the {subject}; everything else is a hint, corrected for all hints. A result stands "
-    "only where p is at most 0.05. Intervals are over seeds, 95% each by itself."
+    "p says how often chance alone gives a difference as large. The measures that decide are corrected for all "
+    "questions that the experiment asks about the {subject}. Everything else is a hint, corrected for all hints. A "
+    "result stands only where p is at most 0.05. Each interval is over seeds and holds 95% by itself."
 )
 BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
 

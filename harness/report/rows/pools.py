@@ -10,12 +10,12 @@ from harness.results.standing import Standing, standing_of
 
 TITLE = "Over all places"
 EXPLANATION = (
-    "A place is a simulator, task and algorithm in which both rewards trained. The first answer is about the mean over "
-    "all of them; only where it stands are single places asked."
+    "A place is a simulator, a task and an algorithm with which both rewards trained. The first answer is about the "
+    "mean over all places. Single places are asked only where that answer stands."
 )
 GROWN = (
-    "Seeds were added after {counts} seeds had been trained, and no plan foresaw that. Who looks at results and then "
-    "trains on gives luck more chances: a verdict is then false in 6 to 10 % of the cases, and not in 5 %. "
+    "Seeds were added after {counts} seeds had been trained, and no plan foresaw that. To look at results and then to "
+    "train on gives luck more chances. A verdict is then false in 6 to 10 % of the cases, and not in 5 %. "
     "harness run --until decided keeps to 5 %."
 )
 

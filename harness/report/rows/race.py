@@ -15,11 +15,11 @@ from harness.results.standing import Standing, standing_of, values_of
 
 TITLE = "The race for the best reward"
 EXPLANATION = (
-    "A reward leaves when another one that is still in the race is better, by a test that spends 5 % over all looks. "
-    "It is then trained no further. The number is what a reward says of its own trainings, compared with what the "
-    "baseline says of its own: a mean return, or what was earned (I_P), or what was lost (I_N). It is a ratio, or a "
-    "difference where there is none. Of that, the ruler comes from counting the same runs differently. The number "
-    "decides nothing."
+    "A reward leaves the race when another one that is still in it is better, by a test that spends 5 % over all "
+    "looks. It is then trained no further. The number compares what a reward paid in its own trainings with what the "
+    "baseline paid in its own: the mean return, what was earned (I_P), or what was lost (I_N). It is a ratio, or a "
+    "difference where there is no ratio. The ruler is the part of it that comes from counting the same runs "
+    "differently. The number decides nothing."
 )
 HEADINGS = ("", "in the race", "{measure}", "seeds", "number", "of it ruler")
 

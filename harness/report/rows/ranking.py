@@ -5,33 +5,31 @@ from typing import NamedTuple
 
 from harness.eta.ranking import Agreement, Answer, Transplant
 from harness.report.rows.comparison import Grid
-from harness.results.overview import NOTHING
+from harness.results.overview import ARROW, NOTHING
 from harness.results.ranking import ROUNDING, Kind, Place, PlacePair, TaskRanking
 
 TITLE = "Would you have chosen another reward elsewhere?"
 EXPLANATION = (
-    "A place is where a policy was trained, with an algorithm. Two places are compared where they differ in one of the "
-    "two alone. "
-    "Success is the share of evaluation episodes that succeed: the ground truth. eta_P is the number as "
-    "published; behaviour is the part of it that is left once the ruler is taken out. Cells have the rank, then the "
-    "value."
+    "A place is where policies were trained, with one algorithm. Two places are compared if only one of these two "
+    "differs. Success is the share of evaluation episodes that succeed: the truth here. eta_P is the number as "
+    "published. Behaviour is what is left of it without the ruler. Each cell has the rank, then the value."
 )
 CHOICE = (
-    "The best reward of one place is used in the other one, beside the reward that is best there. YES: no reward that "
-    "may be the best one where it was chosen may be the best one where it is used. NO: the choice costs less than 5 "
-    "points of success there. Else the seeds do not decide it. Without any difference at most 5% of experiments say "
-    "YES anywhere: all intervals of a task hold together, so that a choice may be made from the same data."
+    "The best reward of the first place is used in the second, and compared with the reward that is best there. YES: "
+    "no reward that may be the best one in the first place may be the best one in the second. NO: the choice costs "
+    "less than 5 points of success there. Otherwise the seeds do not decide it. If rewards do not differ, at most 5% "
+    "of experiments say YES anywhere: all intervals of a task hold together, also for a choice made from the same data."
 )
 AGREEMENT = (
-    "tau, Kendall's tau-b of two orders by success: 1 the same order, 0 unrelated ones, -1 the opposite one. The 95% "
-    "interval spans every order that the seeds leave open; with few seeds that is every order."
+    "tau is Kendall's tau-b of two orders by success. 1 is the same order, 0 an unrelated one, -1 the opposite one. "
+    "The 95% interval spans every order that the seeds leave open. With few seeds that is every order."
 )
 SCORES: Mapping[str, tuple[str, str]] = {
     "eta_P": ("eta_P", "eta_P behaviour"),
     "eta_N": ("eta_N", "eta_N behaviour"),
 }
 """The columns of a table of ranks, besides success."""
-CHOICES = ("chosen in > used in", "choice", "best there", "costs there\n[points]", "another\nreward?", "what is open")
+CHOICES = ("chosen in -> used in", "choice", "best there", "costs there\n[points]", "another\nreward?", "what is open")
 AGREEMENTS = ("order by success", "tau", "95% interval", "")
 
 
@@ -178,7 +176,7 @@ def _choices(task: TaskRanking) -> Grid:
     for pair in task.pairs:
         for (here, there), found in zip((pair.names, pair.names[::-1]), (pair.forth, pair.back), strict=True):
             shared = _shared(task, pair)
-            rows.append((f"{here} > {there}{shared}", found.chosen, found.best, *_cost(found)))
+            rows.append((f"{here}{ARROW}{there}{shared}", found.chosen, found.best, *_cost(found)))
     return Grid(CHOICES, rows, [])
 
 

@@ -12,16 +12,16 @@ from harness.results.return_matrix import ReturnMatrix
 
 TITLE = "Return under every reward"
 EXPLANATION = (
-    "What each reward (a row) would pay the policies that each reward taught (a column): the return of an "
-    "episode, mean over episodes and seeds. Compare within a row: down a column the scale changes, not the "
+    "A row is a reward that pays, a column the reward that taught the policies. The number is the return of an "
+    "episode, as a mean over episodes and seeds. Compare within a row: down a column the scale changes, not the "
     "behaviour."
 )
 SCORED_BY = "evaluation return, scored by"
 MEAN = "Mean return of an episode"
 READING = (
-    "Returns are means over episodes, then over seeds. Baseline and proposed: each training paid by its own reward. Of "
-    "their difference, ruler is what comes from counting the same episodes by the other reward, behaviour what comes "
-    "from the episodes."
+    "Returns are means over episodes, then over seeds. Each training is paid by its own reward, baseline or proposed. "
+    "Their difference has two parts. The ruler comes from counting the same episodes by the other reward, the "
+    "behaviour from different episodes."
 )
 
 

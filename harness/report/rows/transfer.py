@@ -11,9 +11,9 @@ from harness.transfer.matrix import Failure, TransferMatrix
 TITLE = "Transfer between simulators"
 HOME = "*"
 EXPLANATION = (
-    "The policies of one simulator, evaluated in another: same task, robot, reward, starts and targets. "
-    "Mean over seeds, with its 95% interval over seeds; drop: success where trained minus success here, the same seeds "
-    "in both."
+    "Policies that were trained in one simulator are evaluated in another, with the same task, robot, reward, starts "
+    "and targets. Numbers are means over seeds, with 95% intervals over seeds. The drop is success where they were "
+    "trained minus success here, for the same seeds."
 )
 
 

@@ -10,7 +10,7 @@ from harness.report.rows.behaviour import behaviour_row
 from harness.report.rows.comparison import Grid, answer_text
 from harness.report.tables.grid import show_grid
 from harness.results.comparison import Comparison
-from harness.results.overview import line_names, measure_text, shared_text, short_value
+from harness.results.overview import ARROW, line_names, measure_text, shared_text, short_value
 from harness.results.two_experiments import BeforeAfter, Between, Verdict
 
 STYLES = {
@@ -18,8 +18,8 @@ STYLES = {
     Verdict.WORSE.value.upper(): LOOKS[Answer.HURTS].style,
 }
 READING = (
-    "before > after. the policy: whether the proposed reward's policies do better or worse than before, by a test over "
-    "the seeds that are in both. {subject}: whether the proposed reward helps beside the baseline."
+    "Values are before -> after. the policy: do the proposed reward's policies do better or worse than before? A test "
+    "over the seeds that are in both says so. {subject}: does the proposed reward help, compared with the baseline?"
 )
 
 
@@ -70,12 +70,12 @@ def _notes(pair: BeforeAfter) -> list[str]:
 
 def _change(texts: list[str]) -> str:
     """Both texts, or one if they are alike."""
-    return " > ".join(dict.fromkeys(texts))
+    return ARROW.join(dict.fromkeys(texts))
 
 
 def _moved(name: str, change: Change) -> str:
     row = behaviour_row(change)
     return (
-        f"{name}: {row.name} is {change.direction}: {row.baseline} > {row.proposed}, difference {row.difference}; "
+        f"{name}: {row.name} is {change.direction}: {row.baseline}{ARROW}{row.proposed}, difference {row.difference}; "
         f"{count_seeds(change.seeds)}, corrected p {row.p}"
     )

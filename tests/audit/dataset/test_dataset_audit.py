@@ -212,7 +212,7 @@ def test_episodes_without_a_word_are_left_out(tmp_path: Path):
     episodes = [{**reaching(number, False), "infos": {}} for number in range(4)]
     found = audit_dataset(f"minari:{write_minari(tmp_path / 'd', episodes)}")
     assert (found.successes, found.failures) == (0, 0)
-    assert "Nothing says which episodes succeeded; name the column with --success" in found.notes
+    assert "Nothing says which episodes succeeded: name the column with --success" in found.notes
 
 
 def test_lerobot_s_last_frame_tells_a_success(tmp_path: Path):

@@ -58,7 +58,7 @@ def test_ranks_stand_in_a_table(task):
 def test_choices_have_their_cost_and_answer(task):
     """A row for each way."""
     rows = task_rows(task).choices.rows
-    assert [row[0] for row in rows[:3]] == ["mujoco > dm_control", "dm_control > mujoco", "mujoco > pybullet"]
+    assert [row[0] for row in rows[:3]] == ["mujoco -> dm_control", "dm_control -> mujoco", "mujoco -> pybullet"]
     assert rows[2][1:3] == ("arp", "relative")
     assert rows[2][3].startswith("50.0 [")
     assert [row[4] for row in rows[:3]] == ["NO", "NO", "YES"]
@@ -77,8 +77,8 @@ def test_terminal_has_lines_and_on_request_tables(build):
     short, long = printed(ranking_table(results, False)), printed(ranking_table(results, True))
     assert "another reward chosen in another place? yes 0" in short
     assert "the seeds leave every order open" in short
-    assert "chosen in > used in" not in short
-    assert "chosen in > used in" in long
+    assert "chosen in -> used in" not in short
+    assert "chosen in -> used in" in long
     assert ranking_table(build(seeds=1), False) is None
 
 

@@ -23,7 +23,7 @@ def test_worse_policies_are_a_regression(build):
     assert (pair.verdict, found.regressions) == (Verdict.WORSE, (pair,))
     assert pair.decisive.corrected <= 0.05
     text = " ".join(printed(found).split())
-    assert "arp: success rate is worse: 100.0% > 0.0%" in text
+    assert "arp: success rate is worse: 100.0% -> 0.0%" in text
     assert "6 seeds, corrected p 0.031" in text
 
 

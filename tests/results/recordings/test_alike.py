@@ -87,8 +87,8 @@ def test_two_seeds_that_gave_one_run_are_told(tmp_path):
             record(tmp_path / f"{reward}-{seed}", reward, seed, ARMS + shift)
     equal = [note for note in load_study(tmp_path).runs.notes if "equal bit for bit" in note]
     assert equal == [
-        f"The trainings by {reward} with seed 0 and by {reward} with seed 1 are equal bit for bit: they count as "
-        "several, and are one"
+        f"The trainings by {reward} with seed 0 and by {reward} with seed 1 are equal bit for bit. They count as "
+        "several, but are one"
         for reward in ("plain", "thrice")
     ]
 
