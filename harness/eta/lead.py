@@ -14,7 +14,6 @@ from harness.eta.headline import (
     Answer,
     Compared,
     Headline,
-    count_seeds,
     is_share,
     margin_text,
 )
@@ -126,19 +125,29 @@ def _no_difference(deciding: Sequence[Compared], ruling: Ruling, subject: str, w
 
 
 def _cannot_tell(found: Headline, deciding: Sequence[Compared], where: str) -> str:
-    """How large the differences can be, and how many seeds would tell."""
-    most = [f"{name_of(it)} {{}}by at most {text}" for it in deciding if (text := _at_most(it))]
-    told = ", ".join(it.format("" if at else "differs ") for at, it in enumerate(most))
-    needed, seeds = found.seeds_to_decide, count_seeds(deciding[0].seeds)
-    verb = "is" if deciding[0].seeds == 1 else "are"
-    enough = f"{seeds} {verb} not enough"
-    if needed is not None and needed[1] <= PLANNABLE * needed[0]:
-        enough = f"{enough}: {needed[0]:,} to {needed[1]:,} would tell"
-    return " ".join([*([f"{told[0].upper()}{told[1:]}{_there(where)}."] if told else []), f"{enough}."])
+    """How many trainings would tell."""
+    seeds = deciding[0].seeds
+    told = (
+        f"{seeds} training{'s' * (seeds != 1)} of each reward {'is' if seeds == 1 else 'are'} not enough{_there(where)}"
+    )
+    needed = found.seeds_to_decide
+    if needed is None or needed[1] > PLANNABLE * needed[0]:
+        return f"{told}."
+    return f"{told}: it takes {needed[0]:,} to {needed[1]:,} to tell."
+
+
+def at_most_text(deciding: Sequence[Compared]) -> str:
+    """How large the differences can be, either way, by their 90 % intervals; empty where there is none."""
+    most = [f"{name_of(it)} by at most {text}" for it in deciding if (text := _at_most(it))]
+    if not most:
+        return ""
+    first, *others = most
+    name, _, amount = first.partition(" by ")
+    return f"So far, {' and '.join([f'{name} differs by {amount}', *others])}, up or down."
 
 
 def _at_most(change: Compared) -> str:
-    """How large the difference of a measure can be, by its 90 % interval; empty where there is none."""
+    """How large the difference of a measure can be; empty where that is not known."""
     if change.likely is None:
         return ""
     most = max(map(abs, change.likely))

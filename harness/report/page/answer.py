@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from harness.eta.headline import Answer, Compared, Headline, count_seeds
-from harness.eta.lead import name_of, short_values
+from harness.eta.headline import Answer, Compared, Headline
+from harness.eta.lead import at_most_text, name_of, short_values
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part
@@ -99,23 +99,43 @@ def _row(change: Compared, at: int, ruling: Ruling, found: Headline) -> Row:
 
 
 def _sure(found: Headline, changes: Sequence[Compared], ruling: Ruling) -> str:
+    if found.answer is Answer.CANNOT_TELL:
+        return " ".join(text for text in (at_most_text(changes), _clear_of_zero(changes, ruling)) if text)
     decider = next((it for it in changes if it.name == found.decided_by), None)
     if decider is None:
         return ""
-    told = f"{count_seeds(changes[0].seeds)} of each reward"
-    return f"Decided by {name_of(decider)}, {told}. {_luck(ruling.corrected or 0.0)}"
+    told = f"Decided by {name_of(decider)}, from {changes[0].seeds} trainings of each reward."
+    return f"{told} {_luck(ruling.corrected or 0.0)}"
+
+
+def _clear_of_zero(changes: Sequence[Compared], ruling: Ruling) -> str:
+    """Why a bar that does not reach the line is no answer by itself; empty where every bar reaches it."""
+    clear = [it for it in changes if it.low is not None and it.high is not None and (it.low > 0.0 or it.high < 0.0)]
+    if not clear or ruling.corrected is None:
+        return ""
+    names, p = " and ".join(map(name_of, clear)), 100.0 * ruling.corrected
+    return (
+        f"The bar of {names} misses the line. But with all bars of this page, luck alone shows one like it in {p:.0f} of "
+        "100 experiments."
+    )
 
 
 def _luck(p: float) -> str:
     """The p-value of an answer in words."""
     many = math.ceil(1000.0 * p - 1e-9)
     count = "fewer than 1" if many < 1 or p < 0.001 else f"{many}"
-    return f"Luck alone would show so much in {count} of 1,000 experiments."
+    return f"Luck alone would show such a difference in {count} of 1,000 experiments."
+
+
+NOTES = {"ruler": "same movements, other counting", "behaviour": "other movements, same counting"}
+"""What the parts of the pay are."""
 
 
 def _with_pay(card: Card, pay: Pay) -> Card:
     farthest = max((abs(part.size) for part in pay.parts), default=0.0)
-    parts = tuple(Row(it.name, "", draw_part(it.size, farthest, it.name), it.text, it.name) for it in pay.parts)
+    parts = tuple(
+        Row(it.name, NOTES[it.name], draw_part(it.size, farthest, it.name), it.text, it.name) for it in pay.parts
+    )
     return card._replace(pay=pay.told, is_ruler=pay.is_ruler, why=pay.why, parts=parts)
 
 
@@ -150,5 +170,5 @@ def _told(comparisons: Sequence[Comparison]) -> str:
     if not needed:
         return "Nothing decides these comparisons."
     low, high = min(it[0] for it in needed), max(it[1] for it in needed)
-    some = "" if len(needed) == len(found) else f" {len(found) - len(needed)} of them cannot be planned."
-    return f"Their seeds are not enough: {low:,} to {high:,} would tell, depending on the comparison.{some}"
+    some = "" if len(needed) == len(found) else f" For {len(found) - len(needed)} of them no number can be told."
+    return f"Their trainings are not enough: it takes {low:,} to {high:,} of each reward to tell them apart.{some}"

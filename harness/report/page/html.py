@@ -5,7 +5,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from harness.eta.headline import count_seeds
 from harness.report.answers import LEGEND
 from harness.report.apart import BETWEEN
 from harness.report.document import report_text
@@ -48,6 +47,8 @@ from harness.report.rows.returns import TITLE as RETURN_TITLE
 from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
 from harness.results.comparison import Comparison
+from harness.recorder.column import OWN
+from harness.results.overview import varying_kinds
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
 from harness.results.return_matrix import ReturnMatrix
@@ -85,10 +86,10 @@ SHARED: Mapping[str, str] = MappingProxyType(
     }
 )
 """Texts of the template."""
-PROMISE = "a false HELPS or HURTS anywhere on this page: at most 1 time in 20"
+PROMISE = "of 20 pages like this one, at most 1 has a false HELPS or HURTS"
 BARS = (
-    "Dot and bar: the difference and its 95 % interval; what lies to the right of the line is better. The ruler is "
-    "what comes from counting the same movements by another reward, the behaviour what comes from other movements."
+    "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Thick bars are pay: right of "
+    "the line is more pay, which is neither better nor worse."
 )
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
@@ -136,7 +137,7 @@ def _render(results: Results, audits: Audits) -> str:
         TEMPLATE,
         "The HTML report",
         question=question(results),
-        setting=_setting(results, matrix),
+        setting=_setting(results),
         warnings=_warnings(results),
         matrix=matrix,
         success=[found.success if found else {} for found in links],
@@ -177,11 +178,22 @@ def parts_of(sections: Sequence[Mapping[str, Any]], has_more: bool) -> dict[str,
     }
 
 
-def _setting(results: Results, matrix: Matrix) -> str:
+def _setting(results: Results) -> str:
     """What all comparisons share, in a line."""
-    counts = {len(it.seeds) for it in results.combinations}
-    seeds = [f"{count_seeds(count)} of each reward" for count in counts if len(counts) == 1 and count]
-    return BETWEEN.join([matrix.shared, *seeds])
+    combinations = results.combinations
+    if not combinations:
+        return ""
+    varying, first = varying_kinds(combinations), combinations[0]
+    told = [f"{kind} {label}" for kind, label in first.group.labels.items() if kind not in varying]
+    if "steps" not in varying:
+        told.append(f"{first.group.steps:,} steps of training")
+    if len({it.baseline for it in combinations}) == 1:
+        own = ", the environment's own reward" if first.baseline == OWN else ""
+        told.append(f"each compared with {first.baseline}{own}")
+    counts = {len(it.seeds) for it in combinations}
+    if len(counts) == 1 and first.seeds:
+        told.append(f"{len(first.seeds)} training{'s' * (len(first.seeds) != 1)} (seeds) of each reward")
+    return BETWEEN.join(told)
 
 
 def _warnings(results: Results) -> list[str]:

@@ -497,7 +497,8 @@ function prepareStill(still) {
   });
   const seeds = [...new Set(shown.sides.map((side) => side.seed))].join(" and ");
   link.href = `#replay-${show + 1}-${shown.numbers[episode]}`;
-  link.textContent = `episode ${shown.numbers[episode]} of seed ${seeds}, the same target`;
+  const ends = new Set(shown.sides.map((side) => side.episodes[episode].outcome)).size > 1;
+  link.textContent = `${ends ? "one that ends differently: " : ""}episode ${shown.numbers[episode]} of seed ${seeds}`;
   const draw = (step) => sides.forEach((side, index) => drawArm(canvases[index], side, COLOURS[index], view, Math.min(step, side.now.last)));
   const end = () => {
     if (!canvases[0].clientWidth) return;

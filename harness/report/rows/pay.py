@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from harness.eta.index import Ratio
 from harness.eta.return_split import ReturnSplit
+from harness.eta.scored_sums import BB, KK
 from harness.eta.splits import Split, SumSplit
 from harness.report.rows.comparison import format_number
 from harness.results.comparison import Comparison
@@ -51,17 +52,18 @@ def pay_of(comparison: Comparison) -> Pay | None:
     """
     split = comparison.returns.get(comparison.manner)
     if split is not None:
-        return _ratio("The pay of an episode", split.ratio) or _difference(split)
+        sides = f"An episode is paid {format_number(split.returns[KK].mean)} instead of {format_number(split.returns[BB].mean)}"
+        return _ratio(f"{sides}: {{}} times as much", split.ratio) or _difference(sides, split)
     named = {"eta_P": "What was earned (I_P)", "eta_N": "What was lost (I_N)"}
-    of_index = (_ratio(told, comparison.splits[name]) for name, told in named.items())
+    of_index = (_ratio(f"{told} is {{}} times as large", comparison.splits[name]) for name, told in named.items())
     return next((it for it in of_index if it is not None), None)
 
 
-def _ratio(amount: str, split: Split) -> Pay | None:
+def _ratio(told: str, split: Split) -> Pay | None:
     eta = split.eta
     if not _is_told(eta):
         return None
-    told = f"{amount} is {format_number(eta.value)} times as large"
+    told = told.format(format_number(eta.value))
     if not (_is_told(split.ruler) and _is_told(split.behaviour)):
         return Pay(told, (), _reason(split.ruler.near_zero or split.ruler.note))
     parts = (("ruler", split.ruler), ("behaviour", split.behaviour))
@@ -76,12 +78,12 @@ def _is_told(ratio: Ratio) -> bool:
     return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
 
 
-def _difference(split: ReturnSplit) -> Pay | None:
+def _difference(sides: str, split: ReturnSplit) -> Pay | None:
     total: SumSplit = split.total
     change = total.change.mean
     if change is None:
         return None
-    told = f"An episode is paid {format_number(abs(change))} {'more' if change >= 0.0 else 'less'}"
+    told = f"{sides}: {format_number(abs(change))} {'more' if change >= 0.0 else 'less'}"
     if total.ruler.mean is None or total.behaviour.mean is None:
         return Pay(told, (), _reason(total.ruler.note))
     parts = (("ruler", total.ruler.mean), ("behaviour", total.behaviour.mean))
