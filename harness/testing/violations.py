@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 from harness.errors import ContractViolation, one_line
+from harness.registry.moved import warn_of
 from harness.registry.parameters import build, values_of
 
 Level: TypeAlias = Literal["error", "warning"]
@@ -32,6 +33,12 @@ class Check:
     def __call__(self, *subject: Any) -> None:
         """Check `subject`."""
         self.run(*subject)
+
+    @property
+    def __name__(self) -> str:
+        """The old name of `name`: each check was a function."""
+        warn_of("check.__name__", "check.name")
+        return self.name
 
     @property
     def fact(self) -> str:
