@@ -69,4 +69,4 @@ def test_its_tests_pass(installed: dict[str, str]):
     options = ["-q", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir", str(PACKAGE)]
     said = _python(installed, "-m", "pytest", str(PACKAGE / "wary_arm_tests.py"), *options)
     assert " passed" in said
-    assert "check.__name__ moved: check.name (the old name goes with 0.3.0)" in said
+    assert "harness.testing.samples.random_samples moved: from harness.testing.rewards.samples import" in said

@@ -23,7 +23,6 @@ from harness.registry.moved import (
     old_names_in,
     why_gone,
 )
-from harness.testing import REWARD_CHECKS
 
 RECORD = Path(__file__).parents[1] / "compatibility/names_v0_1_0.json"
 """The public names of 0.1.0 by module: functions, classes, what ``__all__`` named, and constants that authors used.
@@ -178,14 +177,9 @@ def test_policy_load_is_load_policy(tmp_path: Path):
     assert type(policy) is type(load_policy(tmp_path / "policy"))
 
 
-def test_name_of_a_check():
-    """Checks were functions."""
-    with pytest.warns(DeprecationWarning, match=r"^check\.__name__ moved: check\.name "):
-        assert REWARD_CHECKS[0].__name__ == REWARD_CHECKS[0].name
-
-
-def test_warning_of_an_object_stands_at_the_line_that_used_it():
+def test_warning_of_an_object_stands_at_the_line_that_used_it(tmp_path: Path):
     """Not in the harness."""
+    Uniform((-1.0,), (1.0,), "mine").save(tmp_path / "policy")
     with pytest.warns(DeprecationWarning, match="moved") as seen:
-        assert REWARD_CHECKS[0].__name__
+        Policy.load(tmp_path / "policy")
     assert seen[0].filename == __file__
