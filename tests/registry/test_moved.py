@@ -163,7 +163,10 @@ def test_names_that_are_gone_are_read_in_a_source():
     ]
 
 
-@pytest.mark.parametrize("source", ["from . import kinematics", "import json", "from harness.reward import Sample"])
+@pytest.mark.parametrize(
+    "source",
+    ["from . import kinematics", "from .harness import trace", "import json", "from harness.reward import Sample"],
+)
 def test_other_names_are_no_old_ones(source: str):
     """Of the package itself, of others, and those that are where they were."""
     assert old_names_in(source) == []
