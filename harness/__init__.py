@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import wrapt
 
 from harness.hookspecs import Register, hookimpl
+from harness.registry.moved import find_old_names
 
 if TYPE_CHECKING:
     from harness.audit.dataset.audit_dataset import audit_dataset
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from harness.results import load_results
     from harness.robot.load import load_robot
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "RecordRewards",
     "RecordVectorRewards",
@@ -65,3 +66,4 @@ def _register_envs(gymnasium: Any) -> None:
 
 
 wrapt.when_imported("gymnasium")(_register_envs)
+find_old_names()

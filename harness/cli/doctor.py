@@ -47,8 +47,10 @@ def doctor(context: typer.Context) -> int:
     commit = source_commit(CHECKOUT)
     if commit:
         say(f"commit {commit}")
-    at_fault = [plugin for plugin in examined(registry) if plugin.is_at_fault]
-    notes = registry.conflicts() + hidden_commands(registry, context.obj) + registry.notes
+    plugins = examined(registry)
+    at_fault = [plugin for plugin in plugins if plugin.is_at_fault]
+    advice = [line for plugin in plugins for line in plugin.advice]
+    notes = registry.conflicts() + hidden_commands(registry, context.obj) + registry.notes + advice
     fine = [] if at_fault or notes else [f"plugins {len(registry.plugins)}, all fine"]
     for line in [*(plugin.complaint for plugin in at_fault), *notes, *fine]:
         say(line)

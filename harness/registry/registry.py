@@ -14,9 +14,10 @@ from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
 from harness.registry.chosen_plugins import Wanted
 from harness.registry.given import Given, PluginClass, PluginFile
-from harness.registry.hooks import fault_of, hooks_of
+from harness.registry.hooks import fault_of, hooks_of, remark_on
 from harness.registry.installed import installed
 from harness.registry.libraries import module_of
+from harness.registry.moved import old_names_in
 from harness.registry.names import unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
 from harness.registry.spec import Spec, canonical
@@ -41,6 +42,8 @@ class Plugin:
     """``ok``, ``broken``, ``incompatible`` or ``off`` (left out by HARNESS_PLUGINS)."""
     reason: str = ""
     registered: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    """What its author should change although it works: names that moved, interfaces of an earlier version."""
 
     @property
     def is_at_fault(self) -> bool:
@@ -50,8 +53,17 @@ class Plugin:
     @property
     def complaint(self) -> str:
         """A line that says whose it is and what is wrong with it."""
+        return f"{self._title} is {self.status}: {self.reason}"
+
+    @property
+    def advice(self) -> list[str]:
+        """A line for each remark, which says whose plugin it is about."""
+        return [f"{self._title}: {remark}" for remark in self.remarks]
+
+    @property
+    def _title(self) -> str:
         package = f"{self.distribution} {self.version}".rstrip()
-        return f"plugin '{self.name}' of {package} is {self.status}: {self.reason}"
+        return f"plugin '{self.name}' of {package}"
 
 
 @dataclass
@@ -143,7 +155,8 @@ class Registry:
     def complaints(self) -> list[str]:
         """What there is to know before names are used: plugins that did not load, names that several claim."""
         at_fault = [sentence(plugin.complaint) for plugin in self.plugins if plugin.is_at_fault]
-        return [*at_fault, *self.conflicts(), *self.notes]
+        advice = [sentence(line) for plugin in self.plugins for line in plugin.advice]
+        return [*at_fault, *self.conflicts(), *self.notes, *advice]
 
     def not_loaded(self, kind: str = "", name: str = "") -> str:
         """What may be the reason that a name is not there, to follow on a message; empty if nothing may."""
@@ -257,7 +270,8 @@ def _load_plugin(point: EntryPoint, origin: Origin, manager: pluggy.PluginManage
     except (Exception, SystemExit) as error:  # the same for its hooks
         registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
         return
-    registry.plugins.append(_plugin(point, origin, "ok", registered=_add(specs, registry)))
+    plugin = _plugin(point, origin, "ok", registered=_add(specs, registry))
+    registry.plugins.append(replace(plugin, remarks=tuple(filter(None, [remark_on(module)]))))
 
 
 def _load_given(given: Given, manager: pluggy.PluginManager, registry: Registry) -> None:
@@ -285,7 +299,9 @@ def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Regist
         _require_free(spec, file, registry)
     registry.functions += functions
     told = (*_add(specs, registry), *(f"{it.noun} {it.name} of environments" for it in functions))
-    registry.plugins.append(_given_plugin(file, origin, file.module, told))
+    plugin = _given_plugin(file, origin, file.module, told)
+    remarks = [remark_on(module), *old_names_in(file.source)]
+    registry.plugins.append(replace(plugin, remarks=tuple(filter(None, remarks))))
 
 
 def _given_plugin(given: Given, origin: Origin, module: str, registered: tuple[str, ...]) -> Plugin:

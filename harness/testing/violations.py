@@ -34,6 +34,11 @@ class Check:
         self.run(*subject)
 
     @property
+    def __name__(self) -> str:
+        """Its name once more, as a function has it: pytest calls the test of a check by it."""
+        return self.name
+
+    @property
     def fact(self) -> str:
         """What holds where the check is passed: the first paragraph of the function's docstring, on one line."""
         return " ".join(inspect.cleandoc(self.run.__doc__ or "").split("\n\n")[0].split())

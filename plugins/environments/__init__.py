@@ -2,7 +2,7 @@
 
 import harness
 
-harness_api = 1
+harness_api = 2
 
 
 @harness.hookimpl

@@ -1,3 +1,5 @@
+import pytest
+
 from harness.cli.doctor import OPTIONAL
 
 
@@ -55,6 +57,21 @@ def test_broken_plugins_are_told(harness, rendering, install):
     assert "plugin 'broken' of broken 1.0 is broken: ModuleNotFoundError" in out
     assert "versions" in out
     assert status == 1
+
+
+@pytest.mark.filterwarnings("ignore:harness.trace.Trace moved:DeprecationWarning")
+def test_old_names_are_told(harness, rendering, install):
+    """A plugin that works and imports a name that moved, or was written for earlier interfaces, has a line for each."""
+    rendering("true")
+    source = "import harness\n@harness.hookimpl\ndef register_rewards(register): pass\n"
+    install("earlier", f"from harness.trace import Trace\nharness_api = 1\n{source}")
+    status, out, _ = harness("doctor")
+    title = "plugin 'earlier' of earlier 1.0: "
+    moved = "harness.trace.Trace moved: from harness.record.trace import Trace (the old name goes with 0.3.0)"
+    assert f"{title}written for harness_api 1, this is 2: docs/renamed.md says what changed\n" in out
+    assert f"{title}{moved}, in " in out
+    assert "all fine" not in out
+    assert status == 0
 
 
 def test_what_can_be_run_is_told_last(harness, rendering):

@@ -36,3 +36,11 @@ def test_target_that_does_not_exist_makes_its_plugin_broken(harness, install):
     assert typos["status"] == "broken"
     told = f"Reward 'mine' of package typos 1.0: module '{module}_code' has no 'Mnie'. Did you mean 'Mine'?"
     assert typos["reason"] == told
+
+
+def test_remarks_stand_below_the_plugin(harness, install):
+    """What its author should change, though it works."""
+    source = "import harness\n@harness.hookimpl\ndef register_rewards(register): pass\n"
+    install("earlier", f"harness_api = 1\n{source}")
+    out = harness("plugins").out
+    assert "registers nothing\n  written for harness_api 1, this is 2: docs/renamed.md says what changed\n" in out

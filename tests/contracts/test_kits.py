@@ -8,6 +8,7 @@ import pytest
 
 from harness.hookspecs import KINDS
 from harness.testing.kits import EXPORTS, KITS
+from harness.testing.violations import Check
 
 DOCS = Path(__file__).parents[2] / "docs" / "contracts.md"
 PREFIXES = {
@@ -29,6 +30,12 @@ def test_names_begin_with_their_kind(kind: str):
     names = [check.name for check in KITS[kind].checks]
     assert len(set(names)) == len(names)
     assert all(name in SHARED or name.startswith(PREFIXES[kind]) for name in names)
+
+
+def test_a_check_is_called_by_its_name():
+    """As a function is, so that pytest names the test of a check by it; the class keeps its own."""
+    assert [check.__name__ for check in ALL.values()] == list(ALL)
+    assert Check.__name__ == "Check"
 
 
 def test_every_kind_but_commands_has_a_kit():

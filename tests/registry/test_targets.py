@@ -1,5 +1,6 @@
 """Targets compared with what their kind asks for: each way to be wrong is told, and what is right is not."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -104,6 +105,20 @@ def test_plugin_with_an_absent_target_is_broken():
     registry.plugins += [_plugin("one", "cem-algo"), _plugin("two", "other")]
     registry.specs["rewards", "mine"] = [_spec("no_such_module_here:Mine")]
     assert [plugin.status for plugin in examined(registry)] == ["broken", "ok"]
+
+
+def test_old_names_of_targets_are_remarks_and_nothing_is_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Each once, with the first module that imports it; a module that cannot be read has none."""
+    monkeypatch.syspath_prepend(tmp_path)
+    for name, source in {"old_one": "", "old_two": "raise SystemExit\n", "old_bad": "def\n"}.items():
+        (tmp_path / f"{name}.py").write_text(f"from harness.trace import Trace\n{source}Mine = 1\n")
+    registry = Registry()
+    registry.plugins += [_plugin("one", "cem-algo")]
+    registry.specs["rewards", "mine"] = [_spec(f"{name}:Mine") for name in ("old_bad", "old_one", "old_two")]
+    (plugin,) = examined(registry, lambda spec: "")
+    moved = "harness.trace.Trace moved: from harness.record.trace import Trace (the old name goes with 0.3.0)"
+    assert plugin.remarks == (f"{moved}, in old_one",)
+    assert "old_two" not in sys.modules
 
 
 def _plugin(name: str, distribution: str) -> Any:
