@@ -115,8 +115,8 @@ def _clear_of_zero(changes: Sequence[Compared], ruling: Ruling) -> str:
         return ""
     names, p = " and ".join(map(name_of, clear)), 100.0 * ruling.corrected
     return (
-        f"The bar of {names} misses the line. But with all bars of this page, luck alone shows one like it in {p:.0f} of "
-        "100 experiments."
+        f"The bar of {names} misses the line. But with all bars of this page, luck alone shows one like it in {p:.0f} "
+        "of 100 experiments."
     )
 
 

@@ -47,7 +47,6 @@ from harness.report.rows.returns import TITLE as RETURN_TITLE
 from harness.report.rows.transfer import EXPLANATION, TITLE, failure_lines, transfer_block
 from harness.results import Results
 from harness.results.comparison import Comparison
-from harness.recorder.column import OWN
 from harness.results.overview import varying_kinds
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
@@ -91,6 +90,8 @@ BARS = (
     "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Thick bars are pay: right of "
     "the line is more pay, which is neither better nor worse."
 )
+OWN = "own"
+"""What an environment's own reward is called."""
 NO_SECTIONS: Mapping[str, Any] = MappingProxyType(
     {
         **dict.fromkeys(("matrix", "ranking", "returns", "replay", "transfer", "pools", "race")),

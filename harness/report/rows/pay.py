@@ -52,7 +52,8 @@ def pay_of(comparison: Comparison) -> Pay | None:
     """
     split = comparison.returns.get(comparison.manner)
     if split is not None:
-        sides = f"An episode is paid {format_number(split.returns[KK].mean)} instead of {format_number(split.returns[BB].mean)}"
+        proposed, baseline = (format_number(split.returns[pair].mean) for pair in (KK, BB))
+        sides = f"An episode is paid {proposed} instead of {baseline}"
         return _ratio(f"{sides}: {{}} times as much", split.ratio) or _difference(sides, split)
     named = {"eta_P": "What was earned (I_P)", "eta_N": "What was lost (I_N)"}
     of_index = (_ratio(f"{told} is {{}} times as large", comparison.splits[name]) for name, told in named.items())

@@ -1,6 +1,7 @@
 """The first screen: cards, and groups of many comparisons."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -29,18 +30,27 @@ def test_a_card_names_what_decided_first(helped):
 def test_a_card_says_how_sure_it_is(helped):
     """As a share of experiments in which the rewards do nothing."""
     told = re.search(
-        r"6 seeds of each reward\. Luck alone would show so much in (\d+) of 1,000 experiments\.",
+        r"from 6 trainings of each reward\. Luck alone would show such a difference in (\d+) of 1,000 experiments\.",
         card_of(helped, "arp").sure,
     )
     assert 0 <= int(told[1]) - 1000.0 * helped.ruling.corrected < 1.0
 
 
-def test_a_card_without_an_answer_says_nothing_of_luck(build):
+def test_a_card_without_an_answer_says_how_large_the_difference_can_be(build):
     """And no measure decides."""
     (combination,) = build().combinations
     card = card_of(combination, "arp")
-    assert card.sure == ""
+    assert re.fullmatch(r"So far, success differs by at most \d+ points, up or down\.", card.sure)
     assert {row.note for row in card.rows} == {""}
+
+
+def test_a_bar_that_misses_the_line_without_an_answer_has_its_reason(helped):
+    """It stands by itself; the test holds for all bars of the page."""
+    whole = replace(helped, ruling=replace(helped.ruling, corrected=0.128, of_measures=(0.128,)))
+    card = card_of(whole, "arp")
+    assert card.answer == "CANNOT TELL"
+    assert "The bar of success misses the line." in card.sure
+    assert "luck alone shows one like it in 13 of 100 experiments" in card.sure
 
 
 def test_only_what_a_test_decided_is_coloured(build, helped):
@@ -83,4 +93,6 @@ def test_what_cannot_be_told_is_told_once(build):
     groups = groups_of([card_of(it, it.proposed) for it in combinations], combinations)
     told = {group["answer"]: group["told"] for group in groups}
     assert [bool(text) for answer, text in told.items()] == [answer == "CANNOT TELL" for answer in told]
-    assert re.match(r"(Their seeds are not enough: [\d,]+ to [\d,]+ would tell|Nothing decides)", told["CANNOT TELL"])
+    assert re.match(
+        r"(Their trainings are not enough: it takes [\d,]+ to [\d,]+ of each|Nothing decides)", told["CANNOT TELL"]
+    )
