@@ -17,15 +17,20 @@ from harness.report.figures.draw import (
     figure_height,
     legend_of,
     panel_left,
+    set_text,
 )
 from harness.report.figures.palette import light_colours
+from harness.report.typography import length_of, typeset
 from harness.text import visible
 
 CREATOR = "harness report --summary"
 """The creator that is written into every figure. It tells which figures in a folder are ours."""
 INTERVALS = "Bars: 95% intervals over seeds; one that ends at the edge of its panel goes on."
 RULES = Path(__file__).parent.parent / "figures" / "chart.css"
-FONT = "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+FONT = (
+    "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'Liberation Sans', "
+    "'Helvetica Neue', Arial, sans-serif"
+)
 EDGE, BETWEEN = 16.0, 24.0
 """Margins around the figure and between its panels, [px]."""
 LINE = 18.0
@@ -67,7 +72,7 @@ def draw_svg(title: str, headline: Sequence[str], panels: Sequence[TitledChart],
         y = _write(svg, EDGE, y, text, room)
     height = y + EDGE
     svg.attrib.update({"viewBox": f"0 0 {width:g} {height:g}", "width": f"{width:g}", "height": f"{height:g}"})
-    ElementTree.indent(svg, space="")  # a line for each element: what changed can be seen
+    _indent(svg)
     text = ElementTree.tostring(svg, encoding="unicode")
     return f"{text}\n".encode()
 
@@ -76,6 +81,15 @@ def chart_style() -> str:
     """The page's style rules for charts, with the colours of the light screen in place of their names."""
     colours, rules = light_colours(), RULES.read_text(encoding="utf-8")
     return re.sub(r"var\(--([\w-]+)\)", lambda name: colours[name[1]], rules)
+
+
+def _indent(svg: Element) -> None:
+    """Give each element a line, so that what changed can be seen; a text with subscripts stays in one."""
+    ElementTree.indent(svg, space="")
+    for text in svg.iter("text"):
+        text.text = (text.text or "").strip("\n")
+        for piece in text:
+            piece.tail = None
 
 
 def _draw_panels(svg: Element, panels: Sequence[TitledChart], y: float, title: str) -> float:
@@ -101,7 +115,7 @@ def _draw_legend(svg: Element, panels: Sequence[TitledChart], y: float, room: fl
             named.setdefault(name, mark)
     x = EDGE
     for name, mark in named.items():
-        taken = SAMPLE[0] + 6.0 + CHARACTER * len(name)
+        taken = SAMPLE[0] + 6.0 + CHARACTER * length_of(name)
         if x > EDGE and x + taken > EDGE + room:
             x, y = EDGE, y + LINE
         _place(svg, draw_sample(mark), x, y + (LINE - SAMPLE[1]) / 2, SAMPLE)
@@ -117,9 +131,9 @@ def _place(svg: Element, figure: Element, x: float, y: float, size: tuple[float,
 
 def _write(svg: Element, x: float, y: float, text: str, room: float, is_bold: bool = False) -> float:
     """Write as many lines as the text needs; returns where they end."""
-    for line in textwrap.wrap(visible(text), int(room / (CHARACTER * (BOLD if is_bold else 1.0)))):
+    for line in textwrap.wrap(typeset(visible(text)), int(room / (CHARACTER * (BOLD if is_bold else 1.0)))):
         element = SubElement(svg, "text", {"x": f"{x:g}", "y": f"{y + 0.75 * LINE:g}"})
-        element.text = line
+        set_text(element, line)
         if is_bold:
             element.set("font-weight", "bold")
         y += LINE

@@ -14,7 +14,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 def words(svg):
     """Every text of a figure, in order."""
-    return [node.text for node in ET.fromstring(svg).iter(f"{SVG}text")]
+    return ["".join(node.itertext()) for node in ET.fromstring(svg).iter(f"{SVG}text")]
 
 
 def strokes(svg, colour, width):
@@ -70,7 +70,7 @@ def test_no_pair_no_figures(build):
 def test_split_has_every_number_with_its_interval(build):
     """As the table says them."""
     told = words(split_file(build(proposed={"arp": (5, 34)}).combinations[0]))
-    assert {"eta_N = ruler x behaviour", "eta_P = ruler x behaviour"} <= set(told)
+    assert {"ηN = ruler × behaviour", "ηP = ruler × behaviour"} <= set(told)
     assert sum(text.endswith("]") and "[" in text for text in told) == 14
 
 
@@ -104,8 +104,8 @@ def learned(build):
 def test_learning_names_its_curves(learned):
     """Both rewards and the floor, in the legend, and in words below."""
     told = words(learning_file(*learned))
-    assert {"baseline", "arp", "random actions", "success rate", "100%"} <= set(told)
-    assert any(text.startswith("Success rate while learning: baseline 25.0% after 10 steps") for text in told)
+    assert {"baseline", "arp", "random actions", "success rate", "100\u202f%"} <= set(told)
+    assert any(text.startswith("Success rate while learning: baseline 25.0\u202f% after 10 steps") for text in told)
 
 
 def test_learning_shows_intervals(learned):

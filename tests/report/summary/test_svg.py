@@ -112,3 +112,9 @@ def test_same_numbers_same_bytes(figure):
     """There is no date and no random id."""
     again = draw_svg("a title", ("first", LABEL), [TitledChart("one", CHART), TitledChart(LABEL, CHART)], [LABEL])
     assert figure == again
+
+
+def test_a_subscript_stands_beside_its_symbol():
+    """No line break of the file comes between them: it would be a space."""
+    svg = ET.fromstring(draw_svg("a title", ("eta_N of it",), [TitledChart("one", CHART)]))
+    assert [it for it in ("".join(node.itertext()) for node in svg.iter(f"{SVG}text")) if "η" in it] == ["ηN of it"]
