@@ -6,7 +6,6 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.report.figures.panel import CurvePanel
-from harness.report.figures.points import POINTS, select_points
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
 ROOM = 0.02
@@ -35,11 +34,10 @@ class Region(NamedTuple):
         return float(self.x[-1] - self.x[0]) >= ROOM * last
 
 
-def regions_of(panel: CurvePanel, points: int = POINTS) -> list[Region]:
-    """Both regions of a panel's mean curve, of which `points` are drawn. A region without any area is left out."""
-    drawn = select_points(panel.mean, points)
-    steps, values = (drawn * panel.stride).astype(np.float64), panel.mean[drawn]
-    is_sum = panel.curve.kind == "accumulated"
+def regions_of(panel: CurvePanel) -> list[Region]:
+    """Both regions of a panel's mean curve as it is drawn. A region without any area is left out."""
+    steps, values = panel.mean
+    is_sum = panel.kind == "accumulated"
     parts = _around_zero(steps, values) if is_sum else _around_crossover(panel, steps, values)
     found = [Region(name, *_trim(*part)) for name, part in zip((OMEGA_1, OMEGA_2), parts, strict=True)]
     return [region for region in found if len(region.x) > 1]
@@ -56,7 +54,7 @@ def _around_zero(steps: Float, values: Float) -> list[tuple[Float, Float]]:
 
 def _around_crossover(panel: CurvePanel, steps: Float, values: Float) -> list[tuple[Float, Float]]:
     """The regions before and after the cross-over, as indices with per-step curves are summed."""
-    index = panel.curve.index
+    index = panel.index
     end = -1 if index.first_negative is None else index.steps if index.crossover is None else index.crossover
     return [(steps[side], values[side]) for side in (steps <= end, steps > end)]
 

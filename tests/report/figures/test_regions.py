@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.eta.curve import Kind, curve_of
-from harness.report.figures.panel import CurvePanel
+from harness.report.figures.panel import CurvePanel, panel_of
 from harness.report.figures.regions import OMEGA_1, OMEGA_2, regions_of
 
 VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
@@ -15,7 +15,8 @@ VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
 def panel(curve: list[float], kind: Kind = "accumulated") -> CurvePanel:
     """One run whose curve this is."""
     rewards = np.array(curve) if kind == "per-step" else np.diff(curve, prepend=0.0)
-    return CurvePanel("Baseline", "baseline", curve_of([rewards], kind), (0,), {})
+    whole = curve_of([rewards], kind)
+    return panel_of("Baseline", "baseline", whole, whole.index, (0,))
 
 
 def regions(curve: list[float], kind: Kind = "accumulated"):
