@@ -40,7 +40,7 @@ def _draw_panel(panel: CurvePanel, steps: Axis, rewards: Axis) -> Chart:
     shades = [_shade(region, colour) for region in regions]
     thick = Line(panel.mean.steps.tolist(), panel.mean.values.tolist(), colour, "mean", width=3.0)
     flags = [Flag(step, f"{name}: step {step:,}", int(name == "first negative")) for name, step in panel.marks.items()]
-    names = [Word(*region.centre, region.name) for region in regions if region.has_room(steps.high)]
+    names = [Word(*it.centre, it.name) for it in regions if it.has_room(steps.high, rewards.high - rewards.low)]
     return Chart(steps, rewards, (*shades, *flags, *thin, thick, *names, _markers(panel, colour)))
 
 

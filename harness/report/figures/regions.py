@@ -8,8 +8,8 @@ from harness.arrays import Float
 from harness.report.figures.panel import CurvePanel
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
-ROOM = 0.02
-"""A region gets its name written into it if it spans at least this share of an axis."""
+ROOM = (0.02, 0.08)
+"""A region gets its name written into it if it spans at least these shares of both axes."""
 
 
 class Region(NamedTuple):
@@ -29,9 +29,9 @@ class Region(NamedTuple):
         at = int(np.searchsorted(done, done[-1] / 2.0))
         return float(self.x[at : at + 2].mean()), float(self.y[at : at + 2].mean() / 2.0)
 
-    def has_room(self, last: float) -> bool:
-        """Whether the region's name can be written into it, on an axis of steps that ends at `last`."""
-        return float(self.x[-1] - self.x[0]) >= ROOM * last
+    def has_room(self, steps: float, height: float) -> bool:
+        """Whether the region's name can be written into it, on axes of so many steps and of that height."""
+        return float(np.ptp(self.x)) >= ROOM[0] * steps and float(np.ptp(self.y)) >= ROOM[1] * height
 
 
 def regions_of(panel: CurvePanel) -> list[Region]:

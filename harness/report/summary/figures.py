@@ -3,8 +3,10 @@
 Each is an SVG file with all that tells what it shows. `missing` tells of cells that are not done.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TypeAlias
+
+import numpy as np
 
 from harness.eta.splits import Split
 from harness.report.figures.accumulated import draw_both
@@ -15,7 +17,7 @@ from harness.report.figures.learning import (
     learning_heading,
     learning_names,
 )
-from harness.report.figures.panel import CurvePanel
+from harness.report.figures.panel import CurvePanel, reward_range
 from harness.report.figures.race import draw_race
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
@@ -29,11 +31,11 @@ from harness.report.summary.svg import INTERVALS, TitledChart, draw_svg
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning
 
-LEARNING_WIDTH, LEARNING_HEIGHT = 720.0, 250.0
-"""Width of the figure of learning, and height of its panels, [px]."""
 PANELS = 3
-"""How many panels it has, side by side."""
+"""How many panels the figure of learning has at most."""
 Panels: TypeAlias = tuple[CurvePanel, CurvePanel]
+FLAT = 0.03
+"""Curves that span less of the axis than this share look like a line."""
 RUNS = (
     "Thin: one run per seed. Thick: their mean, which the indices are taken from. Shaded: Ω₁ below 0, which I_N sums, "
     "and Ω₂ above 0, which I_P sums."
@@ -54,7 +56,16 @@ def runs_file(combination: Comparison, panels: Panels | None, missing: str = "",
         return None
     headings = (f"Baseline: {combination.baseline}", f"Proposed: {combination.proposed}")
     titled = [TitledChart(heading, chart) for heading, chart in zip(headings, draw_both(panels), strict=True)]
-    return _file("Accumulated reward", combination, missing, titled, [f"{RUNS} {note}".rstrip()])
+    return _file("Accumulated reward", combination, missing, titled, [RUNS, *_flat(panels), *filter(None, [note])])
+
+
+def _flat(panels: Panels) -> Iterator[str]:
+    """What is said of curves that are a line on the scale that both panels have."""
+    low, high = reward_range(panels)
+    for panel in panels:
+        values = np.concatenate([run.values for run in panel.runs])
+        if np.ptp(values) < FLAT * (high - low):
+            yield f"On the scale of both panels the curves of {panel.reward} cannot be told from a line."
 
 
 def split_file(combination: Comparison, missing: str = "") -> bytes | None:
@@ -105,12 +116,7 @@ def learning_file(
     if not texts:
         return None
     told = [f"{learning_heading(name)}: {describe_learning(learning, name, text)}" for name, text in texts.items()]
-    width = LEARNING_WIDTH / len(texts)
-    charts = {name: draw_learning(learning, name, text) for name, text in texts.items()}
-    panels = [
-        TitledChart(learning_heading(name), chart._replace(width=width, height=LEARNING_HEIGHT))
-        for name, chart in charts.items()
-    ]
+    panels = [TitledChart(learning_heading(name), draw_learning(learning, name, it)) for name, it in texts.items()]
     return _file("Learning", combination, missing, panels, [LEARNING, *told, *filter(None, flat.values())])
 
 

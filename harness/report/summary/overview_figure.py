@@ -62,7 +62,7 @@ def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) ->
     drawn = [name for name in of if _is_drawn(name, rows)]
     if not drawn:
         return None
-    panels = [TitledChart(name, _chart(name, rows, is_first=number == 0)) for number, name in enumerate(drawn)]
+    panels = [TitledChart(name, _chart(name, rows)) for name in drawn]
     title = "eta = ruler x behaviour of every combination"
     left_out = [_not_drawn(name, rows) for name in of if name not in drawn]
     notes = [*left_out, scales_text(combinations[0].group.subject), INTERVALS]
@@ -109,11 +109,11 @@ def _rows(combinations: Sequence[Comparison], labels: Sequence[list[str]]) -> It
         top = bottom
 
 
-def _chart(name: str, rows: Sequence[Row], is_first: bool) -> Chart:
-    """The panel of an eta; the first one has the names of the rows."""
+def _chart(name: str, rows: Sequence[Row]) -> Chart:
+    """The panel of an eta."""
     parts = [part for row in rows for part in _split(row, name)]
     ratios = ratio_axis(name, parts)
-    names = [place for row in rows for place in _places(row)] if is_first else []
+    names = [place for row in rows for place in _places(row)]
     between = [Line([ratios.low, ratios.high], [-row.top] * 2, "random", width=0.5) for row in rows[1:]]
     width = WIDTH + CHARACTER * max((len(line) for _, line in names), default=0)
     height = rows[-1].bottom

@@ -31,8 +31,8 @@ FONT = (
     "font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'Liberation Sans', "
     "'Helvetica Neue', Arial, sans-serif"
 )
-EDGE, BETWEEN = 16.0, 24.0
-"""Margins around the figure and between its panels, [px]."""
+EDGE = 16.0
+"""Margin around the figure, [px]."""
 LINE = 18.0
 """Height of a line of text, [px]."""
 BOLD = 1.12
@@ -48,15 +48,15 @@ class TitledChart(NamedTuple):
 
 
 def draw_svg(title: str, headline: Sequence[str], panels: Sequence[TitledChart], notes: Sequence[str] = ()) -> bytes:
-    """A figure as a file: the headline, the panels side by side, one legend for all, notes.
+    """A figure as a file: the headline, the panels one below the other, which a phone shows too, one legend, notes.
 
     Args:
         title: What it shows, for those who cannot see it.
         headline: Paragraphs; the first is bold.
-        panels: The panels from left to right, at least one.
+        panels: The panels from top to bottom, at least one.
         notes: Paragraphs below.
     """
-    width = 2 * EDGE + sum(panel.chart.width for panel in panels) + BETWEEN * (len(panels) - 1)
+    width = 2 * EDGE + max(panel.chart.width for panel in panels)
     svg = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "class": "chart", "style": FONT, "role": "img"})
     SubElement(svg, "title").text = visible(title)
     SubElement(svg, "metadata").text = CREATOR
@@ -93,18 +93,14 @@ def _indent(svg: Element) -> None:
 
 
 def _draw_panels(svg: Element, panels: Sequence[TitledChart], y: float, title: str) -> float:
-    """Draw headings, then charts, whose horizontal axes are level; returns where they end."""
-    x, tops = EDGE, []
+    """Draw each heading and its chart below; returns where they end."""
     for panel in panels:
         left = panel_left(panel.chart)
-        tops.append(_write(svg, x + left, y, panel.heading, panel.chart.width - left, is_bold=True))
-        x += panel.chart.width + BETWEEN
-    x, bottom = EDGE, max(tops) + max(figure_height(panel.chart) for panel in panels)
-    for panel in panels:
+        y = _write(svg, EDGE + left, y, panel.heading, panel.chart.width - left, is_bold=True)
         figure, height = draw_figure(panel.chart, panel.heading or title), figure_height(panel.chart)
-        _place(svg, figure, x, bottom - height, (panel.chart.width, height))
-        x += panel.chart.width + BETWEEN
-    return bottom + LINE / 2
+        _place(svg, figure, EDGE, y, (panel.chart.width, height))
+        y += height + LINE / 2
+    return y
 
 
 def _draw_legend(svg: Element, panels: Sequence[TitledChart], y: float, room: float) -> float:

@@ -80,7 +80,8 @@ def test_per_step_curve_without_crossover_is_one_region(curve: list[float], name
 
 
 def test_region_of_few_steps_has_no_room_for_its_name():
-    """Below a fiftieth of the axis: the name would cover more than the region."""
+    """Below a fiftieth of the axis, or if it is flat: the name would cover more than the region."""
     (region,) = regions_of(panel([0.0, -1.0, 0.0]))
-    assert region.has_room(100.0)
-    assert not region.has_room(101.0)
+    assert region.has_room(100.0, 12.0)
+    assert not region.has_room(101.0, 12.0)
+    assert not region.has_room(100.0, 13.0)

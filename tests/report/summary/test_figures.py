@@ -59,6 +59,13 @@ def test_regions_of_the_indices_are_named(build):
     assert [text for text in told if text in (OMEGA_1, OMEGA_2)] == [OMEGA_1, OMEGA_2, OMEGA_2]
 
 
+def test_curves_that_look_like_a_line_are_told(build):
+    """Both panels have one scale; the mutant: curves that are as high as the other ones."""
+    told = " ".join(words(runs_of(build(baseline=(3_000, 30_000), proposed={"arp": (1, 3)}, seeds=2))))
+    assert "the curves of arp cannot be told from a line" in told
+    assert "cannot be told from a line" not in " ".join(words(runs_of(build(seeds=2))))
+
+
 def test_figure_stands_alone(build):
     """What it is, what was compared where, over which seeds, and what is missing."""
     told = words(runs_of(build(), "1 failed of 8 cells"))
