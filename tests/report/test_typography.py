@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.report.typography import Piece, length_of, pieces_of, to_html, typeset
+from harness.report.typography import Piece, pieces_of, to_html, typeset
 
 
 @pytest.mark.parametrize(
@@ -52,12 +52,6 @@ def test_a_symbol_has_its_subscript(text: str, pieces: list[Piece]):
 def test_html_is_escaped_and_has_subscripts():
     """A label cannot become a tag."""
     assert to_html("eta_P of <b>") == "η<sub>P</sub> of &lt;b&gt;"
-
-
-def test_length_is_that_of_what_is_seen():
-    """Labels of a figure get room by it."""
-    assert length_of("eta_N x") == 4
-    assert length_of("1e-4") == 4
 
 
 @given(st.text(alphabet="x-><=e^0159.% msN_IPetaη[](", max_size=30))

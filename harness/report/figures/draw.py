@@ -11,11 +11,13 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Flag, Line, Note, Word
-from harness.report.typography import length_of, pieces_of
+from harness.report.typography import pieces_of
 from harness.text import visible
 
 CHARACTER = 6.9
 """Width of a character of a label, [px]."""
+WIDTHS = {**dict.fromkeys("0123456789", 8.0), **dict.fromkeys("−×→≤≥+=", 10.5), **dict.fromkeys(".,;:[]()", 4.9)}
+"""Widths of the characters of numbers, [px]: digits are all as wide, and wider than letters are on average."""
 LINE = 16.0
 """Height of a line of labels, [px]."""
 SAMPLE = (26.0, 12.0)
@@ -111,9 +113,9 @@ def draw_sample(mark: Line | Dots) -> Element:
 def _frame(chart: Chart) -> Frame:
     """The frame of a chart: it leaves as much room as the labels need."""
     names = [text for _, text in chart.y.ticks]
-    left = (LINE if chart.y.title else 0.0) + 10.0 + CHARACTER * max(map(length_of, names), default=0)
-    notes = [length_of(mark.text) for mark in chart.marks if isinstance(mark, Note)]
-    right = 8.0 + CHARACTER * max(length_of(chart.x.ticks[-1][1]) / 2 if chart.x.ticks else 0.0, *notes, 0.0)
+    left = (LINE if chart.y.title else 0.0) + 10.0 + max(map(width_of, names), default=0.0)
+    notes = [width_of(mark.text) for mark in chart.marks if isinstance(mark, Note)]
+    right = 8.0 + max(width_of(chart.x.ticks[-1][1]) / 2 if chart.x.ticks else 0.0, *notes, 0.0)
     rows = [mark.row + 1 for mark in chart.marks if isinstance(mark, Flag)]
     width = chart.width - left - right
     return Frame(chart, left, 10.0 + LINE * max(rows, default=0), width, width if chart.is_square else chart.height)
@@ -184,7 +186,7 @@ def _(mark: Dots, svg: Element, frame: Frame) -> None:
 def _(mark: Word, svg: Element, frame: Frame) -> None:
     x, y = frame.across([mark.x])[0], frame.down([mark.y])[0]
     before, behind = BESIDE[mark.anchor]
-    long, beside = CHARACTER * length_of(mark.text), x + OFF * (behind - before)
+    long, beside = width_of(mark.text), x + OFF * (behind - before)
     inside = max(frame.left + OFF + before * long, min(beside, frame.left + frame.width - OFF - behind * long))
     _text(svg, inside, y + 4.0 - mark.rise, mark.text, mark.anchor).set("class", "word")
 
@@ -273,6 +275,11 @@ def _text(svg: Element, x: float, y: float, text: str, anchor: str) -> Element:
     element = SubElement(svg, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor})
     set_text(element, text)
     return element
+
+
+def width_of(text: str) -> float:
+    """About how wide a text is, [px]."""
+    return sum(WIDTHS.get(character, CHARACTER) for piece in pieces_of(visible(text)) for character in piece.text)
 
 
 def set_text(element: Element, text: str) -> None:

@@ -18,9 +18,10 @@ from harness.report.figures.draw import (
     legend_of,
     panel_left,
     set_text,
+    width_of,
 )
 from harness.report.figures.palette import light_colours
-from harness.report.typography import length_of, typeset
+from harness.report.typography import typeset
 from harness.text import visible
 
 CREATOR = "harness report --summary"
@@ -111,7 +112,7 @@ def _draw_legend(svg: Element, panels: Sequence[TitledChart], y: float, room: fl
             named.setdefault(name, mark)
     x = EDGE
     for name, mark in named.items():
-        taken = SAMPLE[0] + 6.0 + CHARACTER * length_of(name)
+        taken = SAMPLE[0] + 6.0 + width_of(name)
         if x > EDGE and x + taken > EDGE + room:
             x, y = EDGE, y + LINE
         _place(svg, draw_sample(mark), x, y + (LINE - SAMPLE[1]) / 2, SAMPLE)
@@ -127,7 +128,9 @@ def _place(svg: Element, figure: Element, x: float, y: float, size: tuple[float,
 
 def _write(svg: Element, x: float, y: float, text: str, room: float, is_bold: bool = False) -> float:
     """Write as many lines as the text needs; returns where they end."""
-    for line in textwrap.wrap(typeset(visible(text)), int(room / (CHARACTER * (BOLD if is_bold else 1.0)))):
+    printed = typeset(visible(text))
+    character = max(CHARACTER, width_of(printed) / max(1, len(printed))) * (BOLD if is_bold else 1.0)
+    for line in textwrap.wrap(printed, int(room / character)):
         element = SubElement(svg, "text", {"x": f"{x:g}", "y": f"{y + 0.75 * LINE:g}"})
         set_text(element, line)
         if is_bold:
