@@ -22,7 +22,7 @@ LINE = 18.0
 """Distance from one number to the next, [px]."""
 AIR = 0.8
 """Space between two combinations, in lines."""
-WIDTH = 370.0
+WIDTH = 400.0
 """Width of a panel with its numbers, [px]."""
 LEGEND = {"eta": "eta, equal to", "ruler": "ruler times", "behaviour": "behaviour"}
 
