@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -67,6 +69,16 @@ def test_a_record_without_curves_is_refused(summary: Path):
     with pytest.raises(UsageError, match=r"lacks runs\.parquet"):
         redraw(summary)
     assert files_of(summary) == before
+
+
+def test_a_newer_version_is_told_in_one_line(summary: Path):
+    """With exit status 2, as of every command."""
+    told = (summary / "figures.json").read_text()
+    (summary / "figures.json").write_text(told.replace('"format": 1', '"format": 2'))
+    command = [sys.executable, "-m", "harness.report.redraw", str(summary)]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert ended.stderr.endswith("figures.json' was written by a newer version: update this one\n")
 
 
 @pytest.mark.parametrize("folder", RECORDS, ids=lambda it: it.relative_to(REFERENCE).as_posix())
