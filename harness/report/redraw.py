@@ -43,5 +43,5 @@ if __name__ == "__main__":
         for name in sys.argv[1:]:
             redraw(Path(name))
     except UsageError as error:
-        print(error, file=sys.stderr)
+        sys.stderr.write(f"{error}\n")
         sys.exit(2)
