@@ -16,7 +16,7 @@ from harness.eta.splits import Decomposition, Split, SplitPath, SumSplit
 from harness.record.cell import NO_ROBOT, NO_SIMULATOR
 from harness.registry.choice import Choice
 from harness.results.comparison import Comparison, Group
-from harness.results.learning import Learning, LearningCurve, Point
+from harness.results.learning import PAID, Learning, LearningCurve, Point
 
 WEAK = ": the ratio says little"
 """What follows the remark that an index is near zero."""
@@ -70,12 +70,18 @@ def learning_in(told: Mapping[str, Any]) -> Learning | None:
     learned = told.get("learning")
     if not learned:
         return None
-    metrics = learned.get("metrics", learned)  # version 0.1 has the measures alone, of an environment
+    metrics = learned.get("metrics") or {**learned, **_as_paid(told, learned)}  # version 0.1: the measures alone
     baseline, proposed = (
         LearningCurve(told[who], (), {name: tuple(map(_point, it[who])) for name, it in metrics.items()})
         for who in ("baseline", "proposed")
     )
     return Learning(baseline, proposed, {name: it.get("random") for name, it in metrics.items()})
+
+
+def _as_paid(told: Mapping[str, Any], learned: Mapping[str, Any]) -> dict[str, Any]:
+    """What each training's own reward paid it, of version 0.1; empty where that is not there."""
+    own = {who: learned.get(f"return paid by {told[who]}") for who in ("baseline", "proposed")}
+    return {PAID: {who: it[who] for who, it in own.items() if it}} if all(own.values()) else {}
 
 
 def _decomposition(told: Mapping[str, Any]) -> Decomposition | None:

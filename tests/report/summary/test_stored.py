@@ -54,3 +54,15 @@ def test_version_1_told_learning_by_measure_alone():
     learning = learning_in(told)
     assert (learning.proposed.reward, learning.random) == ("b", {"success": None})
     assert learning.baseline.points["success"][0].value.note == "one seed"
+
+
+def test_version_1_told_what_each_reward_paid_each_training():
+    """What a training's own reward paid it is one of these curves."""
+
+    def points(mean):
+        return [{"steps": 10, "mean": mean, "low": None, "high": None, "seeds": 1, "note": ""}]
+
+    paid = {f"return paid by {name}": {"baseline": points(1.0), "proposed": points(2.0)} for name in "ab"}
+    learning = learning_in({"baseline": "a", "proposed": "b", "learning": paid})
+    own = [it.points["return, as paid"][0].value.mean for it in (learning.baseline, learning.proposed)]
+    assert own == [1.0, 2.0]
